@@ -1,0 +1,1 @@
+"""Frames and contacts brought together: the shaking table, its records, the studies and the command."""

@@ -1,0 +1,96 @@
+"""The command's verbs, and the one place where an error becomes a sentence and an exit status."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+# Thousands of small matrices: threads inside the BLAS only get in the way of our own processes.
+for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ.setdefault(_variable, "1")
+
+from cyclopts import App, CycloptsError
+from rich.console import Console
+
+from contact.errors import ContactError
+from diagnosis.errors import CaseError
+from experiments.errors import ExperimentError
+from experiments.provenance import software_version
+from frames.errors import FrameError
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+app = App(
+    name="pounding",
+    help="Adjacent frames on a shaking table: modal tests, shakings, pounding, separation gaps, diagnosis.",
+    version=software_version,
+    # An unknown option or a value of the wrong kind is bad input like any other: one sentence, status 2.
+    exit_on_error=False,
+    print_error=False,
+    # The verbs return nothing to show and never an exit status: they print by themselves.
+    result_action="return_value",
+)
+
+# Verbs are imported only when they are called, so that `pounding --help` does not load a finite-element code.
+VERBS = {
+    "list": "experiments.command.listing:listing",
+    "demo": "experiments.command.demo:demo",
+    "modal": "experiments.command.modal:modal",
+    "shake": "experiments.command.shake:shake",
+    "pound": "experiments.command.pound:pound",
+    "gap": "experiments.command.gap:gap",
+    "design": "experiments.command.design:design",
+    "diagnose": "experiments.command.diagnose:diagnose",
+    "hide": "experiments.command.hide:hide",
+}
+for _verb, _function in VERBS.items():
+    app.command(_function, name=_verb)
+
+study = App(name="study", help="Replicate a chapter or table of the thesis.")
+app.command(study)
+
+STUDIES = {
+    "table-3-1": "experiments.studies.table_3_1:main",
+    "laboratory": "experiments.studies.laboratory:main",
+    "engine-accuracy": "experiments.studies.engine_accuracy:main",
+    "table-4-1": "experiments.studies.table_4_1:main",
+    "chapter-4": "experiments.studies.chapter_4:main",
+    "chapter-5": "experiments.studies.chapter_5:main",
+    "chapter-6": "experiments.studies.chapter_6:main",
+    "chapter-7": "experiments.studies.chapter_7:main",
+}
+"""The studies by name, each a function that `python -m` and the tests call too."""
+
+for _name, _function in STUDIES.items():
+    study.command(_function, name=_name)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command and leave with its exit status.
+
+    Args:
+        arguments: The words after ``pounding``; those of the command line when None.
+
+    Raises:
+        SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted.
+    """
+    try:
+        app(arguments)
+    except (FrameError, ContactError, ExperimentError, CaseError) as error:
+        _leave(str(error), BAD_INPUT)
+    except CycloptsError as error:
+        _leave(f"{error} (see pounding --help)", BAD_INPUT)
+    except OSError as error:
+        # A folder that cannot be written, a full disk: the user's to mend, and no traceback helps.
+        place = f"{error.filename}: " if error.filename else ""
+        _leave(f"{place}{error.strerror or error}", BAD_INPUT)
+    except KeyboardInterrupt:
+        _leave("interrupted; what was finished is kept, the same command goes on from there", INTERRUPTED)
+
+
+def _leave(sentence: str, status: int) -> None:
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
+    console.print(f"pounding: {' '.join(sentence.split())}", markup=False)
+    sys.exit(status)

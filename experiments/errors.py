@@ -1,0 +1,5 @@
+"""The error of this package: an input that an experiment cannot be made of."""
+
+
+class ExperimentError(ValueError):
+    """A record, rig, study or output that cannot be used; the message says what, where and what to do."""

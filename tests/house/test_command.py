@@ -1,0 +1,62 @@
+"""The command as a user meets it: help on every verb, one sentence and status 2 for bad input."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from experiments.command.app import STUDIES, VERBS
+
+
+def pounding(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "experiments.command", *words], capture_output=True, text=True, timeout=300
+    )
+
+
+@pytest.mark.parametrize("words", [[], *([verb] for verb in VERBS), *(["study", name] for name in STUDIES)])
+def test_help(words: list[str]) -> None:
+    done = pounding(*words, "--help")
+    assert done.returncode == 0, done.stderr
+    assert "Usage: pounding" in done.stdout
+
+
+def test_list_as_json() -> None:
+    done = pounding("list", "--json")
+    assert done.returncode == 0, done.stderr
+    listed = json.loads(done.stdout)
+    assert {"5A", "5B", "10", "15A", "15B"} <= {frame["name"] for frame in listed["frames"]}
+    assert {law["name"] for law in listed["laws"]} >= {
+        "linear_spring",
+        "linear_viscoelastic",
+        "hertz",
+        "nonlinear_viscoelastic",
+        "hertz_damp",
+    }
+    assert listed["schema"] == 1
+    assert listed["software"] == "pounding"
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["modal", "5C"], "5"),
+        (["modal"], "frame"),
+        (["modul", "5A"], "modul"),
+        (["modal", "5A", "--joints", "soft"], "soft"),
+        (["modal", "5A", "--damping", "much"], "much"),
+        (["shake", "5A", "--record", "elcentre"], "elcentr"),
+        (["shake", "5A", "--record", "elcentro-chopra", "--pga", "-1"], "pga"),
+        (["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"], "gap"),
+        (["study", "table-3-2"], "table-3-2"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) -> None:
+    done = pounding(*words)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert named.lower() in done.stderr.lower()
