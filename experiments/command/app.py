@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 
-# Thousands of small matrices: threads inside the BLAS only get in the way of our own processes.
-for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ.setdefault(_variable, "1")
-
+from contact.errors import ContactError
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
-from contact.errors import ContactError
 from diagnosis.errors import CaseError
 from experiments.errors import ExperimentError
 from experiments.provenance import software_version

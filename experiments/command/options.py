@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 Joints = Annotated[
     Literal["calibrated", "rigid"],
-    Parameter(help="Rotational stiffness between columns and floors: calibrated on the first frequency, or rigid."),
+    Parameter(help="Stiffness between columns and floors: calibrated on the first frequency, or rigid."),
 ]
 PDelta = Annotated[
     bool, Parameter(name="--p-delta", negative="--no-p-delta", help="Geometric stiffness of gravity.")
@@ -23,7 +23,10 @@ Records = Annotated[
     Parameter(help="Folder with ground motions; default: POUNDING_RECORDS, then installed packages."),
 ]
 Json = Annotated[
-    bool, Parameter(name="--json", negative=(), help="Print one JSON object and nothing else on standard output.")
+    bool,
+    Parameter(name="--json", negative=(), help="Print one JSON object and nothing else on standard output."),
 ]
 Out = Annotated[Path | None, Parameter(help="Folder for files; made if it is not there.")]
-Pga = Annotated[float | None, Parameter(help="Peak of the table's acceleration [g]; default: the record's own.")]
+Pga = Annotated[
+    float | None, Parameter(help="Peak of the table's acceleration [g]; default: the record's own.")
+]

@@ -1,4 +1,4 @@
-"""How a verb shows its result: tables for a reader, or one JSON object and nothing else on standard output."""
+"""How a verb shows its result: tables for a reader, or one JSON object and nothing else."""
 
 from __future__ import annotations
 

@@ -1,0 +1,51 @@
+"""`pounding list`: what there is to work with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contact.laws import LAWS
+
+import frames
+from experiments import records as ground_motions
+from experiments.command import options
+from experiments.command.app import STUDIES
+from experiments.command.output import emit, table
+from experiments.provenance import stamp
+
+
+def listing(*, records: options.Records = None, json: options.Json = False) -> None:
+    """Show the frames that are shipped, the records and where they are, the impact laws and the studies."""
+    result = stamp({"records": None if records is None else str(records)}) | inventory(records)
+    emit(result, as_json=json, show=lambda: _tables(result))
+
+
+def inventory(folder: options.Records = None) -> dict[str, Any]:
+    """Return the shipped frames, the records found or to be got, the laws and the studies."""
+    return {
+        "frames": [_frame(name) for name in frames.names()],
+        "ground_motions": [dict(entry) for entry in ground_motions.available(folder)],
+        "laws": [
+            {"name": name, "description": (law.__doc__ or "").strip().splitlines()[0] if law.__doc__ else ""}
+            for name, law in LAWS.items()
+        ],
+        "studies": list(STUDIES),
+    }
+
+
+def _frame(name: str) -> dict[str, Any]:
+    frame = frames.load(name)
+    return {"name": name, "storeys": frame.storeys, "title": getattr(frame, "title", "")}
+
+
+def _tables(result: dict[str, Any]) -> list[Any]:
+    return [
+        table("Frames", ["name", "storeys", "title"], [list(f.values()) for f in result["frames"]]),
+        table(
+            "Ground motions",
+            ["name", "found", "where, or how to get it"],
+            [[r["name"], "yes" if r["found"] else "no", r["where"]] for r in result["ground_motions"]],
+        ),
+        table("Impact laws", ["name", "description"], [list(law.values()) for law in result["laws"]]),
+        table("Studies (pounding study NAME)", ["name"], [[name] for name in result["studies"]]),
+    ]
