@@ -1,0 +1,140 @@
+"""Finding a ground motion by name: the user's folder first, then installed packages, never a substitute."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from experiments.errors import ExperimentError
+from experiments.records.packaged import PACKAGED, how_to_get, is_installed, load_packaged
+from experiments.records.reading import SUFFIXES, read
+from experiments.records.record import Record
+from experiments.records.reference import REFERENCES, verified
+
+VARIABLE = "POUNDING_RECORDS"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the list of motions.
+
+    Attributes:
+        name: By which `find` finds it.
+        title: What it is.
+        found: File or package, or None if it is missing or no good.
+        note: How to get it, or why the file that is there may not be called so; empty if all is well.
+    """
+
+    name: str
+    title: str
+    found: str | None
+    note: str = ""
+
+
+def records_folder(folder: Path | str | None = None) -> Path | None:
+    """Return the folder of records: the argument, else that of POUNDING_RECORDS, else None.
+
+    Raises:
+        ExperimentError: A folder is named that is not there.
+    """
+    said = str(folder) if folder is not None else os.environ.get(VARIABLE, "")
+    if not said:
+        return None
+    path = Path(said).expanduser()
+    if not path.is_dir():
+        whence = "--records" if folder is not None else VARIABLE
+        raise ExperimentError(f"folder of records '{said}' (from {whence}) is not there")
+    return path
+
+
+def find(name: str, folder: Path | str | None = None, *, unit: str | None = None) -> Record:
+    """Return a ground motion by name.
+
+    The folder is looked through first, for a file whose stem is the name in any case (`kobe.csv`,
+    `KOBE.AT2`), then the installed packages. A path to a file works too. The names elcentro, hachinohe,
+    northridge and kobe are given only to what passes `reference.verified`.
+
+    Args:
+        name: Name of a motion, stem of a file in the folder, or path of a file.
+        folder: Where files are; default: the environment variable POUNDING_RECORDS.
+        unit: Unit of acceleration for two-column files that do not name it.
+
+    Raises:
+        ExperimentError: Nothing of that name, more than one file of that name, a broken file, or the wrong
+            motion under a reserved name. The message says where to get the right one.
+    """
+    if Path(name).suffix.lower() in SUFFIXES:
+        return _checked(Path(name).stem.lower(), read(name, unit))
+    base = records_folder(folder)
+    plain = name.strip().lower()
+    files = _files(base).get(plain, []) if base else []
+    if len(files) > 1:
+        names = ", ".join(file.name for file in files)
+        raise ExperimentError(f"record '{name}' is ambiguous in {base}: {names}; keep one of them")
+    if files:
+        return _checked(plain, read(files[0], unit))
+    if plain in PACKAGED:
+        return load_packaged(plain)
+    raise ExperimentError(_missing(name, base))
+
+
+def available(folder: Path | str | None = None) -> list[Entry]:
+    """Return every motion known here: the four of the tests, packaged ones, then the user's own files.
+
+    A file that is there but may not be called by its reserved name is listed with the reason.
+
+    Raises:
+        ExperimentError: A folder is named that is not there.
+    """
+    base = records_folder(folder)
+    files = _files(base) if base else {}
+    entries = [_reserved(name, base) for name in REFERENCES]
+    for name, packaged in PACKAGED.items():
+        there = is_installed(name) and name not in files
+        note = "" if there or name in files else how_to_get(name)
+        entries.append(Entry(name, packaged.title, packaged.package if there else None, note))
+    for name, paths in files.items():
+        if name not in REFERENCES:
+            note = "" if len(paths) == 1 else f"ambiguous: {', '.join(path.name for path in paths)}"
+            entries = [entry for entry in entries if entry.name != name]
+            entries.append(Entry(name, f"file {paths[0].name}", None if note else str(paths[0]), note))
+    return entries
+
+
+def _checked(name: str, record: Record) -> Record:
+    return verified(name, record) if name in REFERENCES else record
+
+
+def _reserved(name: str, base: Path | None) -> Entry:
+    title = REFERENCES[name].title
+    try:
+        return Entry(name, title, find(name, base).source)
+    except ExperimentError as error:
+        return Entry(name, title, None, str(error))
+
+
+def _files(base: Path) -> dict[str, list[Path]]:
+    """Return the readable files of a folder by lower-case stem."""
+    found: dict[str, list[Path]] = {}
+    for path in sorted(base.iterdir()):
+        if path.is_file() and path.suffix.lower() in SUFFIXES:
+            found.setdefault(path.stem.lower(), []).append(path)
+    return found
+
+
+def _missing(name: str, base: Path | None) -> str:
+    plain = name.strip().lower()
+    where = f"in {base}" if base else "and no folder of records is given"
+    if plain in REFERENCES:
+        reference = REFERENCES[plain]
+        return (
+            f"record '{plain}' is not {where}: put {reference.title} ({reference.samples} samples,"
+            f" {reference.step_s} s, {reference.pga_g:.3f} g) into a folder as {plain}.csv with the columns"
+            f" time_s,acceleration_m_s2 and name the folder by --records or {VARIABLE}; {reference.obtain}"
+        )
+    known = [*REFERENCES, *PACKAGED, *(_files(base) if base else ())]
+    near = difflib.get_close_matches(plain, known, n=1)
+    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
+    return f"record '{name}' is not known {where}: {hint}"

@@ -1,0 +1,128 @@
+"""Two-column text: time and acceleration, the units named in the header or by the caller."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+
+from experiments.errors import ExperimentError
+from experiments.records.record import Record
+from experiments.records.units import to_metric
+
+UNIFORMITY = 1e-3
+"""Largest departure of a sample's time from a uniform grid, as a fraction of the step."""
+
+_HEADER = re.compile(r"^\s*(?P<quantity>[a-z]+)[\s_]*[\[(]?\s*(?P<unit>.*?)\s*[\])]?\s*$", re.IGNORECASE)
+_TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 0.001, "": 1.0}
+
+
+def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
+    """Read a CSV of time and acceleration.
+
+    The header names the columns and their units: `time_s,acceleration_m_s2`, `time_s,acceleration_g`,
+    `time (s), acc (gal)`. Without a header, or without a unit in it, `unit` has to say it. Commas,
+    semicolons, tabs and blanks separate; lines that begin with `#` are left out. Time may start anywhere.
+
+    Raises:
+        ExperimentError: A line that is not two numbers, no or an unknown unit, or time that is not uniform.
+    """
+    rows = _rows(text)
+    if not rows:
+        raise ExperimentError(f"{path}: no data in this file")
+    time_factor, factor, done = 1.0, None, "no unit conversion"
+    if not _is_number(rows[0][1][0]):
+        number, header = rows.pop(0)
+        time_factor, named = _header(path, number, header)
+        unit = unit or named
+    if not unit:
+        raise ExperimentError(
+            f"{path}: no unit of acceleration; name it in the header (time_s,acceleration_m_s2 or"
+            " time_s,acceleration_g) or give it beside the file"
+        )
+    factor = to_metric(unit, str(path))
+    done = f"read in {unit}"
+    values = np.array([_pair(path, number, cells) for number, cells in rows]).reshape(-1, 2)
+    step = uniform_step(values[:, 0] * time_factor, str(path), [number for number, _ in rows])
+    return Record(path.stem, values[:, 1] * factor, step, source=str(path), history=(done,))
+
+
+def uniform_step(time_s: np.ndarray, where: str, lines: list[int] | None = None) -> float:
+    """Return the step of a uniform time column [s].
+
+    Raises:
+        ExperimentError: Fewer than two samples, time that stands still or runs back, or uneven steps; the
+            message names the first line that is out.
+    """
+    if len(time_s) < 2:
+        raise ExperimentError(f"{where}: {len(time_s)} sample(s); a motion needs at least two")
+    if not np.isfinite(time_s).all():
+        raise ExperimentError(f"{where}: the time column has a value that is not a number")
+    step = float((time_s[-1] - time_s[0]) / (len(time_s) - 1))
+    off = np.abs(time_s - (time_s[0] + step * np.arange(len(time_s))))
+    # Times are often printed with few digits: what rounding of the last digit can do is no jitter.
+    allowed = max(UNIFORMITY * abs(step), _rounding(time_s))
+    if step <= 0 or off.max() > allowed:
+        steps = np.diff(time_s)
+        index = int(np.argmax(np.abs(steps - np.median(steps)))) + 1
+        place = f"line {lines[index]}" if lines else f"sample {index + 1}"
+        raise ExperimentError(
+            f"{where}: time is not uniform: {place} comes {time_s[index] - time_s[index - 1]:.6g} s after the"
+            f" one before it, where most steps are {np.median(steps):.6g} s; resample the motion first"
+        )
+    # A mean step such as 0.01999999999 is 0.02 printed: keep the number that was meant.
+    return float(f"{step:.9g}")
+
+
+def _rounding(time_s: np.ndarray) -> float:
+    """Return by how much printed digits may move a time: three quarters of the last decimal in use [s]."""
+    for digits in range(1, 7):
+        if np.abs(time_s - np.round(time_s, digits)).max() < 1e-9:
+            last = 10.0**-digits
+            return 0.75 * last if np.diff(time_s).min() > 2.5 * last else 0.0
+    return 0.0
+
+
+def _rows(text: str) -> list[tuple[int, list[str]]]:
+    numbered = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
+    lines = [(number, line) for number, line in numbered if line and line[0] != "#"]
+    if not lines:
+        return []
+    sample = lines[min(1, len(lines) - 1)][1]
+    mark = next((m for m in (",", ";", "\t") if m in sample), None)
+    if mark is None:
+        return [(number, line.split()) for number, line in lines]
+    parsed = csv.reader([line for _, line in lines], delimiter=mark)
+    return [(number, [cell.strip() for cell in row]) for (number, _), row in zip(lines, parsed, strict=True)]
+
+
+def _header(path: Path, number: int, cells: list[str]) -> tuple[float, str | None]:
+    """Return the factor from the time column to seconds and the unit of acceleration, if it is named."""
+    if len(cells) < 2:
+        raise ExperimentError(f"{path}, line {number}: two columns are needed, time and acceleration")
+    units = [match["unit"] if (match := _HEADER.match(cell)) else "" for cell in cells[:2]]
+    if "time" not in cells[0].lower() and cells[0].strip().lower() not in ("t", "t_s", "t (s)"):
+        raise ExperimentError(f"{path}, line {number}: the first column is '{cells[0]}', not time")
+    if units[0].lower() not in _TIMES:
+        raise ExperimentError(f"{path}, line {number}: time in '{units[0]}'; use seconds (time_s)")
+    return _TIMES[units[0].lower()], units[1] or None
+
+
+def _pair(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
+    if len(cells) < 2 or not (_is_number(cells[0]) and _is_number(cells[1])):
+        raise ExperimentError(f"{path}, line {number}: '{','.join(cells)}' is not a time and an acceleration")
+    pair = float(cells[0]), float(cells[1])
+    if not all(map(math.isfinite, pair)):
+        raise ExperimentError(f"{path}, line {number}: '{','.join(cells)}' is not finite; repair the record")
+    return pair
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
