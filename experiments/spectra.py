@@ -146,11 +146,11 @@ def fourier_spectrum(record: Record, smoothing_hz: float = 0.0) -> FourierSpectr
     """
     count = 1 << int(np.ceil(np.log2(2 * len(record.acceleration_m_s2))))
     amplitude = np.abs(np.fft.rfft(record.acceleration_m_s2, count)) * record.step_s
-    frequency: NDArray[np.float64] = np.fft.rfftfreq(count, record.step_s)
+    frequency = np.fft.rfftfreq(count, record.step_s)
     if smoothing_hz > 0:
         power = gaussian_filter1d(amplitude**2, smoothing_hz / frequency[1], mode="nearest")
         amplitude = np.sqrt(np.maximum(power, 0))
-    return FourierSpectrum(frequency[1:], np.asarray(amplitude[1:], dtype=np.float64))
+    return FourierSpectrum(*np.asarray([frequency[1:], amplitude[1:]], dtype=np.float64))
 
 
 def dominant_period(record: Record, by: str = "fourier", *, smoothing_hz: float = 0.0) -> float:
