@@ -77,9 +77,8 @@ def parse(text: str, name: str) -> pd.DataFrame:
     frame = frame.apply(_numbers).set_index(index)
     if "levels" in head:
         names = [part.strip() for part in head["levels"].split(",")]
-        frame.columns = pd.MultiIndex.from_tuples(
-            [column.split("/") for column in frame.columns], names=names
-        )
+        parts = [tuple(str(column).split("/")) for column in frame.columns]
+        frame.columns = pd.MultiIndex.from_tuples(parts, names=names)
     frame.attrs = {key: value for key, value in head.items() if key not in _LISTS}
     return frame
 

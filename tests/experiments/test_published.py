@@ -13,7 +13,7 @@ def test_every_table_names_its_place_in_the_thesis():
     assert {"3.1", "4.1", "4.2", "4.3", "7.1", "section 3.7"} <= set(published.tables())
     for number in published.tables():
         table = published.table(number)
-        assert number in table.attrs["source"]
+        assert number.removeprefix("section ") in table.attrs["source"]
         assert "p. " in table.attrs["source"]
         assert len(table) > 0
 
@@ -70,7 +70,7 @@ def test_table_3_1_is_in_the_order_of_nature():
     for source in ("experiment", "numerical"):
         modes = table[source][["mode1_hz", "mode2_hz", "mode3_hz"]].to_numpy()
         assert (np.diff(modes, axis=1) > 0).all()
-    # the mass column follows the storeys within 3 %: 7.4 kg a storey for the five-storey frames
+    # printed masses are 6.9 to 7.4 kg a storey
     per_storey = table["numerical", "mass_kg"] / [5, 5, 10, 15, 15]
     assert per_storey.max() / per_storey.min() < 1.07
 
