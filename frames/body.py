@@ -22,7 +22,7 @@ from frames.exact import checked
 if TYPE_CHECKING:
     from frames.reduction import ReducedFrame
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating[Any]]
 
 TABLE_MASS_KG = 1e9
 """Mass of the table: frames of 100 kg at 5 g then disturb its acceleration by 5e-6 m/s^2."""
@@ -284,7 +284,7 @@ def _basis(
         rows[pivot] = row
         taken.add(pivot)
         places[floor, y_m] = pivot
-    return np.asarray(np.linalg.inv(rows), np.float64), places
+    return np.linalg.inv(rows), places
 
 
 def _checked_floor(reduced: ReducedFrame, floor: int) -> int:

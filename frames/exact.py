@@ -9,7 +9,7 @@ it costs microseconds a mode. There is no integration error at the samples, what
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,8 +21,8 @@ from frames.errors import FrameError
 if TYPE_CHECKING:
     from frames.reduction import ReducedFrame
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Real = NDArray[np.floating[Any]]
+Complex = NDArray[np.complexfloating[Any, Any]]
 
 NEGLIGIBLE = 1e-13
 """A pole with less than this share of the largest pole's part in the response is round-off, not motion."""
