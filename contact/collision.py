@@ -1,0 +1,161 @@
+"""Two free bodies that collide along a line: what a law does, with nothing else about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from contact.damping import reduced_mass
+from contact.errors import ContactError
+from contact.laws import FloatOperations, Law
+
+Real = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Collision:
+    """One impact, from first touch to the moment at which the force has gone for good.
+
+    Attributes:
+        time_s, deformation_m, rate_m_s, force_n: Histories (m,).
+        before_m_s, after_m_s: Velocities (left, right) [m/s].
+        masses_kg: (left, right).
+    """
+
+    time_s: Real
+    deformation_m: Real
+    rate_m_s: Real
+    force_n: Real
+    before_m_s: tuple[float, float]
+    after_m_s: tuple[float, float]
+    masses_kg: tuple[float, float]
+
+    @property
+    def restitution(self) -> float:
+        """Separation over approach velocity."""
+        return (self.after_m_s[1] - self.after_m_s[0]) / (self.before_m_s[0] - self.before_m_s[1])
+
+    @property
+    def duration_s(self) -> float:
+        """Time in contact [s]."""
+        return float(self.time_s[-1])
+
+    @property
+    def momentum_error(self) -> float:
+        """Change of momentum over the impulse that was exchanged."""
+        left, right = (
+            m * (after - before)
+            for m, after, before in zip(self.masses_kg, self.after_m_s, self.before_m_s, strict=True)
+        )
+        return abs(left + right) / abs(left)
+
+    @property
+    def energy_ratio(self) -> float:
+        """Kinetic energy of the relative motion after the impact over that before it."""
+        return self.restitution**2
+
+
+def collide(
+    law: Law,
+    mass_left_kg: float,
+    mass_right_kg: float,
+    velocity_left_m_s: float,
+    velocity_right_m_s: float = 0.0,
+    *,
+    points: int = 400,
+    tolerance: float = 1e-11,
+) -> Collision:
+    """Let two free bodies collide; the left one moves in +x towards the right one.
+
+    Args:
+        law: Law of the contact.
+        mass_left_kg, mass_right_kg: Masses [kg].
+        velocity_left_m_s, velocity_right_m_s: Velocities at first touch [m/s].
+        points: Points in time of the histories.
+        tolerance: Relative tolerance of the integration.
+
+    Raises:
+        ContactError: The bodies do not approach, or a mass is not positive.
+    """
+    approach = velocity_left_m_s - velocity_right_m_s
+    if approach <= 0:
+        raise ContactError(
+            f"the bodies part at {-approach:g} m/s: the left one must be faster than the right one"
+        )
+    mass = reduced_mass(mass_left_kg, mass_right_kg)
+    span = _time_scale(law, mass, approach)
+    depth = approach * span
+
+    def motion(_t: float, y: Real) -> list[float]:
+        left, right, v_left, v_right = y.tolist()
+        force = law.force((left - right) * depth, (v_left - v_right) * approach, approach, FloatOperations)
+        unit = force * span / approach
+        return [v_left, v_right, -unit / mass_left_kg, unit / mass_right_kg]
+
+    def parted(t: float, y: Real) -> float:
+        # Where the law would pull if it could, the bodies have parted although the deformation is not yet zero.
+        deformation, rate = float(y[0] - y[1]) * depth, float(y[2] - y[3]) * approach
+        if law.tension or deformation <= 0.0:
+            return deformation / depth + (0.0 if t else 1.0)
+        return float(law.compression(deformation, rate, approach, FloatOperations)) * span / (
+            mass * approach
+        ) + 1e-14 * (t == 0.0)
+
+    parted.terminal, parted.direction = True, -1  # type: ignore[attr-defined]
+    start = np.array([0.0, 0.0, velocity_left_m_s, velocity_right_m_s]) / np.array(
+        [1.0, 1.0, approach, approach]
+    )
+    found = solve_ivp(
+        motion,
+        (0.0, 200.0),
+        start,
+        method="DOP853",
+        rtol=tolerance,
+        atol=1e-13,
+        events=parted,
+        dense_output=True,
+    )
+    if found.status != 1:
+        raise ContactError(f"{law.name}: the bodies did not part within {200 * span:.3g} s ({found.message})")
+    times = np.linspace(0.0, found.t[-1], points)
+    left, right, v_left, v_right = found.sol(times)
+    deformation, rate = (left - right) * depth, (v_left - v_right) * approach
+    return Collision(
+        times * span,
+        deformation,
+        rate,
+        np.asarray(law.force(deformation, rate, approach)),
+        (velocity_left_m_s, velocity_right_m_s),
+        (float(found.y[2, -1]) * approach, float(found.y[3, -1]) * approach),
+        (mass_left_kg, mass_right_kg),
+    )
+
+
+def _time_scale(law: Law, mass: float, approach: float) -> float:
+    """Time [s] in which the spring alone, loaded at the approach velocity, would stop the bodies."""
+    energy = 0.5 * mass * approach**2
+    low, high = 1e-15, 1.0
+    for _ in range(200):
+        middle = np.sqrt(low * high)
+        low, high = (low, middle) if law.stored_energy(middle) > energy else (middle, high)
+    return float(high / approach)
+
+
+def contact_time_linear(stiffness: float, mass: float, damping_ratio: float = 0.0) -> float:
+    """Contact time [s] of the linear laws with tension let through: half a damped period.
+
+    stiffness [N/m], mass the reduced mass [kg].
+    """
+    return float(np.pi / (np.sqrt(stiffness / mass) * np.sqrt(1.0 - damping_ratio**2)))
+
+
+def contact_time_hertz(stiffness: float, mass: float, approach: float) -> float:
+    """Contact time [s] of Hertz' law without damping, 2.9433 x_max / v (Goldsmith 2001, section 4.2).
+
+    stiffness [N/m^1.5], mass the reduced mass [kg], approach [m/s].
+    """
+    deepest = (1.25 * mass * approach**2 / stiffness) ** 0.4
+    return float(2.943275 * deepest / approach)

@@ -1,0 +1,69 @@
+"""Stiffness of the contact: the formulas of thesis section 2.3 and equation 5.2, in SI units."""
+
+from __future__ import annotations
+
+import math
+
+from contact.damping import check_restitution
+from contact.errors import ContactError
+
+EXPERIMENT_FULL_SCALE = 620e3 * 1e3  # thesis eq. 5.2: 620 kN/mm at full scale [N/m]
+JANKOWSKI_STEEL = 482e3 * 1e3  # steel on steel, linear viscoelastic, thesis section 2.3 [N/m]
+JANKOWSKI_STEEL_HERTZ = 6.6e10  # steel on steel, nonlinear viscoelastic, thesis section 6.5 [N/m^1.5]
+
+
+def axial(modulus: float, area: float, length: float) -> float:
+    """E A / L [N/m] of the colliding slab (thesis eq. 2.21, Maison and Kasai; 2.22, Cole et al.)."""
+    return _positive(modulus * area / length)
+
+
+def beams_and_slab(modulus: float, beam: tuple[float, float], slab: tuple[float, float]) -> float:
+    """E A_b / L_b + E A_s / L_s [N/m]; each pair is (area [m2], length [m]) (thesis eq. 2.19, Wada et al.; 2.23)."""
+    return axial(modulus, *beam) + axial(modulus, *slab)
+
+
+def anagnostopoulos(lateral_stiffness: float) -> float:
+    """Twenty times the lateral stiffness [N/m] of the stiffer structure (thesis eq. 2.20)."""
+    return _positive(20.0 * lateral_stiffness)
+
+
+def naserkhaki(building_stiffness: float, factor: float = 100.0) -> float:
+    """50 to 100 times the building's lateral stiffness [N/m] (thesis eq. 2.24; the thesis takes 100)."""
+    if not 50.0 <= factor <= 100.0:
+        raise ContactError(f"a factor of {factor:g} lies outside the 50 to 100 of thesis eq. 2.24")
+    return _positive(factor * building_stiffness)
+
+
+def xu(axial_stiffness: float, mass_left: float, mass_right: float, restitution: float) -> float:
+    """Xu et al. (thesis eq. 2.25, its denominator read as m_i + m_j) [N/m]; masses [kg], right one counted."""
+    logarithm = math.log(check_restitution(restitution))
+    angle = math.asin(math.pi / math.hypot(math.pi, logarithm))
+    share = mass_right / (mass_left + mass_right)
+    return _positive(share * axial_stiffness * math.exp(2.0 * logarithm / math.pi * angle))
+
+
+def experiment(scale: float) -> float:
+    """The thesis' own k = 620 kN/mm times the length scale (thesis eq. 5.2) [N/m]."""
+    return _positive(EXPERIMENT_FULL_SCALE * scale)
+
+
+def material_parameter(modulus: float, poisson: float) -> float:
+    """delta = (1 - rho^2) / (pi E) [1/Pa] of a contact partner (thesis eq. 2.11)."""
+    return (1.0 - poisson**2) / (math.pi * modulus)
+
+
+def hertz_sphere_on_plane(radius: float, first: tuple[float, float], second: tuple[float, float]) -> float:
+    """k_h [N/m^1.5] of a sphere of `radius` [m] on a plane (thesis eq. 2.10).
+
+    first and second are (modulus [Pa], Poisson's ratio) of the two materials.
+    """
+    compliance = material_parameter(*first) + material_parameter(*second)
+    return _positive(4.0 * math.sqrt(radius) / (3.0 * math.pi) / compliance)
+
+
+def _positive(stiffness: float) -> float:
+    if not (stiffness > 0.0 and math.isfinite(stiffness)):
+        raise ContactError(
+            f"these numbers give a contact stiffness of {stiffness:g}; it must be positive and finite"
+        )
+    return stiffness
