@@ -1,8 +1,8 @@
 """Response and Fourier spectra of a ground motion, and its dominant period.
 
-The oscillator is integrated exactly for ground acceleration that is straight between its samples (Nigam and
-Jennings 1969, Bull. Seism. Soc. Am. 59(2)), in the complex form of a first-order recursion, and looked at
-often enough within each period that its peak is not missed between samples.
+Oscillators are integrated exactly for ground acceleration that is straight between its samples, by the same
+recursion as whole frames (`frames.exact`), and looked at often enough within each period that no peak is
+missed between samples.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter
 
 from experiments.errors import ExperimentError
 from experiments.records.record import Record
+from frames.exact import oscillator_peaks, refine, run
 
 LOOKS_PER_PERIOD = 40
 """Times within one period at which the response is evaluated: a peak is missed by at most 0.31 %."""
@@ -58,59 +58,29 @@ class FourierSpectrum:
     amplitude_m_s: NDArray[np.float64]
 
 
-def oscillator(
-    acceleration_m_s2: ArrayLike, step_s: float, frequency_hz: float, damping_ratio: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the exact relative displacement [m] and velocity [m/s], each (m,), from rest.
-
-    Solves x'' + 2 z w x' + w^2 x = -a(t), a piecewise linear: x = Im(y) / w_d with y' = p y - a and the pole
-    p = w (-z + i sqrt(1 - z^2)).
-
-    Raises:
-        ExperimentError: A frequency that is not positive or a damping ratio outside [0, 1).
-    """
-    if frequency_hz <= 0 or not 0 <= damping_ratio < 1:
-        raise ExperimentError(
-            f"oscillator of {frequency_hz} Hz with damping ratio {damping_ratio}: need a positive"
-            " frequency and a ratio from 0 to below 1"
-        )
-    omega = 2 * np.pi * frequency_hz
-    pole = omega * (-damping_ratio + 1j * np.sqrt(1 - damping_ratio**2))
-    old, new = _ramp_weights(pole * step_s)
-    load = -np.asarray(acceleration_m_s2, dtype=float)
-    # y(0) = 0: the first sample only counts as the start of the first interval.
-    drive = np.concatenate(([0.0], step_s * (old * load[:-1] + new * load[1:])))
-    y = lfilter([1.0], [1.0, -np.exp(pole * step_s)], drive)
-    return y.imag / pole.imag, (pole * y).imag / pole.imag
-
-
-def _ramp_weights(s: complex) -> tuple[complex, complex]:
-    """Return the integrals over one step of exp(s (1 - u)) times (1 - u) and times u."""
-    if abs(s) < 1e-2:  # the closed forms cancel here; five terms leave 1e-13
-        new = 1 / 2 + s / 6 + s**2 / 24 + s**3 / 120 + s**4 / 720 + s**5 / 5040
-        whole = 1 + s / 2 + s**2 / 6 + s**3 / 24 + s**4 / 120 + s**5 / 720
-    else:
-        whole = (np.exp(s) - 1) / s
-        new = (np.exp(s) - 1 - s) / s**2
-    return whole - new, new
-
-
 def oscillator_extremes(record: Record, period_s: float, damping_ratio: float) -> tuple[float, float]:
     """Return the largest and the smallest relative displacement of one oscillator [m]."""
-    displacement, _, _ = _fine_response(record, period_s, damping_ratio)
-    return float(displacement.max()), float(displacement.min())
+    peaks = oscillator_peaks(1 / period_s, damping_ratio, record.acceleration_m_s2, record.step_s)
+    return float(peaks.maximum), float(peaks.minimum)
 
 
-Histories = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+def _peaks(record: Record, period_s: float, damping_ratio: float) -> tuple[float, float, float]:
+    """Return the largest relative displacement, relative velocity and absolute acceleration of an oscillator.
 
-
-def _fine_response(record: Record, period_s: float, damping_ratio: float) -> Histories:
-    """Return displacement, velocity and absolute acceleration, looked at often enough for their peaks."""
-    parts = max(1, int(np.ceil(LOOKS_PER_PERIOD * record.step_s / period_s)))
-    fine = record.resampled(record.step_s / parts) if parts > 1 else record
-    displacement, velocity = oscillator(fine.acceleration_m_s2, fine.step_s, 1 / period_s, damping_ratio)
+    With the pole p = w (-z + i sqrt(1 - z^2)) and y' = p y - a(t) the displacement is Im(y) / Im(p).
+    """
     omega = 2 * np.pi / period_s
-    return displacement, velocity, -(2 * damping_ratio * omega * velocity + omega**2 * displacement)
+    pole = omega * complex(-damping_ratio, np.sqrt(1 - damping_ratio**2))
+    parts = max(1, int(np.ceil(LOOKS_PER_PERIOD * record.step_s / period_s)))
+    load = refine(-record.acceleration_m_s2, parts)
+    state = run(np.array([pole]), load, record.step_s / parts)[0]
+    displacement, velocity = state.imag / pole.imag, (pole * state).imag / pole.imag
+    acceleration = 2 * damping_ratio * omega * velocity + omega**2 * displacement
+
+    def peak(history: NDArray[np.float64]) -> float:
+        return float(np.abs(history).max())
+
+    return peak(displacement), peak(velocity), peak(acceleration)
 
 
 def response_spectrum(
@@ -130,10 +100,12 @@ def response_spectrum(
     if period_s is None:
         period_s = np.geomspace(4 * record.step_s, max(8 * record.step_s, record.duration_s / 5), 200)
     periods = np.atleast_1d(np.asarray(period_s, dtype=float))
-    if not (np.isfinite(periods).all() and (periods > 0).all()):
-        raise ExperimentError("response spectrum: every period must be positive")
-    histories = (_fine_response(record.padded(period), float(period), damping_ratio) for period in periods)
-    peaks = np.array([[np.abs(part).max() for part in parts] for parts in histories])
+    if not (np.isfinite(periods).all() and (periods > 0).all() and 0 <= damping_ratio < 1):
+        raise ExperimentError(
+            f"response spectrum with damping ratio {damping_ratio}: periods must be positive, the ratio at"
+            " least 0 and below 1"
+        )
+    peaks = np.array([_peaks(record.padded(period), float(period), damping_ratio) for period in periods])
     return ResponseSpectrum(periods, damping_ratio, *peaks.T)
 
 
@@ -158,8 +130,9 @@ def dominant_period(record: Record, by: str = "fourier", *, smoothing_hz: float 
 
     Args:
         record: The ground motion.
-        by: `fourier`: period of the largest Fourier amplitude of acceleration (Kramer 1996, section 3.3.2);
-            `response`: period of the largest absolute acceleration in the 5 % response spectrum.
+        by: `fourier`: period of the largest Fourier amplitude of acceleration (the predominant period of
+            Kramer 1996, *Geotechnical Earthquake Engineering*, section 3.3.2); `response`: period of the
+            largest absolute acceleration in the 5 % response spectrum.
         smoothing_hz: Smoothing of the Fourier spectrum [Hz], see `fourier_spectrum`.
 
     Raises:
@@ -174,3 +147,20 @@ def dominant_period(record: Record, by: str = "fourier", *, smoothing_hz: float 
         response = response_spectrum(record)
         return float(response.period_s[np.argmax(response.acceleration_m_s2)])
     raise ExperimentError(f"dominant period by '{by}' is not known: use 'fourier' or 'response'")
+
+
+def mean_period(record: Record, band_hz: tuple[float, float] = (0.25, 20.0)) -> float:
+    """Return the mean of the Fourier periods weighted by the squared amplitude [s].
+
+    Rathje, Abrahamson and Bray 1998, J. Geotech. Geoenviron. Eng. 124(2), take the band of 0.25 to 20 Hz at
+    full scale; divide it by the time factor for a scaled record.
+
+    Raises:
+        ExperimentError: No motion inside the band.
+    """
+    spectrum = fourier_spectrum(record)
+    inside = (spectrum.frequency_hz >= band_hz[0]) & (spectrum.frequency_hz <= band_hz[1])
+    power = spectrum.amplitude_m_s[inside] ** 2
+    if power.sum() == 0:
+        raise ExperimentError(f"record '{record.name}' has no motion from {band_hz[0]} to {band_hz[1]} Hz")
+    return float((power / spectrum.frequency_hz[inside]).sum() / power.sum())

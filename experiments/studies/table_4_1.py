@@ -1,0 +1,241 @@
+"""Table 4.1 of the thesis: 64 measured peaks of frames that shake alone, beside SAP2000's and ours.
+
+`BLIND` is the model believed before any peak was looked at: joints calibrated on the frequency of free
+vibration and nothing else, gravity's P-Delta on, the damping of the free-vibration tests in every mode, the
+records as they are (their peaks are those of section 3.7), positive acceleration towards +x. All other variants
+are shown beside it, none is picked. Run it with ``python -m experiments.studies.table_4_1``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from itertools import product
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+import frames
+from experiments import consistency, published
+from experiments.records import Record, find
+from frames.exact import linear_response
+
+RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
+FRAMES = ("15A", "15B", "10", "5A", "5B")
+MODEL_STEP_S = 2.5e-4
+"""The exact response is looked at this often [s]: 100 times in a period of the third mode of 5B (36 Hz)."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One way to compute Table 4.1.
+
+    Attributes:
+        joints: What the joints are calibrated on, or `rigid`.
+        p_delta: Whether gravity's geometric stiffness counts.
+        peaks: Peaks of the records, `3.7` (as the records have them) or `7.1` (as Table 7.1 lists them).
+        polarity: 1 for positive acceleration towards +x, -1 for the opposite.
+        damping: Damping ratio of all modes [-]; None for each frame's own from Table 3.1.
+    """
+
+    joints: Literal["free_vibration", "sweep", "rigid"] = "free_vibration"
+    p_delta: bool = True
+    peaks: Literal["3.7", "7.1"] = "3.7"
+    polarity: int = 1
+    damping: float | None = None
+
+    def __str__(self) -> str:
+        return (
+            f"{self.joints.replace('_', ' ')}, P-Delta {'on' if self.p_delta else 'off'}, peaks of {self.peaks},"
+            f" {'as recorded' if self.polarity > 0 else 'reversed'}"
+        )
+
+
+BLIND = Variant()
+"""The believed model; fixed before the first comparison was run."""
+
+
+def variants() -> list[Variant]:
+    """Return every variant of joints, P-Delta, peaks and polarity, the blind one first."""
+    grid = product(("free_vibration", "sweep", "rigid"), (True, False), ("3.7", "7.1"), (1, -1))
+    return [Variant(*settings) for settings in grid]  # type: ignore[arg-type]
+
+
+def measured(source: str = "experiment") -> xr.DataArray:
+    """Return the printed peaks [mm] over place, record and side; `numerical` are SAP2000's."""
+    series = published.long("4.1").xs(source, level="source")
+    return peaks_array(
+        {
+            (str(f), int(i), str(r), str(s)): float(v)
+            for (f, i, r, s), v in zip(series.index, series, strict=True)
+        }
+    )
+
+
+def peaks_array(peaks: Mapping[tuple[str, int, str, str], float]) -> xr.DataArray:
+    """Return peaks [mm] by frame, floor, record and side as an array in the order of the table."""
+    places = list(dict.fromkeys((frame, floor) for frame, floor, _, _ in peaks))
+    data = [[[peaks[frame, floor, r, s] for s in ("max", "min")] for r in RECORDS] for frame, floor in places]
+    names = [f"{frame} floor {floor}" for frame, floor in places]
+    coords = {"place": names, "record": list(RECORDS), "side": ["max", "min"]}
+    array = xr.DataArray(data, coords=coords, dims=("place", "record", "side"), attrs={"units": "mm"})
+    return array.assign_coords(
+        frame=("place", [frame for frame, _ in places]), floor=("place", [floor for _, floor in places])
+    )
+
+
+def build(name: str, variant: Variant) -> frames.ReducedFrame:
+    """Return a frame of the thesis as a variant believes it."""
+    if variant.joints == "rigid":
+        return frames.build(
+            frames.load(name), joints="rigid", p_delta=variant.p_delta, damping=variant.damping
+        )
+    return frames.build(
+        frames.load(name), p_delta=variant.p_delta, damping=variant.damping, calibration=variant.joints
+    )
+
+
+def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Record:
+    """Return a record as the table ran it in a variant: time compressed, peak and polarity as wanted."""
+    pga = None if variant.peaks == "3.7" else float(published.table("7.1").loc[name, "pga_g"])
+    record = find(name, folder).scaled(pga_g=pga)
+    record = record.resampled(record.step_s / np.ceil(record.step_s / MODEL_STEP_S))
+    return record if variant.polarity > 0 else record.flipped()
+
+
+def floor_peaks(
+    reduced: frames.ReducedFrame, record: Record, floors: Iterable[int]
+) -> Iterator[tuple[float, float]]:
+    """Yield largest and size of smallest displacement relative to the table [mm] of each floor asked for."""
+    columns = [int(reduced.floor_x[floor - 1]) for floor in floors]
+    displacement, _ = linear_response(reduced, record.acceleration_m_s2, record.step_s, outputs=columns)
+    for history in 1e3 * displacement.T:
+        yield float(history.max()), float(-history.min())
+
+
+def predict(variant: Variant, folder: Path | None = None) -> xr.DataArray:
+    """Return the 64 peaks of a variant [mm], in the layout of `measured`."""
+    motions = {name: table_motion(name, variant, folder) for name in RECORDS}
+    wanted = measured()
+    peaks: dict[tuple[str, int, str, str], float] = {}
+    for frame in FRAMES:
+        reduced = build(frame, variant)
+        floors = [int(floor) for floor in wanted.floor[wanted.frame == frame].values]
+        for name, motion in motions.items():
+            for floor, (high, low) in zip(floors, floor_peaks(reduced, motion, floors), strict=True):
+                peaks[frame, floor, name, "max"], peaks[frame, floor, name, "min"] = high, low
+    return peaks_array(peaks)
+
+
+def trusted() -> xr.DataArray:
+    """Return False where the thesis' own tables contradict a peak (`consistency.contested`)."""
+    blamed = consistency.contested(consistency.check_published())
+    array = measured()
+    flags = [[(f, r) not in blamed for r in array.record.values] for f in array.frame.values]
+    return xr.DataArray(
+        flags, coords={"place": array.place, "record": array.record}, dims=("place", "record")
+    )
+
+
+def errors(computed: xr.DataArray) -> xr.DataArray:
+    """Return (computed - measured) / measured for every peak [-]."""
+    truth = measured()
+    return (computed - truth) / truth
+
+
+@dataclass(frozen=True)
+class Score:
+    """How far 64 peaks, or the uncontested of them, are from the measured.
+
+    Attributes:
+        mean: Mean of the sizes of the relative errors [-].
+        median: Their median [-].
+        worst: The largest of them [-].
+        bias: Mean of the errors with their sign [-]; positive where the model moves more.
+        count: Number of peaks.
+    """
+
+    mean: float
+    median: float
+    worst: float
+    bias: float
+    count: int
+
+
+def score(computed: xr.DataArray, where: xr.DataArray | None = None) -> Score:
+    """Return how far computed peaks are from the measured, everywhere or where told."""
+    error = errors(computed)
+    values = (error if where is None else error.where(where)).values.ravel()
+    values = values[np.isfinite(values)]
+    size = np.abs(values)
+    return Score(
+        float(size.mean()), float(np.median(size)), float(size.max()), float(values.mean()), len(values)
+    )
+
+
+def compare(folder: Path | None = None) -> xr.Dataset:
+    """Return all variants' peaks [mm] beside the measured and SAP2000's, with what is trusted."""
+    chosen = variants()
+    computed = xr.concat([predict(variant, folder) for variant in chosen], dim="variant", join="exact")
+    settings = pd.DataFrame([asdict(variant) | {"name": str(variant)} for variant in chosen])
+    extra = {key: ("variant", settings[key].astype(str).to_numpy()) for key in settings if key != "damping"}
+    return xr.Dataset(
+        {
+            "computed": computed.assign_coords(extra),
+            "measured": measured(),
+            "sap2000": measured("numerical"),
+            "trusted": trusted(),
+        }
+    )
+
+
+def scores(data: xr.Dataset) -> pd.DataFrame:
+    """Return the score of SAP2000 and of every variant, with and without the contested peaks."""
+    rows = {"SAP2000 (printed)": data.sap2000}
+    rows |= {str(name): data.computed[index] for index, name in enumerate(data.name.values)}
+    table = {}
+    for name, computed in rows.items():
+        every, some = score(computed), score(computed, data.trusted)
+        table[name] = {f"{k}_all": v for k, v in asdict(every).items()} | asdict(some)
+    return pd.DataFrame(table).T
+
+
+def show(data: xr.Dataset, console: Console) -> None:
+    """Print every peak of the blind variant with its error, then the scores of all variants."""
+    blind = data.computed[0]
+    table = Table(title=f"Table 4.1 [mm]: measured, SAP2000, ours ({BLIND}) and error of ours")
+    for column in ("place", "record", "side", "measured", "SAP2000", "ours", "error %", ""):
+        table.add_column(column, justify="left" if column in ("place", "record", "side", "") else "right")
+    percent = 100 * errors(blind)
+    for place, record, side in product(*(data.measured[dim].values for dim in data.measured.dims)):
+        at = {"place": place, "record": record, "side": side}
+        mark = "" if bool(data.trusted.sel(place=place, record=record)) else "contested"
+        values = [f"{float(array.sel(at)):.1f}" for array in (data.measured, data.sap2000, blind)]
+        table.add_row(place, record, side, *values, f"{float(percent.sel(at)):+.0f}", mark)
+    console.print(table)
+    summary = Table(title="mean |ours - measured| / measured [%], all 64 peaks and without the contested")
+    for column in ("variant", "mean", "worst", "bias", "mean*", "worst*", "bias*"):
+        summary.add_column(column, justify="left" if column == "variant" else "right")
+    for name, row in scores(data).iterrows():
+        keys = ("mean_all", "worst_all", "bias_all", "mean", "worst", "bias")
+        summary.add_row(str(name), *(f"{100 * row[key]:.1f}" for key in keys))
+    console.print(summary)
+
+
+def main(records: Path | None = None, out: Path | None = None) -> xr.Dataset:
+    """Compute, print and, if a folder is given, write the comparison; return its data."""
+    data = compare(records)
+    show(data, Console())
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        data.to_netcdf(out / "table_4_1.nc", engine="h5netcdf")
+    return data
+
+
+if __name__ == "__main__":
+    main()
