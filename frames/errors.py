@@ -1,5 +1,5 @@
-"""The error of this package: a frame that cannot be used."""
+"""The error of this package: an input that a frame cannot be made of."""
 
 
 class FrameError(ValueError):
-    """A frame, mesh or model that cannot be used; the message says what, where and what to do."""
+    """A frame, mesh, option or motion that cannot be used; the message says what, where and what to do."""

@@ -1,0 +1,147 @@
+"""`build`: from a frame's definition to its reduced form."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Literal
+
+import numpy as np
+
+from frames import cache, stick
+from frames.assembly import Model, Options, assemble
+from frames.craig_bampton import craig_bampton, dense_modes, modal_damping
+from frames.definition import Frame, PlateFrame, StickFrame
+from frames.errors import FrameError
+from frames.mesh import DEFAULT, Density
+from frames.reduction import ReducedFrame
+from frames.shells import DOFS
+from frames.symmetry import is_symmetric, planar_basis
+
+KEEP_HZ = 300.0
+"""Fixed-interface modes are kept up to this frequency unless asked otherwise [Hz]."""
+
+
+def build(
+    frame: Frame,
+    *,
+    joints: Literal["calibrated", "rigid"] = "calibrated",
+    p_delta: bool = True,
+    damping: float | None = None,
+    calibration: str | None = None,
+    keep_hz: float | None = None,
+    modes: int | None = None,
+    planar: bool | None = None,
+    density: Density | None = None,
+    rigid_floors: bool = True,
+    use_cache: bool = True,
+) -> ReducedFrame:
+    """Return the reduced form of a frame: the believed model, unless options say otherwise.
+
+    Args:
+        frame: A plate frame or a stick; a stick keeps its storeys as they are and takes ``damping`` alone.
+        joints: "calibrated" or "rigid".
+        p_delta: Whether gravity's geometric stiffness counts.
+        damping: Damping ratio of all modes, a fraction; the frame's own when None.
+        calibration: Name of the joints' calibration; the frame's default when None.
+        keep_hz: Keep the fixed-interface modes up to this frequency [Hz]; `KEEP_HZ` when None.
+        modes: Or keep so many.
+        planar: True: only the motions that a shaking along x can excite, on the floors' displacements along
+            x. False: all motions, and the floors' displacement along y and rotation about z are kept too.
+            None: True for a frame with a doubly symmetric plan.
+        density: How fine the mesh is.
+        rigid_floors: Whether floors are rigid in their plane.
+        use_cache: Whether a result on disk may be used and written.
+
+    Raises:
+        FrameError: A value that cannot be, an unstable frame, or ``planar=True`` for one that is not
+            symmetric.
+    """
+    if damping is not None and not 0.0 <= damping < 1.0:
+        raise FrameError(f"damping: {damping} is not a fraction from 0 to below 1 (0.5 % is 0.005)")
+    if isinstance(frame, StickFrame):
+        return stick.build(frame, damping)
+    if keep_hz is not None and modes is not None:
+        raise FrameError("reduction: give either keep_hz or modes")
+    symmetric = is_symmetric(frame)
+    if planar and not symmetric:
+        raise FrameError(f"frame {frame.name}: its plan is not symmetric, planar=True cannot be")
+    options = Options(joints, p_delta, calibration, rigid_floors, density or DEFAULT)
+    settings = dataclasses.asdict(options) | {
+        "planar": symmetric if planar is None else planar,
+        "keep_hz": (KEEP_HZ if keep_hz is None else keep_hz) if modes is None else None,
+        "modes": modes,
+    }
+    settings["calibration"] = (calibration or frame.joints.default) if joints == "calibrated" else None
+    arrays = cache.load(frame, settings) if use_cache else None
+    if arrays is None:
+        arrays = _reduce(assemble(frame, options), settings)
+        if use_cache:
+            cache.save(frame, settings, arrays)
+    return _reduced(frame, settings, arrays, frame.damping_ratio if damping is None else damping)
+
+
+def _reduce(model: Model, settings: dict[str, Any]) -> dict[str, np.ndarray]:
+    """Return what is worth keeping on disk: the reduced matrices and the way back."""
+    storeys, coordinates = model.frame.storeys, model.coordinates
+    translation = np.zeros((DOFS * len(model.mesh.nodes), 1))
+    translation[0::DOFS] = 1.0
+    stiffness, mass, loads = model.stiffness, model.mass, model.inertia_of(translation)
+    if settings["planar"]:
+        quarter = planar_basis(model.mesh, coordinates)
+        stiffness, mass = quarter.T @ stiffness @ quarter, quarter.T @ mass @ quarter
+        loads = quarter.T @ loads
+        kept = quarter[coordinates.floor[:, 0]].indices.astype(np.int64)
+    else:
+        kept = coordinates.floor.T.ravel()
+    small = craig_bampton(
+        stiffness.tocsr(), mass.tocsr(), kept, loads, keep_hz=settings["keep_hz"], modes=settings["modes"]
+    )
+    return {
+        "mass": small.mass,
+        "stiffness": small.stiffness,
+        "basis": small.basis,
+        "influence": _influence(small.mass, (small.basis.T @ loads).ravel(), storeys),
+        "frequencies_shapes": np.vstack(dense_modes(small.stiffness, small.mass)),
+        "kept": np.array([len(kept) // storeys]),
+    }
+
+
+def _influence(mass: np.ndarray, load: np.ndarray, storeys: int) -> np.ndarray:
+    """Return the coordinates under a unit translation of the base.
+
+    The floors translate by exactly 1. The modes follow from their inertia force; what is lost is the part of
+    the lowest columns' mass that moves with the base rather than with the first floor.
+    """
+    influence = np.zeros(len(mass))
+    influence[:storeys] = 1.0
+    rest = slice(storeys, None)
+    influence[rest] = np.linalg.solve(mass[rest, rest], load[rest] - mass[rest, :storeys] @ np.ones(storeys))
+    return influence
+
+
+def _reduced(
+    frame: PlateFrame, settings: dict[str, Any], arrays: dict[str, np.ndarray], ratio: float
+) -> ReducedFrame:
+    storeys, mass = frame.storeys, arrays["mass"]
+    frequencies, shapes = arrays["frequencies_shapes"][0], arrays["frequencies_shapes"][1:]
+    ratios = np.full(len(frequencies), ratio)
+    groups = int(arrays["kept"][0])
+    return ReducedFrame(
+        name=frame.name,
+        storeys=storeys,
+        heights_m=frame.storey_height_m * np.arange(1.0, storeys + 1.0),
+        plan_m=(frame.plate.length_m, frame.plate.width_m),
+        definition=frame,
+        options=settings | {"damping_ratio": ratio},
+        mass=mass,
+        stiffness=arrays["stiffness"],
+        damping=modal_damping(mass, shapes, frequencies, ratios),
+        influence=arrays["influence"],
+        floor_x=np.arange(storeys),
+        floor_rz=np.arange(2 * storeys, 3 * storeys) if groups == 3 else np.arange(0),
+        frequencies_hz=frequencies,
+        shapes=shapes,
+        damping_ratios=ratios,
+        moving_mass_kg=frame.moving_mass_kg,
+        basis=arrays["basis"],
+    )

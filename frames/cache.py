@@ -1,0 +1,116 @@
+"""Reduced frames on disk, by the hash of all that goes into them.
+
+The folder is ``POUNDING_CACHE``, or ``pounding`` in the user's cache folder. A folder that cannot be written
+costs one warning sentence a run, never the run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tempfile
+import warnings
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from frames.definition import PlateFrame
+
+VERSION = 1
+"""Raised whenever the same inputs would give other arrays, so that old files are not found."""
+
+LARGEST_BYTES = 1_000_000_000
+"""Files used longest ago are deleted beyond this size of the folder."""
+
+IGNORED = ("name", "title", "published", "damping_ratio")
+"""Fields of a frame that the arrays do not depend on."""
+
+Arrays = dict[str, NDArray[Any]]
+
+
+class CacheWarning(UserWarning):
+    """The cache folder cannot be used; results are right, but are computed again next time."""
+
+
+def folder() -> Path:
+    """Return the cache folder; it need not exist."""
+    stated = os.environ.get("POUNDING_CACHE")
+    if stated:
+        return Path(stated)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "pounding"
+
+
+def key(frame: PlateFrame, settings: Mapping[str, Any]) -> str:
+    """Return the hash of all inputs: the frame but for its labels, the options, and the codes' versions."""
+    data = msgspec.structs.asdict(frame)
+    for name in IGNORED:
+        del data[name]
+    # Only the stiffness that a calibration's name stands for counts, not the others beside it.
+    calibrated = settings["joints"] == "calibrated"
+    data["joints"] = frame.joint_stiffness(settings["calibration"]) if calibrated else None
+    settings = {name: value for name, value in settings.items() if name != "calibration"}
+    text = msgspec.json.encode([VERSION, _codes(), data, settings], order="sorted")
+    return hashlib.sha256(text).hexdigest()[:32]
+
+
+def load(frame: PlateFrame, settings: Mapping[str, Any]) -> Arrays | None:
+    """Return the arrays of an earlier run with the same inputs, or None."""
+    path = folder() / f"{key(frame, settings)}.npz"
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        path.touch()
+    except (OSError, ValueError, EOFError, BadZipFile, KeyError):
+        # Not there, or damaged: computed anew and written over.
+        return None
+    return arrays
+
+
+def save(frame: PlateFrame, settings: Mapping[str, Any], arrays: Arrays) -> None:
+    """Keep arrays for later runs; warn when the folder cannot be written."""
+    target = folder()
+    temporary = None
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        _make_room(target)
+        with tempfile.NamedTemporaryFile(dir=target, suffix=".part", delete=False) as file:
+            temporary = Path(file.name)
+            np.savez(file, allow_pickle=False, **arrays)
+        os.replace(temporary, target / f"{key(frame, settings)}.npz")
+    except OSError as error:
+        if temporary is not None:
+            temporary.unlink(missing_ok=True)
+        _warn_once(str(target), error.strerror or str(error))
+
+
+@cache
+def _warn_once(place: str, reason: str) -> None:
+    warnings.warn(
+        f"cache folder {place}: {reason}; the run goes on without it (set POUNDING_CACHE to another folder)",
+        CacheWarning,
+        stacklevel=2,
+    )
+
+
+def _make_room(target: Path) -> None:
+    """Delete the files used longest ago until the folder is small enough."""
+    files = sorted(((path.stat(), path) for path in target.glob("*.npz")), key=lambda item: item[0].st_mtime)
+    excess = sum(stat.st_size for stat, _ in files) - LARGEST_BYTES
+    for stat, path in files:
+        if excess <= 0:
+            return
+        path.unlink(missing_ok=True)
+        excess -= stat.st_size
+
+
+@cache
+def _codes() -> list[str]:
+    from importlib.metadata import version
+
+    return [f"{name} {version(name)}" for name in ("pounding", "pyfe3d", "numpy", "scipy")]

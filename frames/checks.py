@@ -1,0 +1,164 @@
+"""What cannot be a frame: each check is one sentence that says what is wrong and where."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from frames.errors import FrameError
+
+if TYPE_CHECKING:
+    from frames.definition import PlateFrame, StickFrame
+
+MOST_STOREYS = 200
+"""More storeys than this is taken for a slip of the pen."""
+
+EDGE = 1e-9
+"""Round-off allowed when a column stands on the edge of the floor [m]."""
+
+
+def plate_frame(frame: PlateFrame) -> None:
+    """Raise FrameError for a plate frame that cannot be built."""
+    name = _name(frame.name)
+    _storeys(name, frame.storeys)
+    positive = {
+        "storey_height_m": frame.storey_height_m,
+        "plate.length_m": frame.plate.length_m,
+        "plate.width_m": frame.plate.width_m,
+        "plate.thickness_m": frame.plate.thickness_m,
+        "columns.width_m": frame.columns.width_m,
+        "columns.thickness_m": frame.columns.thickness_m,
+        "material.youngs_modulus_gpa": frame.material.youngs_modulus_gpa,
+        "material.density_kg_per_m3": frame.material.density_kg_per_m3,
+        "material.yield_stress_mpa": frame.material.yield_stress_mpa,
+        "stiffness_factor": frame.stiffness_factor,
+        "joint_factor": frame.joint_factor,
+    }
+    positive |= {
+        f"joints.stiffness_n_m_per_rad.{key}": value
+        for key, value in frame.joints.stiffness_n_m_per_rad.items()
+    }
+    if frame.base_rotational_stiffness_n_m_per_rad is not None:
+        positive["base_rotational_stiffness_n_m_per_rad"] = frame.base_rotational_stiffness_n_m_per_rad
+    for key, value in positive.items():
+        _positive(name, key, value)
+    if not 0.0 <= frame.material.poissons_ratio < 0.5:
+        raise FrameError(
+            f"{name}: material.poissons_ratio is {frame.material.poissons_ratio}, must be 0 to 0.5"
+        )
+    if frame.joints.default not in frame.joints.stiffness_n_m_per_rad:
+        raise FrameError(
+            f"{name}: joints.default is {frame.joints.default!r}, not one of "
+            f"{', '.join(frame.joints.stiffness_n_m_per_rad) or 'none'} in joints.stiffness_n_m_per_rad"
+        )
+    _damping(name, [frame.damping_ratio])
+    _masses(name, frame)
+    _per_storey(name, "storey_stiffness_factor", frame.storey_stiffness_factor, frame.storeys)
+    for storey, factor in enumerate(frame.storey_stiffness_factor, 1):
+        _positive(name, f"storey_stiffness_factor of storey {storey}", factor)
+    if not (math.isfinite(frame.weight_factor) and frame.weight_factor >= 0.0):
+        raise FrameError(f"{name}: weight_factor is {frame.weight_factor}, must not be negative")
+    if abs(frame.mass_eccentricity_m) >= frame.plate.width_m / 6.0:
+        # Beyond the kernel of the plate the mass density would turn negative at the far edge.
+        raise FrameError(
+            f"{name}: mass_eccentricity_m is {frame.mass_eccentricity_m}, must be below a sixth "
+            f"of the floor's width ({frame.plate.width_m / 6.0:.4g} m)"
+        )
+    _places(name, frame)
+
+
+def stick_frame(frame: StickFrame) -> None:
+    """Raise FrameError for a stick that cannot be built."""
+    name = _name(frame.name)
+    _storeys(name, frame.storeys)
+    heights = frame.storey_height_m
+    if isinstance(heights, list):
+        _per_storey(name, "storey_height_m", heights, frame.storeys, required=True)
+    for height in heights if isinstance(heights, list) else [heights]:
+        _positive(name, "storey_height_m", height)
+    _per_storey(name, "floor_mass_kg", frame.floor_mass_kg, frame.storeys, required=True)
+    for floor, mass in enumerate(frame.floor_mass_kg, 1):
+        _positive(name, f"floor_mass_kg of floor {floor}", mass)
+    if bool(frame.storey_stiffness_n_per_m) == bool(frame.frequency_hz):
+        raise FrameError(f"{name}: give either storey_stiffness_n_per_m or frequency_hz, one of the two")
+    _per_storey(name, "storey_stiffness_n_per_m", frame.storey_stiffness_n_per_m, frame.storeys)
+    for storey, stiffness in enumerate(frame.storey_stiffness_n_per_m, 1):
+        _positive(name, f"storey_stiffness_n_per_m of storey {storey}", stiffness)
+    _frequencies(name, frame.frequency_hz, frame.storeys)
+    ratios = frame.damping_ratio if isinstance(frame.damping_ratio, list) else [frame.damping_ratio]
+    if not 1 <= len(ratios) <= frame.storeys:
+        raise FrameError(f"{name}: damping_ratio has {len(ratios)} values, needs 1 to {frame.storeys}")
+    _damping(name, ratios)
+    for key, side in zip(("length", "width"), frame.plan_m, strict=True):
+        _positive(name, f"plan_m ({key})", side)
+
+
+def _name(name: str) -> str:
+    if not name.strip():
+        raise FrameError("frame: name is empty; give it one")
+    return f"frame {name}"
+
+
+def _storeys(name: str, storeys: int) -> None:
+    if not 1 <= storeys <= MOST_STOREYS:
+        raise FrameError(f"{name}: storeys is {storeys}, must be 1 to {MOST_STOREYS}")
+
+
+def _positive(name: str, key: str, value: float) -> None:
+    if not (math.isfinite(value) and value > 0.0):
+        raise FrameError(f"{name}: {key} is {value}, must be positive")
+
+
+def _per_storey(
+    name: str, key: str, values: Sequence[float], storeys: int, *, required: bool = False
+) -> None:
+    if (values or required) and len(values) != storeys:
+        raise FrameError(f"{name}: {key} has {len(values)} values, needs one for each of {storeys} storeys")
+
+
+def _damping(name: str, ratios: Sequence[float]) -> None:
+    for ratio in ratios:
+        if not 0.0 <= ratio < 1.0:
+            raise FrameError(
+                f"{name}: damping_ratio is {ratio}, a fraction from 0 to below 1 (0.5 % is 0.005)"
+            )
+
+
+def _frequencies(name: str, frequencies: Sequence[float], storeys: int) -> None:
+    if len(frequencies) > storeys:
+        raise FrameError(f"{name}: frequency_hz has {len(frequencies)} values for {storeys} storeys")
+    for frequency in frequencies:
+        _positive(name, "frequency_hz", frequency)
+    if any(b <= a for a, b in pairwise(frequencies)):
+        raise FrameError(f"{name}: frequency_hz must rise, lowest first")
+
+
+def _masses(name: str, frame: PlateFrame) -> None:
+    _per_storey(name, "added_mass_kg", frame.added_mass_kg, frame.storeys)
+    for floor, mass in enumerate(frame.added_mass_kg, 1):
+        if not (math.isfinite(mass) and mass >= 0.0):
+            raise FrameError(f"{name}: added_mass_kg of floor {floor} is {mass}, must not be negative")
+    left = frame.floor_plate_mass_kg + frame.nonstructural_mass_kg / frame.storeys
+    if not (math.isfinite(left) and left > 0.0):
+        raise FrameError(
+            f"{name}: nonstructural_mass_kg is {frame.nonstructural_mass_kg}, which leaves {left:.3g} kg a "
+            "floor; it must stay positive"
+        )
+
+
+def _places(name: str, frame: PlateFrame) -> None:
+    places, half = frame.places_m, frame.columns.width_m / 2.0
+    edge_x, edge_y = frame.plate.length_m / 2.0 + EDGE, frame.plate.width_m / 2.0 + EDGE
+    if len(places) < 2:
+        raise FrameError(f"{name}: columns.places_m holds {len(places)} column, needs two or more")
+    for number, (x, y) in enumerate(places, 1):
+        if not (abs(x) <= edge_x and abs(y) + half <= edge_y):
+            raise FrameError(
+                f"{name}: column {number} at x = {x:g} m, y = {y:g} m does not stand on the floor of "
+                f"{frame.plate.length_m:g} m x {frame.plate.width_m:g} m; move it inwards"
+            )
+        for other, (x2, y2) in enumerate(places[: number - 1], 1):
+            if abs(x - x2) <= EDGE and abs(y - y2) < frame.columns.width_m - EDGE:
+                raise FrameError(f"{name}: columns {other} and {number} stand in each other; move one")

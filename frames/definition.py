@@ -1,0 +1,258 @@
+"""What a frame is, as data: the structures behind a frame file.
+
+Every key that has a unit names it. Lengths are the model's (1/30 of the building for the frames of the
+thesis). The fields of `PlateFrame` from ``stiffness_factor`` on are departures from the plain frame; make a
+changed frame with ``changed(frame, added_mass_kg=[...])``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from frames import checks
+from frames.errors import FrameError
+
+GRAVITY = 9.80665
+"""Standard gravity [m/s^2]."""
+
+
+class Data(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Base of all structures: immutable, and a key that is not known is an error."""
+
+
+class Plate(Data, frozen=True):
+    """A floor: a rectangular plate.
+
+    Attributes:
+        length_m: Side along x, the direction of shaking [m].
+        width_m: Side along y [m].
+        thickness_m: Thickness [m].
+    """
+
+    length_m: float
+    width_m: float
+    thickness_m: float
+
+
+class Columns(Data, frozen=True):
+    """The columns: flat strips over the full height, their wide side along y, so that their thickness bends.
+
+    Attributes:
+        width_m: Side along y [m].
+        thickness_m: Side along x [m].
+        inset_m: Distance of the four columns of the default places from the floor's edges along x [m].
+        places_m: Centres (x, y) in plan [m], origin at the floor's centre; when given, instead of one column
+            at each corner.
+    """
+
+    width_m: float
+    thickness_m: float
+    inset_m: float = 0.0
+    places_m: list[tuple[float, float]] = []
+
+
+class Material(Data, frozen=True):
+    """An isotropic linear material."""
+
+    youngs_modulus_gpa: float = 200.0
+    poissons_ratio: float = 0.3
+    density_kg_per_m3: float = 7850.0
+    yield_stress_mpa: float = 280.0
+
+
+class Joints(Data, frozen=True):
+    """Rotational flexibility between a column and a floor or the base.
+
+    Attributes:
+        default: Name of the calibration that is used when none is asked for.
+        stiffness_n_m_per_rad: Stiffness of one joint about y by the name of its calibration [N m/rad].
+    """
+
+    default: str
+    stiffness_n_m_per_rad: dict[str, float]
+
+
+class Published(Data, frozen=True):
+    """Measured and published properties of a frame, for comparison; None where nothing is published."""
+
+    source: str = ""
+    mass_kg: float | None = None
+    free_vibration_hz: float | None = None
+    free_vibration_damping_ratio: float | None = None
+    sweep_hz: list[float] = []
+    roof_stiffness_n_per_mm: float | None = None
+    numerical_hz: list[float] = []
+    numerical_roof_stiffness_n_per_mm: float | None = None
+
+
+class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
+    """A frame of floor plates on column strips.
+
+    Attributes:
+        name: Name of the frame.
+        storeys: Number of storeys.
+        storey_height_m: Distance between the mid-planes of two floors [m].
+        plate: The floors.
+        columns: The columns.
+        joints: Stiffness of the joints.
+        damping_ratio: Damping ratio of every mode, a fraction.
+        title: One line that describes the frame.
+        material: Steel by default.
+        nonstructural_mass_kg: Mass beyond the plates, spread evenly over all floors [kg]; may be negative.
+        published: What is known from tests and other models.
+        added_mass_kg: Mass at the centre of each floor, from the first floor up [kg]; empty: none.
+        stiffness_factor: Factor on the elastic stiffness of everything.
+        joint_factor: Factor on the joints' stiffness alone.
+        storey_stiffness_factor: Factor on the columns' elasticity, storey by storey; empty: 1.
+        mass_eccentricity_m: Distance in y of the floors' centres of mass from the plan's centre [m].
+        base_rotational_stiffness_n_m_per_rad: Spring about y on which the whole base turns; None: fixed.
+        weight_factor: Factor on the weight that the geometric stiffness is made of.
+    """
+
+    name: str
+    storeys: int
+    storey_height_m: float
+    plate: Plate
+    columns: Columns
+    joints: Joints
+    damping_ratio: float
+    title: str = ""
+    material: Material = Material()
+    nonstructural_mass_kg: float = 0.0
+    published: Published = Published()
+    added_mass_kg: list[float] = []
+    stiffness_factor: float = 1.0
+    joint_factor: float = 1.0
+    storey_stiffness_factor: list[float] = []
+    mass_eccentricity_m: float = 0.0
+    base_rotational_stiffness_n_m_per_rad: float | None = None
+    weight_factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        checks.plate_frame(self)
+
+    @property
+    def places_m(self) -> list[tuple[float, float]]:
+        """Centres (x, y) of the columns in plan [m]."""
+        if self.columns.places_m:
+            return [(float(x), float(y)) for x, y in self.columns.places_m]
+        x = self.plate.length_m / 2.0 - self.columns.inset_m
+        y = (self.plate.width_m - self.columns.width_m) / 2.0
+        return [(-x, -y), (x, -y), (-x, y), (x, y)]
+
+    @property
+    def floor_plate_mass_kg(self) -> float:
+        """Mass of one floor plate [kg]."""
+        plate = self.plate
+        return plate.length_m * plate.width_m * plate.thickness_m * self.material.density_kg_per_m3
+
+    @property
+    def storey_columns_mass_kg(self) -> float:
+        """Mass of all columns of one storey [kg]."""
+        columns = self.columns
+        volume = columns.width_m * columns.thickness_m * self.storey_height_m * len(self.places_m)
+        return volume * self.material.density_kg_per_m3
+
+    @property
+    def added_by_floor_kg(self) -> list[float]:
+        """Added mass of each floor [kg], as many entries as storeys."""
+        return list(self.added_mass_kg) or [0.0] * self.storeys
+
+    @property
+    def moving_mass_kg(self) -> float:
+        """Mass of floors, columns and everything on them, without any base plate [kg]."""
+        structure = self.storeys * (self.floor_plate_mass_kg + self.storey_columns_mass_kg)
+        return structure + self.nonstructural_mass_kg + sum(self.added_by_floor_kg)
+
+    def weights_n(self) -> list[float]:
+        """Return the weight that the columns of each storey carry at mid-height [N]."""
+        spread = self.nonstructural_mass_kg / self.storeys
+        floors = [self.floor_plate_mass_kg + spread + added for added in self.added_by_floor_kg]
+        column = self.storey_columns_mass_kg
+        above = [sum(floors[i:]) + column * (self.storeys - i - 0.5) for i in range(self.storeys)]
+        return [GRAVITY * self.weight_factor * mass for mass in above]
+
+    def joint_stiffness(self, calibration: str | None = None) -> float:
+        """Return the stiffness of one joint [N m/rad].
+
+        Args:
+            calibration: A name in ``joints.stiffness_n_m_per_rad``; the default of the frame when None.
+
+        Raises:
+            FrameError: The frame has no such calibration.
+        """
+        known = self.joints.stiffness_n_m_per_rad
+        wanted = calibration or self.joints.default
+        if wanted not in known:
+            raise FrameError(f"frame {self.name}: no calibration {wanted!r}; it has {', '.join(known)}")
+        return known[wanted] * self.joint_factor * self.stiffness_factor
+
+
+class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
+    """A frame known by its floors alone: a chain of floor masses on storey springs.
+
+    Either the storey stiffnesses or some of the lowest frequencies are stated. What they are taken from (a
+    test, a code's estimate) holds its own joints and its own weight, so that ``joints`` and ``p_delta`` do
+    not change a stick.
+
+    Attributes:
+        name: Name of the frame.
+        storeys: Number of storeys.
+        storey_height_m: One height for all storeys, or one for each [m].
+        floor_mass_kg: Mass of each floor, from the first up [kg].
+        damping_ratio: One damping ratio for all modes, or one for each of the lowest modes (the modes above
+            take the last); fractions.
+        storey_stiffness_n_per_m: Stiffness of each storey, from the first up [N/m].
+        frequency_hz: The lowest frequencies, at least the first [Hz].
+        plan_m: Sides along x and y [m].
+        title: One line that describes the frame.
+        published: What is known from tests, for comparison.
+    """
+
+    name: str
+    storeys: int
+    storey_height_m: float | list[float]
+    floor_mass_kg: list[float]
+    damping_ratio: float | list[float]
+    storey_stiffness_n_per_m: list[float] = []
+    frequency_hz: list[float] = []
+    plan_m: tuple[float, float] = (0.4, 0.4)
+    title: str = ""
+    published: Published = Published()
+
+    def __post_init__(self) -> None:
+        checks.stick_frame(self)
+
+    @property
+    def storey_heights_m(self) -> list[float]:
+        """Height of each storey [m]."""
+        height = self.storey_height_m
+        return list(height) if isinstance(height, list) else [height] * self.storeys
+
+    @property
+    def damping_ratios(self) -> list[float]:
+        """Damping ratio of each mode, as many as storeys."""
+        stated = self.damping_ratio if isinstance(self.damping_ratio, list) else [self.damping_ratio]
+        return [stated[min(mode, len(stated) - 1)] for mode in range(self.storeys)]
+
+    @property
+    def moving_mass_kg(self) -> float:
+        """Mass of all floors [kg]."""
+        return sum(self.floor_mass_kg)
+
+
+Frame = PlateFrame | StickFrame
+
+
+def changed(frame: PlateFrame, **fields: Any) -> PlateFrame:
+    """Return a frame with some fields replaced, checked like a new one.
+
+    Raises:
+        FrameError: A field has no such name, or a value that cannot be.
+    """
+    unknown = set(fields) - set(frame.__struct_fields__)
+    if unknown:
+        raise FrameError(f"frame {frame.name}: no field {', '.join(sorted(unknown))} to change")
+    return msgspec.structs.replace(frame, **fields)

@@ -1,0 +1,123 @@
+"""Frame files: the shipped ones by name, any other by its path."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from functools import cache
+from importlib import resources
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from frames.definition import Frame, PlateFrame, StickFrame
+from frames.errors import FrameError
+
+ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
+"""Order in which the shipped frames are shown: those of Table 3.1 first."""
+
+
+def names() -> list[str]:
+    """Return the names of the shipped frames."""
+    found = {path.name.removesuffix(".toml") for path in _library().iterdir() if path.name.endswith(".toml")}
+    return [name for name in ORDER if name in found] + sorted(found - set(ORDER))
+
+
+def load(name_or_path: str | Path) -> Frame:
+    """Return a frame by the name of a shipped one, or from a frame file.
+
+    Args:
+        name_or_path: A name of `names`, or the path of a TOML file (with a suffix or a folder in it).
+
+    Raises:
+        FrameError: There is no such frame, or its file is not a frame; the sentence names file and key.
+    """
+    text = str(name_or_path)
+    if text in names():
+        return _shipped(text)
+    path = Path(text)
+    if path.suffix != ".toml" and not path.is_file():
+        raise FrameError(f"frame {text!r}: not known{_near(text, names())}; shipped are {', '.join(names())}")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise FrameError(f"frame file {text}: {error.strerror or error}") from error
+    return parse(content, text)
+
+
+def parse(content: bytes | str, place: str) -> Frame:
+    """Return the frame in the text of a frame file.
+
+    Args:
+        content: TOML.
+        place: What messages call the file.
+
+    Raises:
+        FrameError: It is not TOML, or not a frame.
+    """
+    try:
+        tree = msgspec.toml.decode(content)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise FrameError(f"frame file {place}: not TOML: {error}") from error
+    return from_mapping(tree, f"frame file {place}")
+
+
+def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
+    """Return the frame in a mapping with the keys of a frame file; ``kind`` is ``"plate"`` or ``"stick"``.
+
+    Raises:
+        FrameError: It is not a frame; the sentence begins with ``place``.
+    """
+    kinds = {"plate": PlateFrame, "stick": StickFrame}
+    if tree.get("kind") not in kinds:
+        raise FrameError(f'{place}: kind is {tree.get("kind")!r}, must be "plate" or "stick"')
+    _known_keys(tree, kinds[tree["kind"]], place)
+    try:
+        return msgspec.convert(tree, PlateFrame | StickFrame)
+    except msgspec.ValidationError as error:
+        # A FrameError of our own checks comes wrapped; it is a sentence already.
+        cause = error.__cause__
+        reason = str(cause) if isinstance(cause, FrameError) else str(error)
+        raise FrameError(f"{place}: {reason}") from error
+
+
+def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str = "") -> None:
+    """Refuse unknown keys; say which one was meant when only its unit is another."""
+    fields = {field.encode_name: field.type for field in msgspec.structs.fields(structure)}
+    for key, value in tree.items():
+        if not inside and key == "kind":
+            continue
+        if key not in fields:
+            raise FrameError(f"{place}: {inside}{key} is not a key of a frame{_meant(key, list(fields))}")
+        kind = fields[key]
+        if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
+            _known_keys(value, kind, place, f"{inside}{key}.")
+
+
+UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|rad|s|ms|percent|per|m3|mm3))+$"
+
+
+def _meant(key: str, fields: list[str]) -> str:
+    stem = re.sub(UNITS, "", key)
+    same = [field for field in fields if re.sub(UNITS, "", field) == stem]
+    if same:
+        return f"; expected {same[0]} (mind the unit)"
+    near = difflib.get_close_matches(key, fields, 1)
+    return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(fields)}"
+
+
+def _near(name: str, known: list[str]) -> str:
+    lowered = {candidate.lower(): candidate for candidate in known}
+    near = difflib.get_close_matches(name.lower().replace("-", "").strip(), lowered, 1, 0.5)
+    return f", did you mean {lowered[near[0]]}?" if near else ""
+
+
+@cache
+def _shipped(name: str) -> Frame:
+    return parse(_library().joinpath(f"{name}.toml").read_bytes(), f"{name}.toml")
+
+
+def _library() -> Traversable:
+    return resources.files("frames") / "library"

@@ -1,0 +1,102 @@
+"""Sticks: frames known by their floors alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from frames.craig_bampton import dense_modes, modal_damping
+from frames.definition import StickFrame
+from frames.errors import FrameError
+from frames.reduction import ReducedFrame
+
+Real = NDArray[np.float64]
+
+MATCHED = 1e-6
+"""A stated frequency counts as met within this fraction."""
+
+STEPS = 60
+"""Most steps of the search for storey stiffnesses."""
+
+
+def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
+    """Return a stick as a reduced frame; its coordinates are the floors' displacements along x.
+
+    Args:
+        frame: The stick.
+        damping: Damping ratio of all modes instead of the stick's own, a fraction.
+
+    Raises:
+        FrameError: No chain of storeys with these masses has the stated frequencies.
+    """
+    mass = np.diag(np.asarray(frame.floor_mass_kg, float))
+    stiffness = chain(storey_stiffnesses(frame))
+    frequencies, shapes = dense_modes(stiffness, mass)
+    ratios = np.array(frame.damping_ratios if damping is None else [damping] * frame.storeys)
+    return ReducedFrame(
+        name=frame.name,
+        storeys=frame.storeys,
+        heights_m=np.cumsum(frame.storey_heights_m),
+        plan_m=frame.plan_m,
+        definition=frame,
+        options={"damping_ratio": float(ratios[0])},
+        mass=mass,
+        stiffness=stiffness,
+        damping=modal_damping(mass, shapes, frequencies, ratios),
+        influence=np.ones(frame.storeys),
+        floor_x=np.arange(frame.storeys),
+        floor_rz=np.arange(0),
+        frequencies_hz=frequencies,
+        shapes=shapes,
+        damping_ratios=ratios,
+        moving_mass_kg=frame.moving_mass_kg,
+        basis=np.eye(frame.storeys),
+    )
+
+
+def chain(storeys: Real) -> Real:
+    """Return the stiffness matrix (n, n) [N/m] of storeys (n,) [N/m] in a row, the first on the base."""
+    storeys = np.asarray(storeys, float)
+    above = np.append(storeys[1:], 0.0)
+    return np.diag(storeys + above) - np.diag(above[:-1], 1) - np.diag(above[:-1], -1)
+
+
+def storey_stiffnesses(frame: StickFrame) -> Real:
+    """Return the stiffness of each storey (storeys,) [N/m].
+
+    Stated stiffnesses are returned as they are. From frequencies the storeys follow as the ones nearest to
+    equal ones (in the logarithm of the stiffness) that have these frequencies: one frequency alone scales
+    equal storeys.
+
+    Raises:
+        FrameError: No chain of storeys with these masses has these frequencies.
+    """
+    if frame.storey_stiffness_n_per_m:
+        return np.asarray(frame.storey_stiffness_n_per_m, float)
+    mass = np.diag(np.asarray(frame.floor_mass_kg, float))
+    wanted = np.asarray(frame.frequency_hz, float)
+    equal = np.ones(frame.storeys)
+    scale = (wanted[0] / dense_modes(chain(equal), mass)[0][0]) ** 2
+    logarithm = np.log(scale * equal)
+    start = logarithm.copy()
+    for _ in range(STEPS):
+        frequencies, shapes = dense_modes(chain(np.exp(logarithm)), mass)
+        miss = np.log(wanted / frequencies[: len(wanted)])
+        if np.abs(miss).max() < MATCHED:
+            return np.exp(logarithm)
+        slope = _sensitivity(np.exp(logarithm), frequencies, shapes)[: len(wanted)]
+        # The least distance from equal storeys that meets the linearised frequencies.
+        target = np.linalg.lstsq(slope, miss + slope @ (logarithm - start), rcond=None)[0]
+        step = start + target - logarithm
+        logarithm = logarithm + step * min(1.0, 0.5 / max(np.abs(step).max(), 1e-12))
+    raise FrameError(
+        f"frame {frame.name}: no storeys with these floor masses have the frequencies "
+        f"{', '.join(f'{f:g}' for f in wanted)} Hz; the nearest found are "
+        f"{', '.join(f'{f:.4g}' for f in frequencies[: len(wanted)])} Hz; state fewer frequencies"
+    )
+
+
+def _sensitivity(storeys: Real, frequencies: Real, shapes: Real) -> Real:
+    """Return d ln(frequency) / d ln(storey stiffness) (modes, storeys)."""
+    drift = np.diff(shapes, axis=0, prepend=0.0)
+    return 0.5 * (storeys[:, None] * drift**2).T / (2.0 * np.pi * frequencies[:, None]) ** 2
