@@ -20,7 +20,7 @@ from frames.errors import FrameError
 from frames.exact import checked
 
 if TYPE_CHECKING:
-    from frames.reduction import ReducedFrame
+    from frames.reduced import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 
