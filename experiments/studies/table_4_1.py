@@ -2,13 +2,13 @@
 
 `BLIND` is the model believed before any peak was looked at: joints calibrated on the frequency of free
 vibration and nothing else, gravity's P-Delta on, the damping of the free-vibration tests in every mode, the
-records as they are (their peaks are those of section 3.7), positive acceleration towards +x. All other variants
-are shown beside it, none is picked. Run it with ``python -m experiments.studies.table_4_1``.
+records as they are (their peaks are those of section 3.7), positive acceleration towards +x. All other
+variants are shown beside it, none is picked. Run it with ``python -m experiments.studies.table_4_1``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from itertools import product
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 import xarray as xr
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -26,6 +27,7 @@ from experiments.records import Record, find
 from frames.exact import linear_response
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
+SIDES = ("max", "min")
 FRAMES = ("15A", "15B", "10", "5A", "5B")
 MODEL_STEP_S = 2.5e-4
 """The exact response is looked at this often [s]: 100 times in a period of the third mode of 5B (36 Hz)."""
@@ -50,10 +52,9 @@ class Variant:
     damping: float | None = None
 
     def __str__(self) -> str:
-        return (
-            f"{self.joints.replace('_', ' ')}, P-Delta {'on' if self.p_delta else 'off'}, peaks of {self.peaks},"
-            f" {'as recorded' if self.polarity > 0 else 'reversed'}"
-        )
+        gravity = "P-Delta on" if self.p_delta else "P-Delta off"
+        sense = "as recorded" if self.polarity > 0 else "reversed"
+        return f"{self.joints.replace('_', ' ')}, {gravity}, peaks of {self.peaks}, {sense}"
 
 
 BLIND = Variant()
@@ -68,24 +69,15 @@ def variants() -> list[Variant]:
 
 def measured(source: str = "experiment") -> xr.DataArray:
     """Return the printed peaks [mm] over place, record and side; `numerical` are SAP2000's."""
-    series = published.long("4.1").xs(source, level="source")
-    return peaks_array(
-        {
-            (str(f), int(i), str(r), str(s)): float(v)
-            for (f, i, r, s), v in zip(series.index, series, strict=True)
-        }
-    )
-
-
-def peaks_array(peaks: Mapping[tuple[str, int, str, str], float]) -> xr.DataArray:
-    """Return peaks [mm] by frame, floor, record and side as an array in the order of the table."""
-    places = list(dict.fromkeys((frame, floor) for frame, floor, _, _ in peaks))
-    data = [[[peaks[frame, floor, r, s] for s in ("max", "min")] for r in RECORDS] for frame, floor in places]
-    names = [f"{frame} floor {floor}" for frame, floor in places]
-    coords = {"place": names, "record": list(RECORDS), "side": ["max", "min"]}
-    array = xr.DataArray(data, coords=coords, dims=("place", "record", "side"), attrs={"units": "mm"})
-    return array.assign_coords(
-        frame=("place", [frame for frame, _ in places]), floor=("place", [floor for _, floor in places])
+    table = published.table("4.1").xs(source, axis=1, level="source")
+    frame, floor = (table.index.get_level_values(level).to_numpy() for level in ("frame", "floor"))
+    values = table[list(product(RECORDS, SIDES))].to_numpy(dtype=float)
+    coords = {"place": [f"{a} floor {b}" for a, b in zip(frame, floor, strict=True)], "record": list(RECORDS)}
+    return xr.DataArray(
+        values.reshape(-1, len(RECORDS), len(SIDES)),
+        coords | {"side": list(SIDES), "frame": ("place", frame), "floor": ("place", floor)},
+        ("place", "record", "side"),
+        attrs={"units": "mm"},
     )
 
 
@@ -102,34 +94,29 @@ def build(name: str, variant: Variant) -> frames.ReducedFrame:
 
 def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Record:
     """Return a record as the table ran it in a variant: time compressed, peak and polarity as wanted."""
-    pga = None if variant.peaks == "3.7" else float(published.table("7.1").loc[name, "pga_g"])
+    pga = None if variant.peaks == "3.7" else float(published.table("7.1")["pga_g"][name])
     record = find(name, folder).scaled(pga_g=pga)
     record = record.resampled(record.step_s / np.ceil(record.step_s / MODEL_STEP_S))
     return record if variant.polarity > 0 else record.flipped()
 
 
-def floor_peaks(
-    reduced: frames.ReducedFrame, record: Record, floors: Iterable[int]
-) -> Iterator[tuple[float, float]]:
-    """Yield largest and size of smallest displacement relative to the table [mm] of each floor asked for."""
+def floor_peaks(reduced: frames.ReducedFrame, record: Record, floors: Sequence[int]) -> NDArray[np.float64]:
+    """Return the largest and the size of the smallest relative displacement of floors (floors, 2) [mm]."""
     columns = [int(reduced.floor_x[floor - 1]) for floor in floors]
     displacement, _ = linear_response(reduced, record.acceleration_m_s2, record.step_s, outputs=columns)
-    for history in 1e3 * displacement.T:
-        yield float(history.max()), float(-history.min())
+    return 1e3 * np.stack([displacement.max(axis=0), -displacement.min(axis=0)], axis=1)
 
 
 def predict(variant: Variant, folder: Path | None = None) -> xr.DataArray:
     """Return the 64 peaks of a variant [mm], in the layout of `measured`."""
     motions = {name: table_motion(name, variant, folder) for name in RECORDS}
-    wanted = measured()
-    peaks: dict[tuple[str, int, str, str], float] = {}
+    peaks = xr.full_like(measured(), np.nan)
     for frame in FRAMES:
         reduced = build(frame, variant)
-        floors = [int(floor) for floor in wanted.floor[wanted.frame == frame].values]
-        for name, motion in motions.items():
-            for floor, (high, low) in zip(floors, floor_peaks(reduced, motion, floors), strict=True):
-                peaks[frame, floor, name, "max"], peaks[frame, floor, name, "min"] = high, low
-    return peaks_array(peaks)
+        rows = np.flatnonzero(peaks.frame == frame)
+        for column, name in enumerate(RECORDS):
+            peaks[rows, column] = floor_peaks(reduced, motions[name], peaks.floor[rows].values.tolist())
+    return peaks
 
 
 def trusted() -> xr.DataArray:
