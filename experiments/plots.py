@@ -28,7 +28,7 @@ Real = NDArray[np.floating[Any]]
 OURS, THEIRS, PUBLISHED = "#1f4e79", "#d1711c", "#b3262e"
 """Colours of what is computed, what was measured, and what is published."""
 
-STYLE = {
+STYLE: Any = {
     "font.size": 10,
     "axes.grid": True,
     "grid.color": "#dddddd",
@@ -99,8 +99,8 @@ def overlay(
     Returns:
         How many channels were laid over; with none no file is written.
     """
-    pairs = [(channel, simulated(data, channel, frame)) for channel in measured]
-    pairs = [(channel, values) for channel, values in pairs if values is not None]
+    found = [(channel, simulated(data, channel, frame)) for channel in measured]
+    pairs = [(channel, values) for channel, values in found if values is not None]
     if not pairs:
         return 0
     figure = _figure(height=1.0 + 1.7 * len(pairs))
@@ -180,9 +180,8 @@ def _mark(axis: Axes, peaks_mm: tuple[float, float]) -> None:
 
 
 def _described(channel: Channel) -> str:
-    place = (
-        "table" if channel.floor == 0 or channel.frame is None else f"{channel.frame}, floor {channel.floor}"
-    )
+    on_table = channel.floor == 0 or channel.frame is None
+    place = "table" if on_table else f"{channel.frame}, floor {channel.floor}"
     return f"{place}: {channel.quantity.replace('_', ' ')} ({channel.name})"
 
 

@@ -49,9 +49,9 @@ def dataset(
     Returns:
         ``relative_`` and ``absolute_`` ``displacement``, ``velocity`` and ``acceleration`` (frame, floor,
         time), ``table_displacement``, ``table_velocity`` and ``table_acceleration`` (time), ``height``
-        (frame, floor) and, with contacts, ``contact_force`` (contact, contact_time). Each variable has ``units`` and
-        ``long_name``. Absolute displacement and velocity hold the plain integral of the record's
-        acceleration, with whatever drift the record has.
+        (frame, floor) and, with contacts, ``contact_force`` (contact, contact_time). Each variable has
+        ``units`` and ``long_name``. Absolute displacement and velocity hold the plain integral of the
+        record's acceleration, with whatever drift the record has.
     """
     times = np.arange(0.0, motion.model_s + 1e-9 * step_s, step_s)
     table = table_motion(record, times)

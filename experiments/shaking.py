@@ -14,9 +14,8 @@ from frames.definition import PlateFrame
 from frames.stress import Largest, largest_stress
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
-
     from experiments.records import Record
+    from frames.reduction import ReducedFrame
 
 SMALL_DRIFT = 0.05
 """Largest storey drift over storey height for small-rotation kinematics: the cosine is off by 0.1 % there."""
@@ -86,10 +85,11 @@ def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:
     if stress is not None and isinstance(definition, PlateFrame):
         limit = definition.material.yield_stress_mpa
         if stress.stress_pa / 1e6 >= limit:
+            when = motion.time_s[stress.instant]
             warnings.append(
                 f"{motion.name}: the stress reaches {stress.stress_pa / 1e6:.0f} MPa ({stress.place}, at "
-                f"{motion.time_s[stress.instant]:.3f} s), above the yield stress of {limit:.0f} MPa; the model "
-                "does not yield, so its motion is not to be trusted from there on"
+                f"{when:.3f} s), above the yield stress of {limit:.0f} MPa; the model does not yield, so "
+                "its motion is not to be trusted from there on"
             )
     drift, storey, at = largest_drift(motion)
     if drift > SMALL_DRIFT:

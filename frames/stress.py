@@ -16,7 +16,7 @@ from frames.errors import FrameError
 from frames.shells import von_mises
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 
