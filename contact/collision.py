@@ -95,16 +95,20 @@ def collide(
         unit = force * span / approach
         return [v_left, v_right, -unit / mass_left_kg, unit / mass_right_kg]
 
-    def parted(t: float, y: Real) -> float:
-        # Where the law would pull if it could, the bodies have parted although the deformation is not yet zero.
+    def closed(_t: float, y: Real) -> float:
+        return float(y[0] - y[1])
+
+    def pushing(_t: float, y: Real) -> float:
+        # Per deformation, so that the root is a simple one whatever the law's power.
         deformation, rate = float(y[0] - y[1]) * depth, float(y[2] - y[3]) * approach
         if law.tension or deformation <= 0.0:
-            return deformation / depth + (0.0 if t else 1.0)
-        return float(law.compression(deformation, rate, approach, FloatOperations)) * span / (
-            mass * approach
-        ) + 1e-14 * (t == 0.0)
+            return 1.0
+        pressed = float(law.compression(deformation, rate, approach, FloatOperations))
+        return pressed / deformation * depth * span / (mass * approach)
 
-    parted.terminal, parted.direction = True, -1  # type: ignore[attr-defined]
+    # The bodies part where the deformation ends or, without tension, where the law would begin to pull.
+    for event in (closed, pushing):
+        event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
     start = np.array([0.0, 0.0, velocity_left_m_s, velocity_right_m_s]) / np.array(
         [1.0, 1.0, approach, approach]
     )
@@ -115,10 +119,10 @@ def collide(
         method="DOP853",
         rtol=tolerance,
         atol=1e-13,
-        events=parted,
+        events=(closed, pushing),
         dense_output=True,
     )
-    if found.status != 1:
+    if found.status != 1 or found.sol is None:
         raise ContactError(f"{law.name}: the bodies did not part within {200 * span:.3g} s ({found.message})")
     times = np.linspace(0.0, found.t[-1], points)
     left, right, v_left, v_right = found.sol(times)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from contact.errors import ContactError
 from contact.laws import FloatOperations, Law
 
-symbolic = exudyn.symbolic
+symbolic: Any = exudyn.symbolic  # type: ignore[attr-defined]
 Real = NDArray[np.float64]
 Force = Callable[[float, float], float]
 
@@ -33,10 +33,12 @@ class SymbolicOperations:
 
     @staticmethod
     def where(condition: Any, yes: Any, no: Any) -> Any:
+        """Record a choice."""
         return symbolic.IfThenElse(condition, _recorded(yes), _recorded(no))
 
     @staticmethod
     def maximum(first: Any, second: Any) -> Any:
+        """Record the larger of two."""
         return SymbolicOperations.where(first > second, first, second)
 
 
@@ -47,9 +49,9 @@ def _recorded(value: Any) -> Any:
 def force_function(law: Law) -> Force:
     """The law as a function of deformation [m] and rate [m/s] that remembers the velocity at first touch.
 
-    The velocity is that of the straight line between the last moment apart and the first in touch. A step that
-    the engine takes back and takes again leaves a memory of the same touch, so it does no harm; a moment
-    apart at the end of a contact, seen on the way out, is no new touch.
+    The velocity is that of the straight line between the last moment apart and the first in touch. A step
+    that the engine takes back and takes again leaves a memory of the same touch, so it does no harm; a
+    moment apart at the end of a contact, seen on the way out, is no new touch.
     """
     if not law.latches:
         return lambda deformation, rate: law.force(deformation, rate, 0.0, FloatOperations)
@@ -104,7 +106,7 @@ class ContactConnector:
     ) -> None:
         self.law, self.gap_m = law, checked_gap(gap_m)
         self.recorded = record and not law.latches
-        # exudyn keeps no reference to a user function: the connector must, and its owner must keep the connector.
+        # exudyn keeps no reference to a user function: the connector must, and its owner the connector.
         self._function = self._symbolic(mbs) if self.recorded else self._python()
         self.item = mbs.AddObject(
             items.ObjectConnectorCoordinateSpringDamper(

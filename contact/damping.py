@@ -1,4 +1,4 @@
-"""Damping of the impact laws from the restitution that is asked for (thesis eq. 2.6, 2.7, 2.14, 2.17, 2.18)."""
+"""Damping of the impact laws from the restitution asked for (thesis eq. 2.6, 2.7, 2.14, 2.17, 2.18)."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def check_restitution(restitution: float) -> float:
     """
     if not 0.0 < restitution <= 1.0:
         raise ContactError(
-            f"a coefficient of restitution of {restitution:g} cannot be: give one above 0 (at 0 the damping is "
-            "infinite) and at most 1 (above it, the contact creates energy)"
+            f"a coefficient of restitution of {restitution:g} cannot be: give one above 0 (at 0 the damping "
+            "is infinite) and at most 1 (above it, the contact creates energy)"
         )
     return restitution
 

@@ -40,10 +40,12 @@ class FloatOperations:
 
     @staticmethod
     def where(condition: bool, yes: float, no: float) -> float:
+        """Return `yes` or `no`."""
         return yes if condition else no
 
     @staticmethod
     def maximum(first: float, second: float) -> float:
+        """Return the larger one."""
         return first if first > second else second
 
 
@@ -112,12 +114,16 @@ class LinearSpring(Law):
     name: ClassVar[str] = "linear_spring"
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
+        """Spring [N], eq. 2.4."""
         return self.stiffness * deformation
 
 
 @dataclass(frozen=True)
 class LinearViscoelastic(Law):
-    """Spring and dashpot side by side, Kelvin and Voigt's (thesis eq. 2.5). stiffness [N/m], damping [N s/m]."""
+    """Spring and dashpot side by side, after Kelvin and Voigt (thesis eq. 2.5).
+
+    stiffness [N/m], damping [N s/m].
+    """
 
     damping: float = 0.0
 
@@ -128,6 +134,7 @@ class LinearViscoelastic(Law):
         _not_negative(self, "damping", "N s/m")
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
+        """Spring and dashpot [N], eq. 2.5."""
         return self.stiffness * deformation + self.damping * rate
 
 
@@ -139,12 +146,13 @@ class Hertz(Law):
     unit: ClassVar[str] = "N/m^1.5"
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
+        """Spring [N], eq. 2.9."""
         return self.stiffness * xp.power(deformation, 1.5)
 
 
 @dataclass(frozen=True)
 class NonlinearViscoelastic(Law):
-    """Hertz' spring with a dashpot that acts only while the bodies approach (Jankowski; thesis eq. 2.12, 2.13).
+    """Hertz' spring with a dashpot that acts while the bodies approach (Jankowski; thesis eq. 2.12, 2.13).
 
     stiffness [N/m^1.5], damping_ratio [-], reduced_mass m_i m_j / (m_i + m_j) [kg].
     """
@@ -162,6 +170,7 @@ class NonlinearViscoelastic(Law):
             raise ContactError(f"{self.name}: reduced_mass is {self.reduced_mass:g} kg; it must be positive")
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
+        """Spring and one-way dashpot [N], eq. 2.12 and 2.13."""
         dashpot = 2.0 * self.damping_ratio * math.sqrt(self.stiffness * self.reduced_mass)
         return self.stiffness * xp.power(deformation, 1.5) + dashpot * xp.power(
             deformation, 0.25
@@ -194,6 +203,7 @@ class HertzDamp(Law):
             )
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
+        """Spring and dashpot [N], eq. 2.15 and 2.16."""
         ratio = hertz_damp_ratio(self.restitution, self.formula)
         relative = rate / xp.maximum(approach, self.slowest_approach)
         return self.stiffness * xp.power(deformation, 1.5) * (1.0 + ratio * relative)
@@ -215,6 +225,4 @@ def law_class(name: str) -> type[Law]:
 def _not_negative(law: Law, field: str, unit: str) -> None:
     value = getattr(law, field)
     if value < 0:
-        raise ContactError(
-            f"{law.name}: {field} is {value:g} {unit}; a negative one would create energy".replace(" ;", ";")
-        )
+        raise ContactError(f"{law.name}: {field} is {f'{value:g} {unit}'.strip()}; it would create energy")

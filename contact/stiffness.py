@@ -18,7 +18,7 @@ def axial(modulus: float, area: float, length: float) -> float:
 
 
 def beams_and_slab(modulus: float, beam: tuple[float, float], slab: tuple[float, float]) -> float:
-    """E A_b / L_b + E A_s / L_s [N/m]; each pair is (area [m2], length [m]) (thesis eq. 2.19, Wada et al.; 2.23)."""
+    """E A_b / L_b + E A_s / L_s [N/m] (thesis eq. 2.19, Wada et al.; 2.23); area [m2] and length [m] each."""
     return axial(modulus, *beam) + axial(modulus, *slab)
 
 
@@ -35,7 +35,7 @@ def naserkhaki(building_stiffness: float, factor: float = 100.0) -> float:
 
 
 def xu(axial_stiffness: float, mass_left: float, mass_right: float, restitution: float) -> float:
-    """Xu et al. (thesis eq. 2.25, its denominator read as m_i + m_j) [N/m]; masses [kg], right one counted."""
+    """Xu et al. (thesis eq. 2.25, denominator read as m_i + m_j) [N/m]; the right mass [kg] is m_j."""
     logarithm = math.log(check_restitution(restitution))
     angle = math.asin(math.pi / math.hypot(math.pi, logarithm))
     share = mass_right / (mass_left + mass_right)

@@ -1,12 +1,13 @@
 """How alike two force histories are: the thesis' dissimilarity and the ranking of the laws by it.
 
-Section 6.6.2 calls it a Kolmogorov and Smirnov test: both histories are summed up over an interval, and the
-largest difference of the two sums is the dissimilarity. It is in newtons, not a probability, because nothing
-is normalised, and it grows with the number of samples.
+Section 6.6.2 calls it a Kolmogorov and Smirnov test: both histories are summed up over an interval, and
+the largest difference of the sums is the dissimilarity. It is in newtons, not a probability, because
+nothing is normalised, and it grows with the number of samples.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numpy as np
@@ -22,7 +23,7 @@ RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 
 
 def dissimilarity(first_n: ArrayLike, second_n: ArrayLike) -> float:
-    """Return the dissimilarity [N] of two force histories (m,) [N] at the same moments (thesis, section 6.6.2).
+    """Return the dissimilarity [N] of two force histories (m,) [N] at the same moments (section 6.6.2).
 
     Raises:
         ExperimentError: The histories are not rows of the same length, or hold something not finite.
@@ -38,7 +39,7 @@ def dissimilarity(first_n: ArrayLike, second_n: ArrayLike) -> float:
 
 
 def ranks(values: ArrayLike) -> NDArray[np.int64]:
-    """Return each law's rank in each row (rows, laws): 1 for the lowest dissimilarity; equals share the better."""
+    """Return each law's rank in each row (rows, laws): 1 for the lowest; equals share the better rank."""
     return rankdata(np.asarray(values, float), method="min", axis=1).astype(np.int64)
 
 
@@ -47,7 +48,9 @@ def rank_sums(values: ArrayLike, laws: list[str]) -> dict[str, int]:
     return dict(zip(laws, ranks(values).sum(axis=0).tolist(), strict=True))
 
 
-def rank_laws(reference_n: Mapping[str, ArrayLike], runs_n: Mapping[str, Mapping[str, ArrayLike]]) -> pd.DataFrame:
+def rank_laws(
+    reference_n: Mapping[str, ArrayLike], runs_n: Mapping[str, Mapping[str, ArrayLike]]
+) -> pd.DataFrame:
     """Rank laws by the dissimilarity of their histories from a stated reference.
 
     Args:
@@ -80,13 +83,12 @@ def printed_values() -> pd.DataFrame:
 
 
 def counted_impacts() -> dict[tuple[str, str, str], int]:
-    """Return the number of impacts that Table 6.2 lists for each left frame, right frame and record; 40 in all."""
-    sizes = printed_values().groupby(level=["left", "right", "record"], sort=False).size()
-    return {(str(left), str(right), str(record)): int(count) for (left, right, record), count in sizes.items()}
+    """Return the number of impacts that Table 6.2 lists for each (left, right, record); 40 in all."""
+    return dict(Counter((left, right, record) for left, right, record, _ in printed_values().index))
 
 
 def ranking_table() -> pd.DataFrame:
-    """Return Table 6.3 recomputed from Table 6.2: ranks (40, 5), the row of the printed table, and whether it agrees."""
+    """Return Table 6.3 recomputed from Table 6.2: ranks (40, 5), and whether the printed row agrees."""
     values = printed_values()
     found = pd.DataFrame(ranks(values), index=values.index, columns=values.columns)
     printed = published.table("6.3").drop(index="sum")

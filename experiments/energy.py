@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from experiments.motion import ContactHistory, FrameMotion
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating]
 
 # Gauss and Legendre's three points: exact to degree five in each step.
 _PLACES = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -79,7 +79,7 @@ def _powers(frame: FrameMotion) -> tuple[Real, Real]:
 
 
 def _contact_work(history: ContactHistory) -> Real:
-    """Return the work done on a contact (m,) [J]; steps in contact are cut, for the force bends within them."""
+    """Return the work done on a contact (m,) [J]; steps in touch are cut, for the force bends in them."""
     time = history.time_s
     closed = history.deformation_m > 0.0
     steps = np.flatnonzero(closed[:-1] | closed[1:])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -19,7 +18,7 @@ from experiments.records.record import STANDARD_GRAVITY
 if TYPE_CHECKING:
     from frames.reduction import ReducedFrame
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,7 @@ class FrameMotion:
         return self.reduced.name
 
     def floor(self, number: int) -> int:
-        """Return the coordinate that is a floor's displacement in x; `ExperimentError` if there is no such floor."""
+        """Return a floor's coordinate; `ExperimentError` if there is no such floor."""
         return floor_coordinate(self.reduced, number)
 
     def floor_displacement(self, number: int) -> Real:
@@ -68,7 +67,7 @@ class FrameMotion:
         )
 
     def peaks(self) -> list[dict[str, Any]]:
-        """Return each floor's peaks: `floor`, `max_mm`, `min_mm` (both positive), `max_acceleration_g` (in the room)."""
+        """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room)."""
         found = []
         for number in range(1, self.reduced.storeys + 1):
             moved = self.floor_displacement(number)
@@ -138,12 +137,12 @@ class ContactHistory:
         touched, rates = self.touches
         if not len(touched):
             return np.zeros_like(times)
-        # A whisker early: the interpolated moment of touch and the straight line's differ by round-off and curvature.
+        # A whisker early: the moment of touch on the curve and on the straight line differ a little.
         latest = np.searchsorted(touched - 5e-6, times, side="right") - 1
         return np.where(latest >= 0, rates[np.maximum(latest, 0)], 0.0)
 
     def sampled(self, rate_hz: float = 10_000.0) -> tuple[Real, Real]:
-        """Return times (k,) [s] and forces (k,) [N] as a force sensor sampled at `rate_hz` would give them."""
+        """Return times (k,) [s] and forces (k,) [N] as a force sensor sampled at `rate_hz` gives them."""
         times = np.arange(self.time_s[0], self.time_s[-1], 1.0 / rate_hz)
         force = np.zeros(len(times))
         touching = self._near(times, 1.0 / rate_hz)
@@ -151,9 +150,26 @@ class ContactHistory:
             force[touching] = self.at(times[touching])[2]
         return times, force
 
-    def fine(self, start_s: float, end_s: float, step_s: float = 1e-5) -> tuple[Real, Real, Real, Real]:
-        """Return times, deformation, rate and force in a window, at most `step_s` apart."""
-        times = np.linspace(start_s, end_s, max(3, int(np.ceil((end_s - start_s) / step_s)) + 1))
+    @cached_property
+    def pulses(self) -> list[tuple[float, float]]:
+        """First touch and parting [s] of each time in which the deformation is positive."""
+        return [(self._zero(a - 1), self._zero(b - 1)) for a, b in _runs(self.deformation_m > 0.0)]
+
+    def _zero(self, step: int) -> float:
+        """Time [s] at which the deformation passes zero in a step, on the straight line."""
+        if step < 0 or step + 1 >= len(self.time_s):
+            return float(self.time_s[0 if step < 0 else -1])
+        before, after = self.deformation_m[step], self.deformation_m[step + 1]
+        return float(
+            self.time_s[step] + before / (before - after) * (self.time_s[step + 1] - self.time_s[step])
+        )
+
+    def pulse(self, first_s: float, last_s: float) -> tuple[Real, Real, Real, Real]:
+        """Return times, deformation, rate and force of a touch, each of the engine's steps cut in eight."""
+        first, last = np.searchsorted(self.time_s, [first_s, last_s], side="right")
+        inner = self.time_s[first:last]
+        ends = np.concatenate([[first_s], inner[inner < last_s], [last_s]])
+        times = np.interp(np.arange(8 * (len(ends) - 1) + 1) / 8, np.arange(len(ends)), ends)
         return times, *self.at(times)
 
     def _near(self, times: Real, margin: float) -> NDArray[np.bool_]:
@@ -193,16 +209,14 @@ class Motion:
         return float(self.time_s[-1] - self.time_s[0])
 
 
+def _runs(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return (first, one past the last) index of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
 def floor_coordinate(reduced: ReducedFrame, number: int) -> int:
-    """Return the coordinate that is a floor's displacement in x; `ExperimentError` if there is no such floor."""
+    """Return the coordinate that is a floor's displacement in x; `ExperimentError` without such a floor."""
     if not (isinstance(number, int | np.integer) and 1 <= number <= reduced.storeys):
         raise ExperimentError(f"{reduced.name} has no floor {number}: its floors are 1 to {reduced.storeys}")
     return int(reduced.floor_x[number - 1])
-
-
-def same_motion(first: Sequence[FrameMotion], second: Sequence[FrameMotion], times_s: Real) -> float:
-    """Return the largest difference of two runs' displacements [m] at the given times."""
-    return max(
-        float(np.abs(a.sampled(times_s)[0] - b.sampled(times_s)[0]).max())
-        for a, b in zip(first, second, strict=True)
-    )

@@ -1,14 +1,16 @@
 """The shaking table with frames on it, and contacts between them: one run is one integration by exudyn.
 
-The integrator is Dormand and Prince's explicit method of order five with its error estimate: its steps grow to
-`Accuracy.longest_step_s` while the frames are apart and shrink to tens of microseconds while two floors touch,
-because the estimate sees the contact's stiffness. docs/theory/engine.md compares it with fixed steps.
+The integrator is Dormand and Prince's explicit method of order five with its error estimate: its steps grow
+to `Accuracy.longest_step_s` while the frames are apart and shrink to microseconds where two floors meet or
+part, because the estimate sees the force appear. So nothing has to predict a touch, and no time is lost to
+starting and stopping the engine. docs/validation/chapters-5-6.md has its error and its cost.
 """
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,6 +36,10 @@ LEVEL_TOLERANCE_M = 5e-3
 
 CHECK_EVERY = 64
 """Steps between two looks at whether the motion is still bounded."""
+
+STUCK_CHECKS = 64
+STUCK_S = 1e-6
+"""Shortest time that 64 times 64 steps must cover [s]."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +67,7 @@ class Contact:
 
 
 class Accuracy(NamedTuple):
-    """How closely a run is integrated.
+    """How closely a run is integrated; docs/validation/chapters-5-6.md shows what the default leaves.
 
     Attributes:
         relative: Relative tolerance of a step [-].
@@ -69,9 +75,18 @@ class Accuracy(NamedTuple):
         longest_step_s: Longest step [s].
     """
 
-    relative: float = 1e-5
-    absolute: float = 1e-7
+    relative: float = 1e-8
+    absolute: float = 1e-10
     longest_step_s: float = 5e-4
+
+
+COLLIDING = Accuracy()
+"""Default with contacts: an early error in a touch grows with every later one, so it is kept small."""
+
+APART = Accuracy(1e-6, 1e-8, 5e-4)
+"""Default without contacts, where nothing multiplies an error."""
+
+SHORTEST_STEP_S = 1e-13
 
 
 class Assembly(NamedTuple):
@@ -127,8 +142,8 @@ class Rig:
         )
         if abs(low - high) > LEVEL_TOLERANCE_M:
             raise ExperimentError(
-                f"floor {contact.floors[0]} of {pair[0].name} is at {low:g} m and floor {contact.floors[1]} of "
-                f"{pair[1].name} at {high:g} m: only floors at one height can meet"
+                f"floor {contact.floors[0]} of {pair[0].name} is at {low:g} m and floor {contact.floors[1]} "
+                f"of {pair[1].name} at {high:g} m: only floors at one height can meet"
             )
 
     def run(
@@ -137,7 +152,7 @@ class Rig:
         step_s: float | None = None,
         *,
         duration_s: float | None = None,
-        accuracy: Accuracy = Accuracy(),
+        accuracy: Accuracy | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Motion:
         """Shake the table and return what happened.
@@ -146,7 +161,7 @@ class Rig:
             shaking: A record at model scale, or the table's acceleration (m,) [m/s^2].
             step_s: Its sample step [s], for an acceleration; a record has its own.
             duration_s: End of the run [s]; default: the end of the shaking.
-            accuracy: Tolerances.
+            accuracy: Tolerances; default: `COLLIDING` with contacts, `APART` without.
             progress: Called now and then with the model time [s].
 
         Raises:
@@ -163,7 +178,7 @@ class Rig:
         guard = _Guard(self.frames, bodies, progress)
         mbs.SetPreStepUserFunction(guard)
         end = table.duration_s if duration_s is None else float(duration_s)
-        wall = _integrate(mbs, end, accuracy, guard)
+        wall = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
         motion = self._collect(bodies, table, wall)
         del connectors, kept
         return motion
@@ -204,7 +219,12 @@ class Rig:
 
 
 class _Guard:
-    """Looks at the motion every few steps: stops a run that grows without bound, and tells the progress."""
+    """Looks at the motion every few steps: stops a run that grows without bound or stands still.
+
+    Attributes:
+        reason: Why it stopped the run, in words; empty if it did not.
+        time_s: Time of the last step begun [s].
+    """
 
     def __init__(
         self,
@@ -212,27 +232,41 @@ class _Guard:
         bodies: Sequence[FrameBody],
         progress: Callable[[float], None] | None,
     ) -> None:
-        self._watched = [
-            (frame.name, body.node, frame.floor_x, float(np.max(frame.heights_m)))
-            for frame, body in zip(frames, bodies, strict=True)
-        ]
-        self._progress, self._count = progress, 0
-        self.reason = ""
-        self.time_s = 0.0
+        heights = [float(np.max(frame.heights_m)) for frame in frames]
+        self._watched = list(zip(frames, bodies, heights, strict=True))
+        self._progress, self._count, self._milestone = progress, 0, 0.0
+        self.reason, self.time_s = "", 0.0
 
     def __call__(self, mbs: Any, t: float) -> bool:
         self.time_s = t
         self._count += 1
         if self._count % CHECK_EVERY:
             return True
-        for name, node, floors, height in self._watched:
-            moved = np.abs(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)[floors])
-            if not moved.max() < height:
-                self.reason = f"floor {int(moved.argmax()) + 1} of {name} has moved by more than the frame's height of {height:g} m"
-                return False
+        self.reason = self._unbounded(mbs) or self._stuck(t)
         if self._progress is not None:
             self._progress(t)
-        return True
+        return not self.reason
+
+    def _unbounded(self, mbs: Any) -> str:
+        for frame, body, height in self._watched:
+            moved = np.abs(mbs.GetNodeOutput(body.node, exudyn.OutputVariableType.Coordinates)[frame.floor_x])
+            if not moved.max() < height:
+                return (
+                    f"floor {int(moved.argmax()) + 1} of {frame.name} has moved by more than its height "
+                    f"of {height:g} m; lower the shaking, or check the frame's stiffness and damping"
+                )
+        return ""
+
+    def _stuck(self, t: float) -> str:
+        if self._count % (CHECK_EVERY * STUCK_CHECKS):
+            return ""
+        gone, self._milestone = t - self._milestone, t
+        if gone > STUCK_S:
+            return ""
+        return (
+            f"{CHECK_EVERY * STUCK_CHECKS} steps have covered {gone:.1g} s only; lower the contact's "
+            "stiffness or damping, or loosen the relative and absolute tolerance"
+        )
 
 
 def _history(shaking: Record | ArrayLike, step_s: float | None) -> tuple[Real, float]:
@@ -261,36 +295,47 @@ def _rows(frames: Sequence[ReducedFrame], contact: Contact) -> tuple[Real, Real]
 
 def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: _Guard) -> float:
     """Run the system to `end_s` and return the wall time [s]."""
+    mbs.Assemble()
+    started = time.perf_counter()
+    try:
+        with _silence():
+            finished = mbs.SolveDynamic(
+                _settings(end_s, accuracy), solverType=exudyn.DynamicSolverType.DOPRI5
+            )
+    except ValueError as error:
+        raise ExperimentError(
+            f"the engine stopped at {guard.time_s:.4f} s ({str(error).splitlines()[0]}); lower the shaking "
+            "or the contact's stiffness, or loosen the tolerances"
+        ) from error
+    if guard.reason or not finished:
+        reason = guard.reason or "the engine did not finish; loosen the tolerances"
+        raise ExperimentError(f"the run was stopped at {guard.time_s:.4f} s: {reason}")
+    return time.perf_counter() - started
+
+
+def _settings(end_s: float, accuracy: Accuracy) -> Any:
     chosen = exudyn.SimulationSettings()
     chosen.timeIntegration.endTime = end_s
     chosen.timeIntegration.numberOfSteps = max(1, int(np.ceil(end_s / accuracy.longest_step_s)))
     chosen.timeIntegration.automaticStepSize = True
     chosen.timeIntegration.adaptiveStep = True
     chosen.timeIntegration.initialStepSize = min(1e-5, accuracy.longest_step_s)
-    chosen.timeIntegration.minimumStepSize = 1e-11
+    chosen.timeIntegration.minimumStepSize = SHORTEST_STEP_S
     chosen.timeIntegration.relativeTolerance = accuracy.relative
     chosen.timeIntegration.absoluteTolerance = accuracy.absolute
     chosen.timeIntegration.verboseMode = 0
     chosen.linearSolver.solverType = exudyn.LinearSolverType.EXUdense
     chosen.solution.file.write = False
-    chosen.solution.sensors.writePeriod = 1e-12  # every step
-    mbs.Assemble()
-    started = time.perf_counter()
-    cause = ""
+    chosen.solution.sensors.writePeriod = 1e-15  # every step
+    return chosen
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Keep the engine's remarks off standard output, where `--json` prints; what matters is raised."""
+    before = exudyn.config.printToConsole, exudyn.config.suppressWarnings
+    exudyn.config.printToConsole, exudyn.config.suppressWarnings = False, True
     try:
-        finished = mbs.SolveDynamic(chosen, solverType=exudyn.DynamicSolverType.DOPRI5)
-    except ValueError as error:
-        finished, cause = False, str(error).splitlines()[0]
-    if guard.reason:
-        raise ExperimentError(
-            f"the run grew without bound: at {guard.time_s:.4f} s {guard.reason}; lower the shaking, or check the "
-            "frame's damping and stiffness (a softened or top-heavy frame buckles)"
-        )
-    if not finished:
-        raise ExperimentError(
-            f"the run stopped at {guard.time_s:.4f} s, for no step above 1e-11 s meets the tolerances {cause}; "
-            "lower the contact's stiffness or loosen Accuracy.relative and Accuracy.absolute".replace(
-                "  ", " "
-            )
-        )
-    return time.perf_counter() - started
+        yield
+    finally:
+        exudyn.config.printToConsole, exudyn.config.suppressWarnings = before
