@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +40,13 @@ class Shape:
     level: Index
     is_column: NDArray[np.bool_]
     follows: Any
+
+    @cached_property
+    def outline(self) -> Index:
+        """Edges that belong to one element only, as pairs of nodes (edges, 2)."""
+        sides = np.sort(np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1)
+        pairs, count = np.unique(sides, axis=0, return_counts=True)
+        return pairs[count == 1]
 
     def moved(self, q: Real) -> Real:
         """Return the displacement (nodes, 3) [m] for coordinates q (n,), relative to the table."""

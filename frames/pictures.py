@@ -77,20 +77,19 @@ def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0)
 
     nodes: Real = shape.nodes if displacement is None else shape.nodes + factor * displacement
     faces = np.column_stack([np.full(len(shape.quads), 4), shape.quads])
-    return pyvista.PolyData(np.asarray(nodes, float), faces.ravel())
+    # A copy: pyvista would otherwise share the memory, and moving the picture would move the frame's mesh.
+    return pyvista.PolyData(np.array(nodes, float), faces.ravel())
 
 
-def outlines(surface: Any) -> Any:
-    """Return the outlines of floors and columns, without the lines of the mesh."""
-    return surface.extract_feature_edges(
-        boundary_edges=True, feature_edges=False, manifold_edges=False, non_manifold_edges=False
-    )
+def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> Any:
+    """Add the outlines of floors and columns and return them; pale ones for a frame at rest."""
+    import pyvista
 
-
-def add_lines(scene: Any, surface: Any, *, ghost: bool = False) -> None:
-    """Add the outlines of a surface; as a ghost for what it looks like at rest."""
+    lines = np.column_stack([np.full(len(shape.outline), 2), shape.outline])
+    drawn = pyvista.PolyData(np.array(nodes, float), lines=lines.ravel())
     style = {"color": GHOST, "line_width": 1.0} if ghost else {"color": INK, "line_width": 1.2}
-    scene.add_mesh(outlines(surface), **style)
+    scene.add_mesh(drawn, **style)
+    return drawn
 
 
 def add_surface(scene: Any, surface: Any, **style: Any) -> None:
@@ -205,13 +204,13 @@ def modes_picture(
             moved = shape.moved(reduced.shapes[:, mode])
             moved = moved / np.linalg.norm(moved, axis=1).max()
             surface = grid(shape, factor * moved)
-            name = "displacement / largest displacement"
+            name = "displacement / largest displacement\n"
             surface[name] = np.abs(moved[:, 0])
             place = bar(name, vertical=False, height=0.06, width=0.9, position_x=0.05, position_y=0.02)
             middle = mode == count // 2
             add_surface(scene, surface, cmap=MAP, clim=(0, 1), scalar_bar_args=place, show_scalar_bar=middle)
-            add_lines(scene, surface)
-            add_lines(scene, grid(shape), ghost=True)
+            add_lines(scene, shape, surface.points)
+            add_lines(scene, shape, shape.nodes, ghost=True)
             words = f"mode {mode + 1}: {reduced.frequencies_hz[mode]:.2f} Hz"
             caption(scene, words, size=13, place=(0.2, 0.98))
             look(scene, low, high, margins=Margins(bottom=0.14))
@@ -246,7 +245,7 @@ def deformed_picture(
     moved = shape.moved(q)
     with plotter(size) as scene:
         add_deformed(scene, shape, moved, factor=factor, stress_pa=stress_pa)
-        add_lines(scene, grid(shape), ghost=True)
+        add_lines(scene, shape, shape.nodes, ghost=True)
         add_table(scene, plan(reduced))
         caption(scene, f"{title or f'Frame {reduced.name}'}\ndisplacement enlarged {factor:g} times")
         look(scene, *box(reduced, factor * float(np.abs(moved).max())), margins=Margins(right=0.18))
@@ -281,7 +280,7 @@ def add_deformed(
         surface.cell_data[name] = values
     top = float(values.max()) if largest is None else largest
     add_surface(scene, surface, scalars=name, cmap=colours, clim=(0.0, top or 1.0), scalar_bar_args=bar(name))
-    add_lines(scene, surface)
+    add_lines(scene, shape, surface.points)
     return surface
 
 
