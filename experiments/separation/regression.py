@@ -70,7 +70,7 @@ class Fit:
 
     @property
     def table(self) -> pd.DataFrame:
-        """``coefficient``, ``standard_error``, ``t``, ``p`` by symbol, as the thesis' tables; NaN where not kept."""
+        """``coefficient``, ``standard_error``, ``t``, ``p`` by symbol; NaN where it was not kept."""
         order = [*(["constant"] if self.constant else []), *self.symbols]
         return (
             pd.DataFrame(

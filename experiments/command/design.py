@@ -1,0 +1,79 @@
+"""`pounding design`: the gap between two buildings at full scale by every rule there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import RenderableType
+
+from experiments.command import options
+from experiments.command.gap import Report
+from experiments.command.output import emit, table
+from experiments.provenance import stamp
+from experiments.separation import pictures
+from experiments.separation.design import DEFAULT_DAMPING_PERCENT, Site
+from experiments.separation.design import design as answer
+from experiments.separation.report import write_report
+
+Hertz = Annotated[
+    float | None, Parameter(help="First frequency [Hz]; default: AS 1170.4 by the height, eq 7.19.")
+]
+Peak = Annotated[
+    float | None, Parameter(help="Peak displacement at the lower roof [mm], for the rules by peaks.")
+]
+
+
+def design(
+    *,
+    tall: Annotated[float, Parameter(help="Height of the taller building [m].")],
+    short: Annotated[float, Parameter(help="Height of the lower building [m].")],
+    pga: Annotated[float, Parameter(help="Peak ground acceleration [g].")],
+    tall_frequency: Hertz = None,
+    short_frequency: Hertz = None,
+    damping: Annotated[
+        float, Parameter(help="Damping of both buildings [percent of critical].")
+    ] = DEFAULT_DAMPING_PERCENT,
+    tall_mm: Peak = None,
+    short_mm: Peak = None,
+    report: Report = None,
+    json: options.Json = False,
+) -> None:
+    """Say how far apart two buildings must stand by the codes' rules and the thesis' equations, at full scale."""
+    site = Site(
+        tall_m=tall,
+        short_m=short,
+        pga_g=pga,
+        tall_frequency_hz=tall_frequency,
+        short_frequency_hz=short_frequency,
+        damping_percent=damping,
+        tall_mm=tall_mm,
+        short_mm=short_mm,
+    )
+    result = stamp(asdict(site)) | answer(site)
+    if report is not None:
+        write_report("design", result, report, pictures.design_bars(result))
+    emit(result, as_json=json, show=lambda: _tables(result))
+
+
+def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:
+    yield table(
+        f"{result['tall']['height_m']:g} m beside {result['short']['height_m']:g} m at {result['pga_g']:g} g "
+        f"(class: {result['pga_class'] or 'none'}), full scale",
+        ["rule", "gap mm", "applies", "basis", "mind"],
+        [
+            [r["name"], _mm(r["gap_mm"]), "yes" if r["in_range"] else "no", r["basis"], r["reason"]]
+            for r in result["rules"]
+        ],
+    )
+    edges = ", ".join(
+        f"{level} {edge['lower_g']} to {edge['upper_g']} g" for level, edge in result["pga_classes"].items()
+    )
+    yield f"Classes of peak acceleration: {edges}; an edge belongs to the class above. Below 0.2 g: asked at 0.2 g."
+    yield from result["limits"]
+
+
+def _mm(value: float | None) -> str | None:
+    return None if value is None else f"{value:.1f}"

@@ -1,0 +1,109 @@
+"""`pounding gap`: the gap that two frames need under a record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+from rich.console import RenderableType
+
+import frames
+from experiments.command import options
+from experiments.command.output import emit, table, warn
+from experiments.errors import ExperimentError
+from experiments.provenance import stamp
+from experiments.records import find
+from experiments.separation import pictures
+from experiments.separation.gap import gap_answer, history
+from experiments.separation.report import write_report
+
+Floor = Annotated[int | None, Parameter(help="Floor of the lower frame; default: its roof.")]
+Report = Annotated[
+    Path | None, Parameter(help="HTML file to write: the answer with its picture, to hand on.")
+]
+
+
+def gap(
+    left: str,
+    right: str,
+    *,
+    record: str,
+    pga: options.Pga = None,
+    floor: Floor = None,
+    joints: options.Joints = "calibrated",
+    p_delta: options.PDelta = True,
+    damping: options.Damping = None,
+    records: options.Records = None,
+    report: Report = None,
+    json: options.Json = False,
+) -> None:
+    """Say how far apart two frames must stand under a record, and what the codes' rules would ask for.
+
+    The required gap is the largest closing motion of an exact run without pounding; all lengths are the
+    model's.
+
+    Args:
+        left: Frame on the left, a name or a frame file; it moves in +x towards the right one.
+        right: Frame on the right.
+        record: Name or file of the ground motion.
+    """
+    if pga is not None and pga <= 0.0:
+        raise ExperimentError(
+            f"--pga {pga:g}: a peak acceleration must be above zero; without shaking no gap is needed"
+        )
+    built = [
+        frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
+        for name in (left, right)
+    ]
+    motion = find(record, records).scaled(pga_g=pga)
+    answer = gap_answer(built[0], built[1], motion, floor=floor, own_peak=pga is None)
+    asked = {
+        "left": left,
+        "right": right,
+        "record": record,
+        "pga_g": pga,
+        "floor": floor,
+        "joints": joints,
+        "p_delta": p_delta,
+        "damping_ratio": [frame.damping_ratio for frame in built],
+        "time_factor": motion.step_s / find(record, records).step_s,
+    }
+    result = stamp(asked, [motion]) | answer
+    if report is not None:
+        times, one, other = history(built[0], built[1], motion, floor=floor)
+        write_report("gap", result, report, pictures.gap_history(times, one, other, result))
+    emit(result, as_json=json, show=lambda: _tables(result))
+    for sentence in result["warnings"]:
+        warn(sentence)
+
+
+def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:
+    spread, published = result["spread"], result["published"]
+    rows = [
+        ["required gap (closing motion)", f"{result['required_gap_mm']:.2f}", f"at {result['time_s']:.3f} s"],
+        ["... least and largest", f"{spread['low_mm']:.2f} to {spread['high_mm']:.2f}", spread["basis"]],
+        ["... frames on swapped sides", f"{result['reversed_mm']:.2f}", "or the record with the other sign"],
+        ["equation 4.1 (either way)", f"{result['equation_4_1_mm']:.2f}", "counts opening like closing"],
+    ]
+    if published:
+        rows.append(["measured", f"{published['experiment_mm']:g}", published["source"]])
+        rows.append(["SAP2000 model of the thesis", f"{published['numerical_mm']:g}", published["source"]])
+    title = (
+        f"{result['left']} beside {result['right']}, floor {result['floor']}, {result['record']} "
+        f"({result['pga_g']:.3f} g)"
+    )
+    yield table(title, ["", "mm", ""], rows)
+    yield table(
+        "Rules, from the peaks of this run",
+        ["rule", "gap mm", "applies", "mind"],
+        [
+            [r["name"], _mm(r["gap_mm"]), "yes" if r["in_range"] else "no", r["reason"]]
+            for r in result["rules"]
+        ],
+    )
+
+
+def _mm(value: float | None) -> str | None:
+    return None if value is None else f"{value:.2f}"

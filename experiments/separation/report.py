@@ -1,0 +1,42 @@
+"""An answer of `pounding gap` or `pounding design` as one HTML file that can be handed on."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from matplotlib.figure import Figure
+
+from frames.files import replacing
+
+_TEMPLATES = Environment(
+    loader=PackageLoader("experiments.separation", "templates"), autoescape=True, undefined=StrictUndefined
+)
+
+
+def write_report(
+    kind: str, result: Mapping[str, Any], path: Path | str, picture: Figure | None = None
+) -> None:
+    """Write a self-contained report; an existing file is replaced only when the new one is whole.
+
+    Args:
+        kind: ``gap`` or ``design``.
+        result: The stamped result of the verb.
+        path: HTML file to write.
+        picture: A picture, put into the file itself.
+    """
+    html = _TEMPLATES.get_template(f"{kind}.html").render(result=result, picture=_embedded(picture))
+    with replacing(Path(path)) as part:
+        Path(part).write_text(html, encoding="utf-8")
+
+
+def _embedded(picture: Figure | None) -> str:
+    if picture is None:
+        return ""
+    stream = io.BytesIO()
+    picture.savefig(stream, format="png", dpi=110)
+    return base64.b64encode(stream.getvalue()).decode("ascii")

@@ -1,0 +1,200 @@
+"""Chapter 4 of the thesis: required gaps, the codes' rules, and its Tables 4.2 and 4.3.
+
+Five pairs under four records. The required gap of the closing motion is confirmed by collisions just below
+and just above it. Run it with ``pounding study chapter-4``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+from cyclopts import Parameter
+from rich.console import RenderableType
+from rich.progress import Progress
+
+from experiments.command import options
+from experiments.command.output import emit, progress_console, table
+from experiments.provenance import stamp
+from experiments.records import Record, find
+from experiments.separation import pictures, tables_4
+from experiments.separation.confirm import confirm
+from experiments.separation.maps import gap_map
+from experiments.separation.parametric import motions_of_the_study
+from experiments.studies.table_4_1 import BLIND, Variant, build, table_motion, variants
+from frames import ReducedFrame
+from frames.files import write_whole
+
+FRAMES = ("15A", "15B", "10", "5A", "5B")
+
+
+def main(
+    *,
+    out: options.Out = None,
+    records: options.Records = None,
+    collisions: Annotated[bool, Parameter(help="Confirm each gap by runs with contacts (a minute).")] = True,
+    json: options.Json = False,
+) -> None:
+    """Required gaps of the five pairs beside the thesis', the rules beside the gaps, Table 4.3 recomputed.
+
+    Args:
+        out: Folder for tables (CSV) and pictures; none are written without it.
+    """
+    with Progress(console=progress_console(), transient=True) as progress:
+        result, tables = study(records, collisions=collisions, progress=progress)
+        if out is not None:
+            write(tables, out, records, progress)
+    emit(result, as_json=json, show=lambda: show(tables))
+
+
+def study(
+    folder: Path | None = None, *, collisions: bool = True, progress: Progress | None = None
+) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
+    """Return the stamped result and its tables by name.
+
+    Args:
+        folder: Records; the usual places when None.
+        collisions: Whether each gap is confirmed by runs with contacts.
+        progress: Where progress is shown.
+    """
+    built = {name: build(name, BLIND) for name in FRAMES}
+    motions = {name: table_motion(name, BLIND, folder) for name in tables_4.RECORDS}
+    gaps = tables_4.computed_gaps(built.__getitem__, motions.__getitem__)
+    table_4_2 = tables_4.table_4_2(gaps)
+    pga = {name: record.pga_g for name, record in motions.items()}
+    measured = tables_4.rules_from_measured(built, pga)
+    computed = tables_4.rules_from_computed(built, pga, gaps)
+    tables = {
+        "table_4_2": table_4_2,
+        "errors": errors(table_4_2),
+        "variants": all_variants(folder, progress),
+        "table_4_3": tables_4.table_4_3(),
+        "rules_measured": measured,
+        "rules_computed": computed,
+        "rules_measured_summary": tables_4.summary(measured),
+        "rules_computed_summary": tables_4.summary(computed),
+    }
+    if collisions:
+        tables["collisions"] = confirmations(built, motions, progress)
+    result = stamp({"variant": str(BLIND), "collisions": collisions}, list(motions.values()))
+    result |= {name: _rows(frame) for name, frame in tables.items()}
+    return result, tables
+
+
+def errors(table_4_2: pd.DataFrame) -> pd.DataFrame:
+    """Return the mean errors over all entries and over those that the thesis' own tables do not contradict."""
+    both = {
+        "all": tables_4.mean_errors(table_4_2),
+        "uncontested": tables_4.mean_errors(table_4_2[~table_4_2["contested"]]),
+    }
+    return pd.concat(both, names=["entries", "gap"])
+
+
+def all_variants(folder: Path | None, progress: Progress | None = None) -> pd.DataFrame:
+    """Return the mean error of closing motion and equation 4.1 for every variant of the model."""
+    chosen = variants()
+    bar = None if progress is None else progress.add_task("variants of the model", total=len(chosen))
+    rows = {}
+    for variant in chosen:
+        found = tables_4.mean_errors(_table_4_2(variant, folder))["mean"]
+        rows[str(variant)] = {
+            "closing": found["closing_mm"],
+            "equation_4_1": found["equation_4_1_mm"],
+        }
+        if progress is not None and bar is not None:
+            progress.advance(bar)
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("variant")
+
+
+def _table_4_2(variant: Variant, folder: Path | None) -> pd.DataFrame:
+    gaps = tables_4.computed_gaps(
+        lambda name: build(name, variant), lambda name: table_motion(name, variant, folder)
+    )
+    return tables_4.table_4_2(gaps)
+
+
+def confirmations(
+    built: dict[str, ReducedFrame], motions: dict[str, Record], progress: Progress | None = None
+) -> pd.DataFrame:
+    """Return what collisions 1 % below and 1 % above each required gap say."""
+    cases = [(*pair, name) for pair in tables_4.pairs() for name in motions]
+    bar = None if progress is None else progress.add_task("collisions below and above", total=len(cases))
+    rows = {}
+    for left, right, floor, name in cases:
+        found = confirm(built[left], built[right], motions[name], floor=floor)
+        rows[(left, right, floor, name)] = {
+            "closing_mm": found.closing_mm,
+            "engine_closing_mm": found.engine_closing_mm,
+            "impacts_below": found.impacts_below,
+            "impacts_above": found.impacts_above,
+            "holds": found.holds,
+        }
+        if progress is not None and bar is not None:
+            progress.advance(bar)
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["left", "right", "floor", "record"])
+
+
+def write(
+    tables: dict[str, pd.DataFrame], out: Path, folder: Path | None, progress: Progress | None = None
+) -> None:
+    """Write every table as CSV and the pictures as PNG into a folder.
+
+    Args:
+        tables: See `study`.
+        out: The folder; made if it is not there.
+        folder: Records; those of the map that are not at hand are left out.
+        progress: Where progress is shown.
+    """
+    for name, frame in tables.items():
+        write_whole(out / f"{name}.csv", frame.to_csv().encode())
+    pictures.save(pictures.rules_against_simulation(tables["rules_measured"]), out / "rules_measured.png")
+    pictures.save(pictures.rules_against_simulation(tables["rules_computed"]), out / "rules_computed.png")
+    motions = motions_of_the_study()
+    bar = None if progress is None else progress.add_task("gap maps", total=len(motions))
+    maps = {}
+    for _, motion in motions.iterrows():
+        record = find(motion["record"], folder).scaled()
+        maps[str(motion["record"])] = gap_map(record)
+        if progress is not None and bar is not None:
+            progress.advance(bar)
+    pictures.save(pictures.gap_maps(maps), out / "gap_maps.png")
+
+
+def show(tables: dict[str, pd.DataFrame]) -> Iterable[RenderableType | str]:
+    """Return the tables for a reader."""
+    titles = {
+        "table_4_2": "Table 4.2 [mm]",
+        "errors": "Error of the gaps against the measured ones",
+        "variants": "Mean error of every variant of the model",
+        "rules_measured_summary": "Rules from the measured peaks over the measured gaps",
+        "rules_computed_summary": "Rules from the computed peaks over the computed equation 4.1",
+        "collisions": "Runs with contacts 1 % below and 1 % above the required gap",
+    }
+    for name, title in titles.items():
+        if name in tables:
+            yield from_frame(title, tables[name])
+    wrong = tables["table_4_3"]
+    yield from_frame("Entries of Table 4.3 that do not follow from Table 4.1", wrong[~wrong["follows"]])
+
+
+def from_frame(title: str, frame: pd.DataFrame) -> RenderableType:
+    """Return a table of numbers as one for the terminal, four digits a number."""
+    flat = frame.reset_index()
+    cells = [[_cell(value) for value in row] for row in flat.itertuples(index=False)]
+    return table(title, [str(column) for column in flat.columns], cells)
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, bool | str):
+        return str(value)
+    return f"{value:.4g}" if isinstance(value, float) else value
+
+
+def _rows(frame: pd.DataFrame) -> list[dict[str, Any]]:
+    return frame.reset_index().to_dict("records")
+
+
+if __name__ == "__main__":
+    main()
