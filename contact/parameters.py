@@ -38,7 +38,7 @@ STIFFNESS_SETS: dict[str, tuple[float, float]] = {
 }
 
 # Table 6.1, and C of Table 5.1.
-_PRINTED: dict[str, dict[str, float]] = {
+PRINTED: dict[str, dict[str, float]] = {
     "linear_spring": {"stiffness": 20.66e6},
     "linear_viscoelastic": {"stiffness": 20.66e6, "damping": 1255.0},
     "hertz": {"stiffness": 9.772e8},
@@ -87,7 +87,7 @@ def thesis_law(
             f"no parameter set is called {parameters!r}; known are {', '.join(PARAMETER_SETS)}"
         )
     law_class(name)
-    values = (_PRINTED if parameters == "printed" else _formula()).get(name)
+    values = (PRINTED if parameters == "printed" else _formula()).get(name)
     if values is None:
         raise ContactError(f"the thesis has no parameters for {name!r}; build that law with `make_law`")
     return make_law(name, masses=masses, tension=tension, **values)

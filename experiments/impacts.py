@@ -22,9 +22,9 @@ SAMPLE_RATE_HZ = 10_000.0
 THRESHOLD_N = 10.0
 """About 0.05 % of the range of the thesis' sensor (22.24 kN), above the noise of such a channel [N]."""
 
-MERGING_S = 0.01
-"""Shorter than half a period of the fastest sway of these frames (about 40 Hz): no floor can leave and come
-back by its frame's motion within it [s]."""
+MERGING_S = 0.02
+"""A period of the fastest sways of these frames (about 50 Hz): touches that follow each other faster are the
+floors' rattle within one collision [s]. docs/validation/chapters-5-6.md shows the counts for other values."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,167 @@
+"""`pounding pound`: two frames side by side on the table, and what happens where they touch."""
+
+from __future__ import annotations
+
+import json as json_text
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+from rich.progress import Progress
+
+from contact.parameters import PRINTED, thesis_law
+from experiments import plots_contact
+from experiments.command import options
+from experiments.command.output import emit, plain, progress_console, table
+from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
+from experiments.pounding import Pounding, built, floor_masses, shaking
+from experiments.pounding import pound as run_one
+from experiments.provenance import stamp
+from frames.files import replacing
+
+DEFAULT_LAW = "linear_viscoelastic"
+FIVE_LAWS = tuple(PRINTED)
+
+
+def pound(
+    left: str,
+    right: str,
+    *,
+    gap: Annotated[list[float], Parameter(help="Gap at rest [mm], one for all floors or one a floor.")],
+    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
+    floor: Annotated[
+        list[int] | None, Parameter(help="Floor that can touch, repeatable; default: the lower frame's roof.")
+    ] = None,
+    law: Annotated[
+        str, Parameter(help="Impact law by name (see `pounding list`), or all.")
+    ] = "linear_viscoelastic",
+    parameters: Annotated[
+        Literal["printed", "formula"],
+        Parameter(help="Contact parameters: the thesis' tables, or what its formulas give."),
+    ] = "printed",
+    tension: Annotated[bool, Parameter(negative=(), help="Let a contact pull just before it opens.")] = False,
+    flip: Annotated[bool, Parameter(negative=(), help="Turn the record's sign.")] = False,
+    pga: options.Pga = None,
+    joints: options.Joints = "calibrated",
+    p_delta: options.PDelta = True,
+    damping: options.Damping = None,
+    records: options.Records = None,
+    out: options.Out = None,
+    json: options.Json = False,
+) -> None:
+    """Shake two frames side by side and report every impact between them.
+
+    Parameters
+    ----------
+    left
+        Frame on the left (name or frame file); it moves in +x towards the other.
+    right
+        Frame on the right.
+    """
+    pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
+    shaken = shaking(record, None if records is None else str(records), pga_g=pga, flip=flip)
+    floors = floor or [min(frame.storeys for frame in pair)]
+    masses = floor_masses(*pair, floors[0])
+    laws = [
+        thesis_law(name, parameters, masses=masses, tension=tension)
+        for name in (FIVE_LAWS if law == "all" else [law])
+    ]
+    runs = []
+    with Progress(console=progress_console(), transient=True) as progress:
+        for chosen in laws:
+            bar = progress.add_task(chosen.name, total=shaken.duration_s)
+            runs.append(
+                run_one(
+                    *pair,
+                    shaken,
+                    chosen,
+                    [1e-3 * value for value in gap],
+                    floors=floors,
+                    progress=lambda time_s, bar=bar: progress.update(bar, completed=time_s),
+                )
+            )
+    asked = {
+        "left": left,
+        "right": right,
+        "gap_mm": gap,
+        "floors": floors,
+        "law": law,
+        "parameters": parameters,
+        "contact": {chosen.name: vars(chosen) for chosen in laws},
+        "flip": flip,
+        "pga_g": pga,
+        "frames": [frame.options for frame in pair],
+        "impact_threshold_n": THRESHOLD_N,
+        "impact_merging_s": MERGING_S,
+        "impact_sample_rate_hz": SAMPLE_RATE_HZ,
+    }
+    result = stamp(asked, [shaken]) | {"runs": [run.result() for run in runs]}
+    if out is not None:
+        _write(out, result, runs)
+    emit(result, as_json=json, show=lambda: _show(result))
+
+
+def _write(folder: Path, result: dict[str, Any], runs: Sequence[Pounding]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    with replacing(folder / "pound.json") as path:
+        path.write_text(json_text.dumps(plain(result), indent=2) + "\n", encoding="utf-8")
+    if any(run.impacts for run in runs):
+        plots_contact.force_histories(runs, folder / "forces.png")
+        plots_contact.loops(runs, folder / "loops.png")
+
+
+def _show(result: dict[str, Any]) -> Iterable[Any]:
+    for run in result["runs"]:
+        title = (
+            f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}, gap {run['gap_mm']:g} mm"
+            if isinstance(run["gap_mm"], float)
+            else f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}"
+        )
+        if run["impacts"]:
+            yield table(
+                title,
+                ["time s", "floor", "peak N", "impulse N s", "lasts ms", "approach m/s", "restitution"],
+                [_row(impact) for impact in run["impacts"]],
+            )
+        else:
+            yield f"{title}: the floors did not touch."
+        yield (
+            f"energy closes to {100 * run['energy_error']:.2g} %; "
+            f"{run['model_s']:.1f} model seconds in {run['wall_s']:.2f} s"
+        )
+    yield table(
+        "Largest displacement of the roofs, in mm",
+        ["law", "frame", "roof +", "roof -", "peak force N", "impacts"],
+        [_peak_row(run, side) for run in result["runs"] for side in ("left", "right")],
+    )
+    yield (
+        f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
+        f"touches less than {1e3 * MERGING_S:g} ms apart are one."
+    )
+
+
+def _row(impact: dict[str, Any]) -> list[str]:
+    restitution = impact["restitution"]
+    return [
+        f"{impact['time_s']:.4f}",
+        f"{impact['floor']}",
+        f"{impact['peak_force_n']:.0f}",
+        f"{impact['impulse_n_s']:.3f}",
+        f"{impact['duration_ms']:.2f}",
+        f"{impact['approach_velocity_m_s']:.3f}",
+        "–" if restitution is None else f"{restitution:.2f}",
+    ]
+
+
+def _peak_row(run: dict[str, Any], side: str) -> list[str]:
+    roof = run["peaks"][side][-1]
+    force = max((impact["peak_force_n"] for impact in run["impacts"]), default=0.0)
+    return [
+        run["law"],
+        run[side],
+        f"{roof['max_mm']:.1f}",
+        f"{roof['min_mm']:.1f}",
+        f"{force:.0f}",
+        f"{len(run['impacts'])}",
+    ]
