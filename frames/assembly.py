@@ -88,7 +88,7 @@ def assemble(frame: PlateFrame, options: Options | None = None) -> Model:
     stiffness, mass = shells.assemble(mesh.nodes, mesh.quads, _sections(frame, mesh, options))
     mass = (mass + diags_array(_extra_mass(frame, mesh, mass.diagonal()))).tocsr()
     if flexible:
-        stiffness = stiffness + joint_springs(mesh, frame.joint_stiffness(options.calibration))
+        stiffness = stiffness + joint_springs(frame, mesh, options.calibration)
     t = coordinates.to_nodes
     reduced = (t.T @ stiffness @ t).tocsr()
     if frame.base_rotational_stiffness_n_m_per_rad is not None:
@@ -99,15 +99,16 @@ def assemble(frame: PlateFrame, options: Options | None = None) -> Model:
     return Model(frame, options, mesh, coordinates, reduced.tocsr(), (t.T @ mass @ t).tocsr(), mass)
 
 
-def joint_springs(mesh: Mesh, stiffness_n_m_per_rad: float) -> csr_matrix:
+def joint_springs(frame: PlateFrame, mesh: Mesh, calibration: str | None = None) -> csr_matrix:
     """Return the springs between columns and floors (6 nodes, 6 nodes) [N m/rad].
 
-    A column runs through the floors, so that it has one joint at each floor, counted at the upper end of the
-    storey below, and one at the base.
+    A column that runs through the floors has one joint at each floor, counted at the upper end of the storey
+    below, and one at the base.
     """
-    counted = (mesh.ends[:, 2] == 1) | (mesh.ends[:, 1] == 1)
+    at_top, lowest = mesh.ends[:, 2] == 1, mesh.ends[:, 1] == 1
+    counted = at_top | lowest | (not frame.columns.continuous)
     floor, column = (DOFS * mesh.joints[counted] + RY).T
-    spring = stiffness_n_m_per_rad * mesh.joint_share[counted]
+    spring = frame.joint_stiffness(calibration) * mesh.joint_share[counted]
     rows = np.concatenate([floor, column, floor, column])
     columns = np.concatenate([floor, column, column, floor])
     values = np.concatenate([spring, spring, -spring, -spring])

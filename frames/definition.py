@@ -45,12 +45,15 @@ class Columns(Data, frozen=True):
         inset_m: Distance of the four columns of the default places from the floor's edges along x [m].
         places_m: Centres (x, y) in plan [m], origin at the floor's centre; when given, instead of one column
             at each corner.
+        continuous: True: a column runs on through the floors, with one joint at each, as a panel zone; False:
+            it is cut at every floor and each end has a joint of its own.
     """
 
     width_m: float
     thickness_m: float
     inset_m: float = 0.0
     places_m: list[tuple[float, float]] = []
+    continuous: bool = True
 
 
 class Material(Data, frozen=True):

@@ -4,8 +4,8 @@ All six displacements ``u`` of all nodes follow from fewer coordinates ``q`` by 
 
 - a floor moves in its plane as a rigid body (thesis, section 3.5): two translations and one rotation a floor;
 - the end of a column shares everything with the floor it stands on or hangs from, but for the rotation about
-  y when the joint is flexible. The column runs on through the floor: the strips below and above share that
-  rotation, and one rotational spring ties it to the floor, as a panel zone does;
+  y when the joint is flexible. A column that runs on through the floor has one such rotation there for the
+  strips below and above, and one rotational spring ties it to the floor, as a panel zone does;
 - the base is fixed, or turns about y as a rigid body.
 """
 
@@ -91,7 +91,7 @@ def _masters(frame: PlateFrame, mesh: Mesh, flexible_joints: bool) -> Index:
     for component in range(DOFS):
         if component != RY or not flexible_joints:
             master[DOFS * column + component] = DOFS * floor + component
-    if flexible_joints:
+    if flexible_joints and frame.columns.continuous:
         # Pairs are stored column by column and storey by storey, lower end before upper end.
         across = len(column) // (2 * frame.storeys * len(frame.places_m))
         ends = column.reshape(len(frame.places_m), frame.storeys, 2, across)

@@ -1,0 +1,118 @@
+"""`pounding modal`: natural modes of a frame beside what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Annotated, Any
+
+import msgspec
+from cyclopts import Parameter
+
+import frames
+from experiments.command import options
+from experiments.command.output import emit, table
+from experiments.provenance import stamp
+from frames import modal as modal_analysis
+from frames.assembly import Options
+from frames.modal import DIRECTIONS
+
+
+def modal(
+    frame: str,
+    *,
+    joints: options.Joints = "calibrated",
+    p_delta: options.PDelta = True,
+    damping: options.Damping = None,
+    calibration: Annotated[
+        str | None, Parameter(help="Joint calibration of the frame file, free_vibration or sweep say.")
+    ] = None,
+    up_to_hz: Annotated[float, Parameter(help="Show the modes up to this frequency [Hz].")] = 60.0,
+    json: options.Json = False,
+) -> None:
+    """Show the natural modes of a frame, its mass and its roof stiffness, beside the published ones.
+
+    Parameters
+    ----------
+    frame
+        Name of a shipped frame (see `pounding list`) or path of a frame file.
+    """
+    result = modes(
+        frame, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration, up_to_hz=up_to_hz
+    )
+    emit(result, as_json=json, show=lambda: _show(result))
+
+
+def modes(
+    name: str,
+    *,
+    joints: options.Joints = "calibrated",
+    p_delta: bool = True,
+    damping: float | None = None,
+    calibration: str | None = None,
+    up_to_hz: float = modal_analysis.UP_TO_HZ,
+) -> dict[str, Any]:
+    """Return the modes of a frame as `pounding modal --json` prints them."""
+    definition = frames.load(name)
+    reduced = frames.build(
+        definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration
+    )
+    found = modal_analysis.analyse(
+        definition, Options(joints, p_delta, calibration), up_to_hz=up_to_hz, damping=damping
+    )
+    ratios = found.effective_mass_ratio
+    entries = [
+        {
+            "frequency_hz": frequency,
+            **{f"effective_mass_ratio_{axis}": ratio for axis, ratio in zip(DIRECTIONS, row, strict=True)},
+            "damping_ratio": zeta,
+            "description": description,
+        }
+        for frequency, row, zeta, description in zip(
+            found.frequencies_hz, ratios, found.damping_ratios, found.descriptions, strict=True
+        )
+    ]
+    return stamp({"frame": name, "up_to_hz": up_to_hz} | reduced.options) | {
+        "frame": definition.name,
+        "mass_kg": reduced.moving_mass_kg,
+        "roof_stiffness_n_per_mm": reduced.roof_stiffness_n_per_m / 1e3,
+        "modes": entries,
+        "published": msgspec.structs.asdict(definition.published),
+    }
+
+
+def _show(result: dict[str, Any]) -> Iterable[Any]:
+    rows = [
+        [
+            number,
+            f"{mode['frequency_hz']:.3f}",
+            f"{mode['effective_mass_ratio_x']:.4f}",
+            f"{mode['effective_mass_ratio_y']:.4f}",
+            f"{mode['damping_ratio']:.5f}",
+            mode["description"],
+        ]
+        for number, mode in enumerate(result["modes"], 1)
+    ]
+    heads = ["mode", "f [Hz]", "mass x", "mass y", "damping", "description"]
+    yield table(f"Frame {result['frame']}", heads, rows)
+    yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
+    yield f"moving mass {result['mass_kg']:.2f} kg"
+    yield f"roof stiffness {result['roof_stiffness_n_per_mm']:.2f} N/mm"
+    known = result["published"]
+    if known["source"]:
+        yield table(f"Published ({known['source']})", ["quantity", "value"], list(_published(known)))
+
+
+def _published(known: dict[str, Any]) -> Iterable[list[str]]:
+    labels = {
+        "mass_kg": "mass, base plate included [kg]",
+        "free_vibration_hz": "free vibration f1 [Hz]",
+        "free_vibration_damping_ratio": "free vibration damping ratio",
+        "sweep_hz": "sine sweep f1, f2, f3 [Hz]",
+        "roof_stiffness_n_per_mm": "roof stiffness [N/mm]",
+        "numerical_hz": "SAP2000 f1, f2, f3 [Hz]",
+        "numerical_roof_stiffness_n_per_mm": "SAP2000 roof stiffness [N/mm]",
+    }
+    for key, label in labels.items():
+        value = known[key]
+        if value:
+            yield [label, ", ".join(f"{v:g}" for v in value) if isinstance(value, list) else f"{value:g}"]
