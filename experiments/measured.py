@@ -10,12 +10,13 @@ from __future__ import annotations
 import csv
 import re
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
 
 from experiments.errors import ExperimentError
 
@@ -154,3 +155,50 @@ def _by_name(column: str) -> dict[str, Any] | None:
     unit = match["unit"].replace("_s2", "/s^2").replace("_s", "/s")
     floor = None if match["floor"] is None else int(match["floor"])
     return {"quantity": match["quantity"], "frame": match["frame"], "floor": floor, "unit": unit}
+
+
+def aligned(channels: list[Channel], times_s: Real, table_m_s2: Real) -> tuple[list[Channel], float]:
+    """Return channels on a run's clock, and by how much their time was shifted [s].
+
+    With a channel of the table's acceleration the shift is where its correlation with the run's table is
+    largest; without one the file's clock is taken as the run's.
+
+    Args:
+        channels: Measured channels.
+        times_s: Times of the run (m,), evenly spaced [s].
+        table_m_s2: The run's table acceleration (m,) [m/s^2].
+    """
+    table = next((channel for channel in channels if channel.quantity == "table_acceleration"), None)
+    if table is None:
+        return channels, 0.0
+    step = float(times_s[1] - times_s[0])
+    grid = np.arange(table.time_s[0], table.time_s[-1], step)
+    known = np.isfinite(table.values)
+    values = np.interp(grid, table.time_s[known], table.values[known])
+    match = correlate(table_m_s2, values, method="fft")
+    lags = correlation_lags(len(table_m_s2), len(values))
+    shift = float(lags[match.argmax()] * step - grid[0] + times_s[0])
+    return [replace(channel, time_s=channel.time_s + shift) for channel in channels], shift
+
+
+def misfit(channel: Channel, times_s: Real, values: Real) -> dict[str, Any]:
+    """Return how a computed history compares with a measured one where both are known.
+
+    Returns:
+        ``channel``, ``quantity``, ``frame``, ``floor``, the largest magnitudes ``measured_peak`` and
+        ``computed_peak`` (SI) and ``rms_error_ratio``: rms of the difference over rms of the measured.
+    """
+    inside = np.isfinite(channel.values) & (channel.time_s >= times_s[0]) & (channel.time_s <= times_s[-1])
+    measured = channel.values[inside]
+    computed = np.interp(channel.time_s[inside], times_s, values)
+    size = float(np.sqrt(np.mean(measured**2))) if measured.size else 0.0
+    ratio = float(np.sqrt(np.mean((computed - measured) ** 2))) / size if size > 0.0 else None
+    return {
+        "channel": channel.name,
+        "quantity": channel.quantity,
+        "frame": channel.frame,
+        "floor": channel.floor,
+        "measured_peak": float(np.abs(measured).max(initial=0.0)),
+        "computed_peak": float(np.abs(computed).max(initial=0.0)),
+        "rms_error_ratio": ratio,
+    }

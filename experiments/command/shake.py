@@ -1,0 +1,145 @@
+"""`pounding shake`: one frame on the shaking table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+from rich.progress import Progress
+
+import frames
+from experiments import keeping, measured, plots, results
+from experiments.command import options
+from experiments.command.output import emit, plain, progress_console, table, warn
+from experiments.provenance import stamp
+from experiments.records import Record, find
+from experiments.shaking import Shaking
+from experiments.shaking import shake as run
+
+COLUMNS_HELP = (
+    "CSV of your own measured histories to lay over the run: header, first column time_s, one column a "
+    "channel. A [[channel]] of a case.toml beside it (name, quantity, frame, floor, unit) says what a column "
+    "is; else its name does, like 15B_relative_displacement_floor10_mm or table_acceleration_g (units g, m_s2, "
+    "cm_s2, m, cm, mm, m_s, cm_s, mm_s). With a channel of the table's acceleration the clocks are matched by correlation."
+)
+
+
+def shake(
+    frame: str,
+    *,
+    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
+    pga: options.Pga = None,
+    joints: options.Joints = "calibrated",
+    p_delta: options.PDelta = True,
+    damping: options.Damping = None,
+    records: options.Records = None,
+    measured_file: Annotated[Path | None, Parameter(name="--measured", help=COLUMNS_HELP)] = None,
+    out: options.Out = None,
+    film: Annotated[bool, Parameter(negative=(), help="Make a film of the run in --out.")] = False,
+    csv: Annotated[bool, Parameter(negative=(), help="Write the histories as CSV in --out as well.")] = False,
+    json: options.Json = False,
+) -> None:
+    """Shake a frame alone on the table and report its peaks, its stress and its warnings.
+
+    The record is brought to the scale of the models: time is multiplied by sqrt(1/30).
+
+    Parameters
+    ----------
+    frame
+        Name of a shipped frame (see `pounding list`) or path of a frame file.
+    """
+    asked = {"frame": frame, "record": record, "pga_g": pga, "damping_ratio": damping}
+    if out is not None:
+        keeping.prepare(out)
+    elif film or csv:
+        warn("--film and --csv need a folder: nothing is written without --out")
+    channels = measured.read(measured_file) if measured_file else []
+    reduced = frames.build(frames.load(frame), joints=joints, p_delta=p_delta, damping=damping)
+    motion = find(record, records).scaled(pga_g=pga)
+    done = _run(reduced, motion)
+    result = stamp(asked | {"model": reduced.options}, [motion]) | done.result()
+    data = results.dataset(done.motion, motion, provenance=result)
+    channels, shift = measured.aligned(channels, data.time.values, data.table_acceleration.values)
+    if channels:
+        result["measured"] = compare(done, data, channels)
+        result["measured_shift_s"] = shift
+    if out is not None:
+        result["files"], notes = _keep(done, data, result, out, keeping.Wish(csv, film, channels))
+        for note in notes:
+            warn(note)
+    for warning in result["warnings"]:
+        warn(warning)
+    emit(result, as_json=json, show=lambda: _show(result, done))
+
+
+def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:
+    """Return how the run compares with each measured channel that it has a history for.
+
+    A channel that it has none for (another frame's, a contact's) is told by a warning.
+    """
+    compared = []
+    for channel in channels:
+        values = plots.simulated(data, channel, done.reduced.name)
+        if values is None:
+            warn(f"column {channel.name}: this run has no {channel.quantity} of {channel.frame}, not shown")
+        else:
+            compared.append(measured.misfit(channel, data.time.values, values))
+    return compared
+
+
+def _run(reduced: frames.ReducedFrame, record: Record) -> Shaking:
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task(f"shaking {reduced.name}", total=record.duration_s)
+        return run(reduced, record, progress=lambda time_s: progress.update(bar, completed=time_s))
+
+
+def _keep(
+    done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: keeping.Wish
+) -> tuple[list[str], list[str]]:
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task("writing", total=1.0)
+        return keeping.keep(
+            done,
+            data,
+            plain(result),
+            out,
+            wish=wish,
+            progress=lambda what, share: progress.update(bar, description=what, completed=share),
+        )
+
+
+def _show(result: dict[str, Any], done: Shaking) -> Iterable[Any]:
+    published = keeping.published_peaks(result["frame"], result["record"])
+    shaken = f"Frame {result['frame']}, {result['record']}, {result['pga_g']:.3f} g"
+    yield table(
+        f"{shaken}: displacement relative to the table",
+        ["floor", "max mm", "min mm", "max acceleration g", "Table 4.1 max mm", "min mm"],
+        [_row(peak, published.get(peak["floor"])) for peak in reversed(result["peaks"])],
+    )
+    if published and result["parameters"]["pga_g"] is not None:
+        yield "Table 4.1 was measured at the record's own peak, not at the one asked for here."
+    if done.stress is not None:
+        yield f"largest von Mises stress {result['max_stress_mpa']:.0f} MPa, {done.stress.place}"
+    for row in result.get("measured", []):
+        error = row["rms_error_ratio"]
+        yield (
+            f"{row['channel']}: rms of computed - measured is {error:.3f} of rms of measured"
+            if error
+            else row
+        )
+    yield f"{result['model_s']:.2f} model seconds in {result['wall_s']:.2f} s"
+    if "files" in result:
+        yield f"written: {', '.join(result['files'])}"
+
+
+def _row(peak: dict[str, Any], published: tuple[float, float] | None) -> list[Any]:
+    printed = [None, None] if published is None else [f"{value:g}" for value in published]
+    return [
+        f"{peak['floor']}",
+        f"{peak['max_mm']:.2f}",
+        f"{peak['min_mm']:.2f}",
+        f"{peak['max_acceleration_g']:.2f}",
+        *printed,
+    ]
