@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 from contact.laws import LAWS
@@ -24,10 +25,10 @@ def inventory(folder: options.Records = None) -> dict[str, Any]:
     """Return the shipped frames, the records found or to be got, the laws and the studies."""
     return {
         "frames": [_frame(name) for name in frames.names()],
-        "ground_motions": [dict(entry) for entry in ground_motions.available(folder)],
+        "ground_motions": [asdict(entry) for entry in ground_motions.available(folder)],
         "laws": [
-            {"name": name, "description": (law.__doc__ or "").strip().splitlines()[0] if law.__doc__ else ""}
-            for name, law in LAWS.items()
+            {"name": name, "description": (contact.law_class(name).__doc__ or "").partition("\n")[0]}
+            for name in contact.names()
         ],
         "studies": list(STUDIES),
     }
@@ -43,8 +44,8 @@ def _tables(result: dict[str, Any]) -> list[Any]:
         table("Frames", ["name", "storeys", "title"], [list(f.values()) for f in result["frames"]]),
         table(
             "Ground motions",
-            ["name", "found", "where, or how to get it"],
-            [[r["name"], "yes" if r["found"] else "no", r["where"]] for r in result["ground_motions"]],
+            ["name", "title", "found in", "how to get it, or what is wrong"],
+            [[r["name"], r["title"], r["found"], r["note"]] for r in result["ground_motions"]],
         ),
         table("Impact laws", ["name", "description"], [list(law.values()) for law in result["laws"]]),
         table("Studies (pounding study NAME)", ["name"], [[name] for name in result["studies"]]),

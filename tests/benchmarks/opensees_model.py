@@ -86,10 +86,10 @@ def _frame(first_node: int, frame: LumpedFrame) -> None:
         ops.mass(node, float(mass))
         ops.uniaxialMaterial("Elastic", 100 + node, float(stiffness))
         ops.element("zeroLength", node, node - 1, node, "-mat", 100 + node, "-dir", 1, "-doRayleigh", 1)
-    nodes = list(range(first_node + 1, first_node + len(frame.floor_mass_kg) + 1))
-    elements = nodes
-    ops.region(first_node + 1, "-node", *nodes, "-rayleigh", frame.mass_proportional_per_s, 0.0, 0.0, 0.0)
-    ops.region(first_node + 2, "-ele", *elements, "-rayleigh", 0.0, 0.0, frame.stiffness_proportional_s, 0.0)
+    # A region of elements damps their nodes too; a second region for the nodes would undo it.
+    elements = range(first_node + 1, first_node + len(frame.floor_mass_kg) + 1)
+    damping = (frame.mass_proportional_per_s, 0.0, frame.stiffness_proportional_s, 0.0)
+    ops.region(first_node + 1, "-ele", *elements, "-rayleigh", *damping)
 
 
 @dataclass(frozen=True)

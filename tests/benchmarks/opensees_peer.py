@@ -1,0 +1,206 @@
+"""One lumped model of two frames in OpenSees and in the exudyn rig, side by side in one run.
+
+Same masses, storey springs, damping matrix, record, gap and law in both; each engine runs at several accuracies, and
+speeds are compared where both meet the same force accuracy against a converged reference. The full Craig-Bampton frames
+of the package are timed beside them.
+
+    pip install openseespy        # not a dependency: its licence does not let everyone redistribute it
+    python tests/benchmarks/opensees_peer.py --record northridge --out docs/validation/opensees.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+sys.path.insert(0, str(Path(__file__).parent))
+from opensees_model import LumpedFrame, Run, lumped
+from opensees_model import run as run_opensees
+
+import frames
+from contact import HertzDamp, Law, NonlinearViscoelastic, thesis_law
+from contact.damping import hertz_damp_ratio
+from experiments.records import find
+from experiments.rig import Accuracy, Contact, Rig
+
+LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
+STEPS_S = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+REFERENCE = Accuracy(relative=1e-9, absolute=1e-11, longest_step_s=1e-4)
+FORCE_ERRORS = (0.03, 0.01)
+SAMPLE_S = 1e-4
+
+
+def stick(name: str, frame: LumpedFrame) -> frames.ReducedFrame:
+    """Return the lumped frame as the rig takes it, with the very same damping matrix."""
+    definition = frames.StickFrame(
+        name=name,
+        storeys=len(frame.floor_mass_kg),
+        storey_height_m=0.1,
+        floor_mass_kg=frame.floor_mass_kg.tolist(),
+        storey_stiffness_n_per_m=frame.storey_stiffness_n_per_m.tolist(),
+        damping_ratio=0.005,
+    )
+    return dataclasses.replace(frames.build(definition), damping=frame.matrices()[2])
+
+
+def numbers(law: Law) -> dict[str, float]:
+    """Return a law's parameters as OpenSees' material wants them."""
+    found = {key: value for key, value in dataclasses.asdict(law).items() if isinstance(value, float)}
+    if isinstance(law, NonlinearViscoelastic):
+        found["effective_mass"] = law.reduced_mass
+    if isinstance(law, HertzDamp):
+        found["damping_factor"] = hertz_damp_ratio(law.restitution, law.formula)
+    return found
+
+
+@dataclasses.dataclass(frozen=True)
+class Sample:
+    """What is compared: peak force [N] and displacement [m], cost [s of wall a model second]."""
+
+    engine: str
+    setting: str
+    peak_force_n: float
+    peak_m: float
+    wall_per_model_s: float
+
+    def errors(self, reference: Sample) -> tuple[float, float]:
+        """Return the errors of peak force and displacement, as fractions of the reference's."""
+        return (
+            abs(self.peak_force_n / reference.peak_force_n - 1.0),
+            abs(self.peak_m / reference.peak_m - 1.0),
+        )
+
+
+class Pair:
+    """15 storeys beside 5, lumped, under one record."""
+
+    def __init__(self, record_name: str, gap_m: float, duration_s: float) -> None:
+        self.left = lumped(np.full(15, 98.0 / 15), 2.28, 0.00503)
+        self.right = lumped(np.full(5, 32.7 / 5), 6.531, 0.00467)
+        self.record = find(record_name).scaled()
+        self.gap_m, self.duration_s = gap_m, min(duration_s, self.record.duration_s)
+
+    def opensees(self, law: Law, step_s: float) -> Sample | None:
+        """Return OpenSees' result by Newmark's average acceleration, or None where it did not converge."""
+        try:
+            run: Run = run_opensees(
+                self.left, self.right, floor=5, gap_m=self.gap_m, law=law.name, numbers=numbers(law),
+                acceleration_m_s2=self.record.acceleration_m_s2, sample_s=self.record.step_s, step_s=step_s,
+                duration_s=self.duration_s, integrator="Newmark",
+            )  # fmt: skip
+        except RuntimeError:
+            return None
+        peak = max(np.abs(run.left_m).max(), np.abs(run.right_m).max())
+        return Sample("OpenSees", f"Newmark {step_s:g} s", float(run.force_n.max()), float(peak),
+                      run.wall_s / self.duration_s)  # fmt: skip
+
+    def rig(self, law: Law, accuracy: Accuracy, *, full: bool = False) -> Sample:
+        """Return the rig's result, on the lumped frames or on the package's own."""
+        if full:
+            bodies = [frames.build(frames.load(name)) for name in ("15B", "5B")]
+        else:
+            bodies = [stick("lumped-15", self.left), stick("lumped-5", self.right)]
+        motion = Rig(bodies, [Contact(law, self.gap_m, 5)]).run(
+            self.record, duration_s=self.duration_s, accuracy=accuracy
+        )
+        peak = max(np.abs(frame.displacement_m[:, frame.reduced.floor_x]).max() for frame in motion.frames)
+        force = motion.contacts[0].sampled(1.0 / SAMPLE_S)[1].max()
+        engine = "exudyn, Craig-Bampton" if full else "exudyn"
+        return Sample(engine, f"tolerance {accuracy.relative:g}", float(force), float(peak),
+                      motion.wall_s / motion.model_s)  # fmt: skip
+
+
+def compare(pair: Pair) -> Iterator[dict]:
+    """Yield one row a law: every run with its errors, and the speed ratio at equal force accuracy."""
+    for name in LAWS:
+        law = thesis_law(name, tension=True)  # OpenSees' materials pull before separation
+        reference = pair.rig(law, REFERENCE)
+        ours = [pair.rig(law, Accuracy(relative=r, absolute=r * 1e-2)) for r in TOLERANCES]
+        peers = [peer for step in STEPS_S if (peer := pair.opensees(law, step)) is not None]
+        yield {
+            "law": name,
+            "reference": dataclasses.asdict(reference),
+            "runs": [_described(sample, reference) for sample in [*ours, *peers]],
+            "speed_ratio_at_force_error": {
+                f"{limit:g}": _ratio(ours, peers, reference, limit) for limit in FORCE_ERRORS
+            },
+            "craig_bampton": dataclasses.asdict(pair.rig(law, Accuracy(), full=True)),
+        }
+
+
+def _described(sample: Sample, reference: Sample) -> dict:
+    force, displacement = sample.errors(reference)
+    return dataclasses.asdict(sample) | {"force_error": force, "displacement_error": displacement}
+
+
+def _cheapest(samples: Iterable[Sample], reference: Sample, limit: float) -> float | None:
+    """Return the lowest cost among settings from which on every finer one keeps the limit."""
+    kept = None
+    for sample in reversed(list(samples)):
+        if sample.errors(reference)[0] > limit:
+            break
+        kept = sample.wall_per_model_s
+    return kept
+
+
+def _ratio(ours: list[Sample], peers: list[Sample], reference: Sample, limit: float) -> float | None:
+    mine, theirs = (_cheapest(samples, reference, limit) for samples in (ours, peers))
+    return theirs / mine if mine and theirs else None
+
+
+def show(rows: list[dict], console: Console) -> None:
+    """Print the runs and the ratios."""
+    table = Table(
+        "law", "engine", "setting", "peak force [N]", "error", "peak [mm]", "error", "wall s / model s"
+    )
+    for row in rows:
+        for run in row["runs"]:
+            table.add_row(
+                row["law"], run["engine"], run["setting"], f"{run['peak_force_n']:.0f}", f"{run['force_error']:.2%}",
+                f"{1e3 * run['peak_m']:.2f}", f"{run['displacement_error']:.2%}", f"{run['wall_per_model_s']:.3f}",
+            )  # fmt: skip
+        full = row["craig_bampton"]
+        table.add_row(row["law"], full["engine"], full["setting"], f"{full['peak_force_n']:.0f}", "",
+                      f"{1e3 * full['peak_m']:.2f}", "", f"{full['wall_per_model_s']:.3f}")  # fmt: skip
+        table.add_section()
+    console.print(table)
+    for row in rows:
+        ratios = ", ".join(
+            f"{ratio:.1f} times at {float(limit):.0%}"
+            if ratio
+            else f"no settings in common at {float(limit):.0%}"
+            for limit, ratio in row["speed_ratio_at_force_error"].items()
+        )
+        console.print(f"{row['law']}: faster than OpenSees by {ratios} of force error")
+
+
+def main() -> None:
+    """Run the comparison and print it; write it as JSON where asked."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--record", default="northridge")
+    parser.add_argument("--gap", type=float, default=20.0, help="gap [mm]")
+    parser.add_argument("--duration", type=float, default=4.0, help="model seconds")
+    parser.add_argument("--out", type=Path)
+    chosen = parser.parse_args()
+    pair = Pair(chosen.record, 1e-3 * chosen.gap, chosen.duration)
+    rows = list(compare(pair))
+    show(rows, Console(width=150))
+    if chosen.out:
+        chosen.out.write_text(
+            json.dumps({"record": chosen.record, "gap_mm": chosen.gap, "laws": rows}, indent=1)
+        )
+
+
+if __name__ == "__main__":
+    main()
