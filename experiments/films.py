@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 FRAMES_PER_SECOND = 25
 
+GIF_WIDTH = 400
+"""Width to which a GIF is scaled [pixels]; an MP4 keeps its size."""
+
 
 def film(
     motion: Motion,
@@ -62,6 +65,8 @@ def film(
         writer.send(None)
         for count, moment in enumerate(times):
             stage.show(float(moment))
+            # A screenshot alone would show the image that was rendered last.
+            scene.render()
             writer.send(np.ascontiguousarray(scene.screenshot(return_img=True)))
             if progress is not None:
                 progress((count + 1) / len(times))
@@ -71,7 +76,7 @@ def film(
 def _writer(path: Path, size: tuple[int, int]) -> Any:
     options: dict[str, Any] = {"fps": FRAMES_PER_SECOND, "macro_block_size": 1, "ffmpeg_log_level": "error"}
     if path.suffix == ".gif":
-        palette = "split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
+        palette = f"scale={GIF_WIDTH}:-2:flags=lanczos,split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
         return imageio_ffmpeg.write_frames(
             str(path),
             size,

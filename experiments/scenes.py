@@ -15,13 +15,11 @@ from numpy.typing import NDArray
 
 from experiments.results import labels
 from experiments.series import places
-from frames.drawing import Shape, shape_of
+from frames.drawing import RIM, THICKNESS, Shape, plan, shape_of
 from frames.pictures import (
     INK,
     MAP,
-    RIM,
     STRESS_MAP,
-    THICKNESS,
     Margins,
     add_lines,
     add_surface,
@@ -29,8 +27,8 @@ from frames.pictures import (
     bar,
     caption,
     grid,
+    letters,
     look,
-    plan,
     plotter,
     save,
 )
@@ -143,7 +141,13 @@ class Stage:
         points = np.array([start, end, start - tick, start + tick, end - tick, end + tick])
         lines = pyvista.PolyData(points, lines=[2, 0, 1, 2, 2, 3, 2, 4, 5])
         self._scene.add_mesh(lines, color=INK, line_width=2.5)
-        style = {"shape": None, "show_points": False, "font_size": 15, "font_family": "arial"}
+        style = {
+            "shape": None,
+            "show_points": False,
+            "font_size": letters(self._scene, 15),
+            "font_family": "arial",
+            "bold": False,
+        }
         style |= {"text_color": "black", "always_visible": True, "justification_vertical": "center"}
         words = f"{1e3 * length:g} mm displacement"
         self._scene.add_point_labels([end + [0.02, 0.0, 0.0]], [words], **style)
@@ -207,7 +211,7 @@ class _Actor:
         self._field[0][name] = self.values(0.0)
         colours = MAP if self._stress is None else STRESS_MAP
         style = {"scalars": name, "cmap": colours, "clim": (0.0, largest), "show_scalar_bar": with_bar}
-        add_surface(self._scene, self.surface, scalar_bar_args=bar(name), **style)
+        add_surface(self._scene, self.surface, scalar_bar_args=bar(self._scene, name), **style)
         self._lines = add_lines(self._scene, self.shape, self.shape.nodes)
 
     def move(self, time_s: float) -> None:
@@ -252,4 +256,6 @@ def _shown_force(history: tuple[Real, Real], time_s: float) -> float:
 
 def size_of(motion: Motion) -> tuple[int, int]:
     """Return width and height for a run [pixels], multiples of 16 as films want them."""
-    return (640, 800) if len(motion.frames) == 1 else (960, 800)
+    frames = [frame.reduced for frame in motion.frames]
+    slender = max(frame.heights_m[-1] / frame.plan_m[0] for frame in frames) / len(frames) > 2.0
+    return (640, 800) if slender else (960, 800)

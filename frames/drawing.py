@@ -22,6 +22,9 @@ PIECES = 8
 COLUMN = 0.1
 """Width of a stick's columns, as a share of the plan's width."""
 
+THICKNESS, RIM = 0.025, 0.05
+"""Thickness at which the table is drawn, and how far it reaches beyond the frames [m]."""
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -60,6 +63,20 @@ def shape_of(reduced: ReducedFrame) -> Shape:
     mesh = reduced.mesh
     follows = np.column_stack([reduced.expand(unit).ravel() for unit in np.eye(len(reduced.mass))])
     return Shape(mesh.nodes, mesh.quads, mesh.level, mesh.is_column, follows)
+
+
+def plan(reduced: ReducedFrame) -> tuple[float, float, float, float]:
+    """Return least and largest x and y of a frame's plan [m]."""
+    length, width = reduced.plan_m
+    return -length / 2.0, length / 2.0, -width / 2.0, width / 2.0
+
+
+def box(reduced: ReducedFrame, moved: float = 0.0) -> tuple[Real, Real]:
+    """Return the corners of the box around a frame on its table that moves by so much along x [m]."""
+    left, right, front, back = plan(reduced)
+    reach = max(moved, RIM)
+    low = np.array([left - reach, front - RIM, -THICKNESS])
+    return low, np.array([right + reach, back + RIM, float(reduced.heights_m[-1])])
 
 
 def _stick(reduced: ReducedFrame) -> Shape:

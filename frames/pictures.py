@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from frames.drawing import Shape, shape_of
+from frames.drawing import RIM, THICKNESS, Shape, box, plan, shape_of
 from frames.errors import FrameError
 from frames.files import replacing
 from frames.rendering import cannot_render
@@ -32,9 +32,6 @@ MAP, STRESS_MAP = "viridis", "YlOrRd"
 
 LIGHT: dict[str, Any] = {"ambient": 0.55, "diffuse": 0.5, "specular": 0.0}
 """Even light, so that colours can be compared with the colour bar."""
-
-THICKNESS, RIM = 0.025, 0.05
-"""Thickness at which the table is drawn, and how far it reaches beyond the frames [m]."""
 
 VIEW = (0.42, -1.0, 0.30)
 """Direction from the frame to the camera: x, the direction of shaking, lies across the picture."""
@@ -149,18 +146,25 @@ def look(scene: Any, low: Real, high: Real, *, margins: Margins | None = None) -
     scene.renderer.ResetCameraClippingRange()
 
 
+def letters(scene: Any, size: float) -> int:
+    """Return a font size for the picture at hand that is ``size`` in one of 640 by 800 pixels."""
+    width, height = scene.window_size
+    return max(5, round(size * min(width / 640.0, height / 800.0)))
+
+
 def caption(scene: Any, words: str, *, size: int = 11, place: tuple[float, float] = (0.02, 0.98)) -> Any:
     """Write words whose upper left corner is at a place in the picture, as shares of its width and height."""
-    actor = scene.add_text(words, position=place, viewport=True, font_size=size, color="black", font="arial")
+    font = {"font_size": letters(scene, size), "font": "arial", "color": "black"}
+    actor = scene.add_text(words, position=place, viewport=True, **font)
     actor.prop.justification_vertical = "top"
     return actor
 
 
-def bar(title: str, **changes: Any) -> dict[str, Any]:
+def bar(scene: Any, title: str, **changes: Any) -> dict[str, Any]:
     """Return pyvista's arguments for an upright colour bar at the right."""
-    sizes = {"title_font_size": 16, "label_font_size": 15, "height": 0.42, "width": 0.07}
-    place = {"vertical": True, "position_x": 0.86, "position_y": 0.3}
-    return {"title": title, "color": "black", "n_labels": 5, "fmt": "%.3g"} | sizes | place | changes
+    fonts = {"title_font_size": letters(scene, 16), "label_font_size": letters(scene, 15)}
+    place = {"vertical": True, "position_x": 0.86, "position_y": 0.3, "height": 0.42, "width": 0.07}
+    return {"title": title, "color": "black", "n_labels": 5, "fmt": "%.3g"} | fonts | place | changes
 
 
 def save(scene: Any, path: str | Path) -> None:
@@ -206,7 +210,8 @@ def modes_picture(
             surface = grid(shape, factor * moved)
             name = "displacement / largest displacement\n"
             surface[name] = np.abs(moved[:, 0])
-            place = bar(name, vertical=False, height=0.06, width=0.9, position_x=0.05, position_y=0.02)
+            where = {"vertical": False, "height": 0.06, "width": 0.9, "position_x": 0.05, "position_y": 0.02}
+            place = bar(scene, name, **where)
             middle = mode == count // 2
             add_surface(scene, surface, cmap=MAP, clim=(0, 1), scalar_bar_args=place, show_scalar_bar=middle)
             add_lines(scene, shape, surface.points)
@@ -279,20 +284,8 @@ def add_deformed(
         name, values, colours = "von Mises\n[MPa]", np.asarray(stress_pa, float) / 1e6, STRESS_MAP
         surface.cell_data[name] = values
     top = float(values.max()) if largest is None else largest
-    add_surface(scene, surface, scalars=name, cmap=colours, clim=(0.0, top or 1.0), scalar_bar_args=bar(name))
+    add_surface(
+        scene, surface, scalars=name, cmap=colours, clim=(0.0, top or 1.0), scalar_bar_args=bar(scene, name)
+    )
     add_lines(scene, shape, surface.points)
     return surface
-
-
-def plan(reduced: ReducedFrame) -> tuple[float, float, float, float]:
-    """Return least and largest x and y of a frame's plan [m]."""
-    length, width = reduced.plan_m
-    return -length / 2.0, length / 2.0, -width / 2.0, width / 2.0
-
-
-def box(reduced: ReducedFrame, moved: float = 0.0) -> tuple[Real, Real]:
-    """Return the corners of the box around a frame on its table that moves by so much along x [m]."""
-    left, right, front, back = plan(reduced)
-    reach = max(moved, RIM)
-    low = np.array([left - reach, front - RIM, -THICKNESS])
-    return low, np.array([right + reach, back + RIM, float(reduced.heights_m[-1])])

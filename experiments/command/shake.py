@@ -21,8 +21,9 @@ from experiments.shaking import shake as run
 COLUMNS_HELP = (
     "CSV of your own measured histories to lay over the run: header, first column time_s, one column a "
     "channel. A [[channel]] of a case.toml beside it (name, quantity, frame, floor, unit) says what a column "
-    "is; else its name does, like 15B_relative_displacement_floor10_mm or table_acceleration_g (units g, m_s2, "
-    "cm_s2, m, cm, mm, m_s, cm_s, mm_s). With a channel of the table's acceleration the clocks are matched by correlation."
+    "is; else its name does, like 15B_relative_displacement_floor10_mm or table_acceleration_g (units g, "
+    "m_s2, cm_s2, m, cm, mm, m_s, cm_s, mm_s). With a channel of the table's acceleration the clocks are "
+    "matched by correlation."
 )
 
 
