@@ -63,7 +63,7 @@ def load(frame: PlateFrame, settings: Mapping[str, Any]) -> Arrays | None:
     """Return the arrays of an earlier run with the same inputs, or None."""
     path = folder() / f"{key(frame, settings)}.npz"
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         path.touch()
     except (OSError, ValueError, EOFError, BadZipFile, KeyError):

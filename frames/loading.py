@@ -96,7 +96,7 @@ def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str =
             _known_keys(value, kind, place, f"{inside}{key}.")
 
 
-UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|rad|s|ms|percent|per|m3|mm3))+$"
+UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|khz|rad|s|ms|percent|per|m3|mm3))+$"
 
 
 def _meant(key: str, fields: list[str]) -> str:

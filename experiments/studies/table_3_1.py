@@ -84,7 +84,7 @@ def row(frame: PlateFrame, rung: str, calibration: str | None) -> dict[str, Any]
     return {
         "frame": frame.name,
         "model": rung,
-        "calibration": calibration,
+        "calibration": calibration or "",
         "joint_stiffness_n_m_per_rad": frame.joint_stiffness(calibration) if calibration else None,
         **_numbers(reduced.frequencies_hz[:3], reduced.roof_stiffness_n_per_m / 1e3),
     }
@@ -92,7 +92,7 @@ def row(frame: PlateFrame, rung: str, calibration: str | None) -> dict[str, Any]
 
 def published_rows(frame: PlateFrame) -> list[dict[str, Any]]:
     """Return the measured and SAP2000's row of a frame; the measured frequencies are the sweep's."""
-    known, label = frame.published, {"frame": frame.name, "calibration": None}
+    known, label = frame.published, {"frame": frame.name, "calibration": ""}
     assert known.roof_stiffness_n_per_mm is not None
     assert known.numerical_roof_stiffness_n_per_mm is not None
     return [
@@ -130,7 +130,7 @@ def alternatives(*, step: Step = lambda: None) -> pd.DataFrame:
                 rows.append(row(fitted, "P-Delta", calibration) | {"model": label})
                 step()
     data = pd.DataFrame(rows)
-    data.loc[data.calibration.isna(), "model"] = "measured"
+    data.loc[data.calibration == "", "model"] = "measured"
     return with_errors(data.drop_duplicates(["frame", "model", "calibration"]))
 
 
@@ -146,16 +146,14 @@ def with_errors(data: pd.DataFrame) -> pd.DataFrame:
 def scores(data: pd.DataFrame) -> pd.DataFrame:
     """Return for each model the mean size of the ten errors of f2 and f3, and the roof's mean and worst."""
     rows = []
-    judged = data[data.model != "measured"]
-    for label in judged[["model", "calibration"]].drop_duplicates().to_dict("records"):
-        same = (judged.model == label["model"]) & (
-            judged.calibration.fillna("") == (label["calibration"] or "")
-        )
-        group = judged[same]
+    for (model, calibration), group in data[data.model != "measured"].groupby(
+        ["model", "calibration"], sort=False
+    ):
         higher, roof = group[["error_f2", "error_f3"]].to_numpy(float), group["error_roof"].to_numpy(float)
         rows.append(
-            label
-            | {
+            {
+                "model": model,
+                "calibration": calibration,
                 "mean_error_f2_f3": float(np.abs(higher).mean()),
                 "mean_error_f1": float(np.abs(group["error_f1"].to_numpy(float)).mean()),
                 "mean_error_roof": float(np.abs(roof).mean()),
@@ -251,7 +249,7 @@ def _columns(frame: PlateFrame, **fields: Any) -> PlateFrame:
 
 def _records(data: pd.DataFrame) -> list[dict[str, Any]]:
     return [
-        {str(key): None if pd.isna(value) else value for key, value in entry.items()}
+        {str(key): None if value == "" or pd.isna(value) else value for key, value in entry.items()}
         for entry in data.to_dict("records")
     ]
 
