@@ -126,15 +126,15 @@ def _files(base: Path) -> dict[str, list[Path]]:
 
 def _missing(name: str, base: Path | None) -> str:
     plain = name.strip().lower()
-    where = f"in {base}" if base else "and no folder of records is given"
+    where = f"was not found in {base}" if base else "was not found, as no folder of records is given"
     if plain in REFERENCES:
         reference = REFERENCES[plain]
         return (
-            f"record '{plain}' is not {where}: put {reference.title} ({reference.samples} samples,"
+            f"record '{plain}' {where}: put {reference.title} ({reference.samples} samples,"
             f" {reference.step_s} s, {reference.pga_g:.3f} g) into a folder as {plain}.csv with the columns"
             f" time_s,acceleration_m_s2 and name the folder by --records or {VARIABLE}; {reference.obtain}"
         )
     known = [*REFERENCES, *PACKAGED, *(_files(base) if base else ())]
     near = difflib.get_close_matches(plain, known, n=1)
     hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
-    return f"record '{name}' is not known {where}: {hint}"
+    return f"record '{name}' {where}: {hint}"

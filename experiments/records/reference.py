@@ -113,24 +113,24 @@ REFERENCES = {
 def verified(name: str, record: Record) -> Record:
     """Return the record under a reserved name, if it is that motion.
 
-    It is, if its samples have the hash of the table. It also is, and its history says so, if number of
-    samples and step are those of the table, the peak agrees within 0.001 g (the table rounds) and the
-    extremes of four oscillators within 0.2 %, with their signs, so that a reversed polarity is noticed: the
-    same samples printed with other digits or in another unit. Anything else, also the same shaking in another
-    processing, is refused.
+    It is, if its step and the hash of its samples are those of the table. It also is, and its history says
+    so, if number of samples and step are those of the table, the peak agrees within 0.001 g (the table rounds)
+    and the extremes of four oscillators within 0.2 %, with their signs, so that a reversed polarity is
+    noticed: the same samples printed with other digits or in another unit. Anything else, also the same
+    shaking in another processing, is refused.
 
     Raises:
         ExperimentError: It is another motion; the message names what differs.
     """
     reference = REFERENCES[name]
-    if record.sha256 == reference.sha256:
-        return record.renamed(name)
     wrong = list(_differences(reference, record))
     if wrong:
         raise ExperimentError(
             f"{record.source} is not the test's '{name}' ({reference.title}): {'; '.join(wrong)};"
             f" use the right file ({reference.obtain}), or give this one a name of its own"
         )
+    if record.sha256 == reference.sha256:
+        return record.renamed(name)
     note = f"known as '{name}' by count, step, peak and oscillators; its digits differ"
     return record.renamed(name, note)
 
