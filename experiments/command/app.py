@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
-from contact.errors import ContactError
 from cyclopts import App, CycloptsError
 from rich.console import Console
 
+from contact.errors import ContactError
 from diagnosis.errors import CaseError
 from experiments.errors import ExperimentError
 from experiments.provenance import software_version
@@ -77,6 +78,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _leave(str(error), BAD_INPUT)
     except CycloptsError as error:
         _leave(f"{error} (see pounding --help)", BAD_INPUT)
+    except BrokenPipeError:
+        # The reader of our output (a pager, `head`) has seen enough; nothing more can be told to it.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
     except OSError as error:
         # A folder that cannot be written, a full disk: the user's to mend, and no traceback helps.
         place = f"{error.filename}: " if error.filename else ""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from contact.laws import LAWS
-
+import contact
 import frames
 from experiments import records as ground_motions
 from experiments.command import options

@@ -1,8 +1,8 @@
 """One lumped model of two frames in OpenSees and in the exudyn rig, side by side in one run.
 
-Same masses, storey springs, damping matrix, record, gap and law in both; each engine runs at several accuracies, and
-speeds are compared where both meet the same force accuracy against a converged reference. The full Craig-Bampton frames
-of the package are timed beside them.
+Same masses, storey springs, damping matrix, record, gap and law in both; each engine runs at several
+accuracies, and speeds are compared where both meet the same force accuracy against a converged reference.
+The full Craig-Bampton frames of the package are timed beside them.
 
     pip install openseespy        # not a dependency: its licence does not let everyone redistribute it
     python tests/benchmarks/opensees_peer.py --record northridge --out docs/validation/opensees.json
@@ -165,8 +165,10 @@ def show(rows: list[dict], console: Console) -> None:
     for row in rows:
         for run in row["runs"]:
             table.add_row(
-                row["law"], run["engine"], run["setting"], f"{run['peak_force_n']:.0f}", f"{run['force_error']:.2%}",
-                f"{1e3 * run['peak_m']:.2f}", f"{run['displacement_error']:.2%}", f"{run['wall_per_model_s']:.3f}",
+                row["law"], run["engine"], run["setting"],
+                f"{run['peak_force_n']:.0f}", f"{run['force_error']:.2%}",
+                f"{1e3 * run['peak_m']:.2f}", f"{run['displacement_error']:.2%}",
+                f"{run['wall_per_model_s']:.3f}",
             )  # fmt: skip
         full = row["craig_bampton"]
         table.add_row(row["law"], full["engine"], full["setting"], f"{full['peak_force_n']:.0f}", "",

@@ -1,0 +1,136 @@
+"""`pounding demo`: the main job from steel plate to collision, on real input, in a few minutes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.console import Console
+from rich.progress import Progress
+
+import frames
+from contact import thesis_law
+from experiments import keeping
+from experiments.command import options
+from experiments.command.output import progress_console, warn
+from experiments.command.pound import pound
+from experiments.command.shake import shake
+from experiments.errors import ExperimentError
+from experiments.films import film
+from experiments.pounding import Pounding
+from experiments.pounding import pound as run_pair
+from experiments.records import Record, find
+from experiments.scenes import picture
+from experiments.separation.required_gap import pair_gap
+from experiments.studies import laboratory, table_3_1
+from frames.errors import FrameError
+from frames.pictures import mesh_picture, modes_picture
+from frames.vtk import write_modes
+
+FRAMES = ("5A", "5B", "10", "15A", "15B")
+PAIR = ("15B", "5B")
+SHARE_OF_REQUIRED_GAP = 0.8
+"""The thesis' gaps are between 0.67 and 0.98 of those that would have kept the same frames apart."""
+
+MOTIONS = ("elcentro", "elcentro-peer180")
+"""The tests' own El Centro if the user has it, else the one that is installed with us, under its own name."""
+
+
+def demo(
+    *,
+    out: Annotated[Path, Parameter(help="Folder for pictures, films and VTK files.")] = Path("results/demo"),
+    records: options.Records = None,
+) -> None:
+    """Build the five frames, test and shake them, let two collide; numbers beside the published ones."""
+    console = Console(highlight=False)
+    began = time.perf_counter()
+    keeping.prepare(out)
+    motion = _motion(records)
+    for title, step in (
+        ("1. Five frames from steel plate to Table 3.1", lambda: table_3_1.main(out=out / "table-3-1")),
+        ("2. Their meshes and mode shapes", lambda: draw_frames(out / "frames")),
+        ("3. Tested as the laboratory did", lambda: laboratory.main(out=out / "laboratory")),
+        (
+            f"4. 15B alone on the table under {motion.name}",
+            lambda: shake("15B", record=motion.name, records=records, out=out / "shaking", film=True),
+        ),
+        (
+            f"5. {PAIR[0]} beside {PAIR[1]}, five impact laws",
+            lambda: collide(motion, records, out / "pounding"),
+        ),
+    ):
+        console.rule(f"[bold]{title}")
+        step()
+    console.print(f"\nAll of it in {time.perf_counter() - began:.0f} s; pictures, films and VTK files: {out}")
+
+
+def draw_frames(folder: Path) -> None:
+    """Write each frame's modes as VTK, and one frame's mesh and modes as pictures."""
+    keeping.prepare(folder)
+    for name in FRAMES:
+        write_modes(frames.build(frames.load(name)), folder / f"modes-{name}.vtu")
+    reduced = frames.build(frames.load("10"))
+    _drawn(lambda: mesh_picture(reduced, folder / "mesh-10.png"))
+    _drawn(lambda: modes_picture(reduced, folder / "modes-10.png"))
+    Console(highlight=False).print(
+        f"written: {len(FRAMES)} files of modes for ParaView and two pictures in {folder}"
+    )
+
+
+def collide(motion: Record, records: Path | None, folder: Path) -> None:
+    """Let the pair collide at a part of the gap that would keep it apart: numbers, plots, a film."""
+    left, right = (frames.build(frames.load(name)) for name in PAIR)
+    needed_mm = 1e3 * pair_gap(left, right, motion).closing_m
+    gap_mm = round(SHARE_OF_REQUIRED_GAP * needed_mm, 1)
+    Console(highlight=False).print(
+        f"without contact the floors would close by {needed_mm:.1f} mm: the gap is set to {gap_mm} mm"
+    )
+    pound(*PAIR, gap=[gap_mm], record=motion.name, law="all", records=records, out=folder)
+    run = _viscoelastic(left, right, motion, gap_mm)
+    title = f"{PAIR[0]} beside {PAIR[1]}, {motion.name}, gap {gap_mm:g} mm"
+    _drawn(lambda: picture(run.motion, folder / "collision.png", title=title))
+    hardest = max(run.impacts, key=lambda impact: impact.peak_force_n)
+    start, end = max(0.0, hardest.time_s - 0.5), min(run.motion.model_s, hardest.time_s + 0.5)
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task("film of the collision", total=1.0)
+        _drawn(
+            lambda: film(
+                run.motion, folder / "collision.mp4", start_s=start, end_s=end, speed=0.1, title=title,
+                progress=lambda share: progress.update(bar, completed=share),
+            )
+        )  # fmt: skip
+
+
+def _viscoelastic(
+    left: frames.ReducedFrame, right: frames.ReducedFrame, motion: Record, gap_mm: float
+) -> Pounding:
+    run = run_pair(left, right, motion, thesis_law("linear_viscoelastic"), 1e-3 * gap_mm)
+    if not run.impacts:
+        raise ExperimentError(
+            f"{PAIR[0]} and {PAIR[1]} did not touch at a gap of {gap_mm} mm: nothing to film"
+        )
+    return run
+
+
+def _motion(folder: Path | None) -> Record:
+    try:
+        return find(MOTIONS[0], folder).scaled()
+    except ExperimentError:
+        motion = find(MOTIONS[1], folder).scaled()
+        warn(
+            f"the tests' own record '{MOTIONS[0]}' is not here (see pounding list): taking '{MOTIONS[1]}', the "
+            f"same earthquake in another processing ({motion.pga_g:.3f} g), so its peaks cannot be compared "
+            "with Table 4.1"
+        )
+        return motion
+
+
+def _drawn(draw: Callable[[], None]) -> None:
+    """Draw, or say in one sentence that this machine cannot, and go on."""
+    try:
+        draw()
+    except FrameError as error:
+        warn(str(error))
