@@ -31,15 +31,23 @@ COLOURS = {
     "hertz_damp": "#6a4c93",
 }
 OTHER = "#555555"
+PALETTE = tuple(COLOURS.values())
 
 
 @matplotlib.rc_context(STYLE)
-def force_histories(runs: Sequence[Pounding], path: str | Path, *, window_s: float = 0.004) -> None:
+def force_histories(
+    runs: Sequence[Pounding],
+    path: str | Path,
+    *,
+    labels: Sequence[str] | None = None,
+    window_s: float = 0.0025,
+) -> None:
     """Plot the force of several runs over each other: the whole run, and the first impact of each, aligned.
 
     Args:
         runs: Runs that differ in their law; the first contact of each is shown.
         path: File to write; its suffix says the format.
+        labels: Of the runs; the names of their laws when None.
         window_s: Length of the close view [s].
 
     Raises:
@@ -48,30 +56,37 @@ def force_histories(runs: Sequence[Pounding], path: str | Path, *, window_s: flo
     _require_touch(runs)
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
-    for run in runs:
+    for index, run in enumerate(runs):
         history = run.motion.contacts[0]
-        colour = COLOURS.get(history.law.name, OTHER)
+        name = labels[index] if labels else _label(history)
+        colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
         times, force = history.sampled()
-        whole.plot(times, force, color=colour, label=_label(history), linewidth=0.9)
+        whole.plot(times, force, color=colour, label=name, linewidth=0.9)
         if run.impacts:
             start = run.impacts[0].time_s
             near = np.linspace(start - 0.1 * window_s, start + window_s, 1500)
             close.plot(1e3 * (near - start), history.at(near)[2], color=colour)
     times = [impact.time_s for run in runs for impact in run.impacts]
-    whole.set_xlim(max(0.0, min(times) - 0.3), max(times) + 0.3)
+    margin = 0.03 + 0.1 * (max(times) - min(times))
+    whole.set_xlim(max(0.0, min(times) - margin), max(times) + margin)
     first, (left, right) = runs[0], runs[0].motion.frames
     gap = f"gap {1e3 * first.motion.contacts[0].gap_m:g} mm"
     whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
     whole.legend(fontsize=8, loc="upper right")
     close.set(xlabel="time after first touch [ms]")
-    close.set_title("first impact of each law", fontsize=10)
+    close.set_title("first impact of each", fontsize=10)
     _save(figure, path)
 
 
 @matplotlib.rc_context(STYLE)
-def loops(runs: Sequence[Pounding], path: str | Path) -> None:
+def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] | None = None) -> None:
     """Plot force over deformation of the hardest touch of each run; the area of a loop is the energy lost.
+
+    Args:
+        runs: Runs; the first contact of each is shown.
+        path: File to write.
+        labels: Of the runs; the names of their laws when None.
 
     Raises:
         ExperimentError: In no run the floors touched.
@@ -79,12 +94,13 @@ def loops(runs: Sequence[Pounding], path: str | Path) -> None:
     _require_touch(runs)
     figure = Figure(figsize=(5.4, 3.8), layout="constrained")
     axes = figure.subplots()
-    for run in runs:
+    for index, run in enumerate(runs):
         history = run.motion.contacts[0]
         if history.pulses:
-            _loop(axes, history)
+            colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
+            _loop(axes, history, labels[index] if labels else _label(history), colour)
     axes.set(xlabel="deformation [mm]", ylabel="contact force [N]")
-    axes.set_title("hardest touch of each law", fontsize=10)
+    axes.set_title("hardest touch of each", fontsize=10)
     axes.legend(fontsize=8)
     _save(figure, path)
 
@@ -121,11 +137,10 @@ def peak_map(peaks_n: Mapping[str, Mapping[str, float]], path: str | Path, *, ti
     _save(figure, path)
 
 
-def _loop(axes: Axes, history: ContactHistory) -> None:
+def _loop(axes: Axes, history: ContactHistory, name: str, colour: str) -> None:
     pulses = [history.pulse(*pulse) for pulse in history.pulses]
     _, deformation, _, force = max(pulses, key=lambda pulse: float(pulse[3].max()))
-    colour = COLOURS.get(history.law.name, OTHER)
-    axes.plot(1e3 * deformation, force, color=colour, label=_label(history), linewidth=1.3)
+    axes.plot(1e3 * deformation, force, color=colour, label=name, linewidth=1.3)
 
 
 def _label(history: ContactHistory) -> str:
