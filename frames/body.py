@@ -18,9 +18,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from frames.errors import FrameError
 from frames.exact import checked
+from frames.points import bordered, checked_floor, coupled, point_basis
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 
@@ -116,7 +117,7 @@ class FrameBody:
     ) -> None:
         self._mbs, self.reduced, self._table = mbs, reduced, table
         self._markers: dict[int, int] = {}
-        self._basis, self._places = _basis(reduced, points)
+        self._basis, self._places = point_basis(reduced, points)
         back = self._basis
         size = len(reduced.mass)
         self.node = mbs.AddNode(
@@ -130,9 +131,9 @@ class FrameBody:
         self.body = mbs.AddObject(
             items.ObjectGenericODE2(
                 nodeNumbers=[self.node, table.node],
-                massMatrix=_coupled(back.T @ reduced.mass @ back, np.linalg.solve(back, reduced.influence)),
-                stiffnessMatrix=_bordered(back.T @ reduced.stiffness @ back),
-                dampingMatrix=_bordered(back.T @ reduced.damping @ back),
+                massMatrix=coupled(back.T @ reduced.mass @ back, np.linalg.solve(back, reduced.influence)),
+                stiffnessMatrix=bordered(back.T @ reduced.stiffness @ back),
+                dampingMatrix=bordered(back.T @ reduced.damping @ back),
             )
         )
         outputs = exudyn.OutputVariableType
@@ -158,7 +159,7 @@ class FrameBody:
         if (floor, y_m) in self._places:
             coordinate = self._places[floor, y_m]
         elif y_m == 0.0:
-            coordinate = int(self.reduced.floor_x[_checked_floor(self.reduced, floor) - 1])
+            coordinate = int(self.reduced.floor_x[checked_floor(self.reduced, floor) - 1])
         else:
             raise FrameError(
                 f"{self.reduced.name}: floor {floor}, y = {y_m} m is not among the points of its body"
@@ -246,48 +247,40 @@ def solve(mbs: Any, chosen: exudyn.SimulationSettings, *, solver: str = "RK44") 
     return time.perf_counter() - started
 
 
-def _coupled(mass: Real, influence: Real) -> Real:
-    """Return the mass matrix (n + 1, n + 1) of relative coordinates and the table's displacement."""
-    moved = mass @ influence
-    return np.block([[mass, moved[:, None]], [moved[None, :], np.array([[influence @ moved]])]])
+class Alone(NamedTuple):
+    """A frame that was shaken alone with fixed steps: its history, their number and the wall time [s]."""
+
+    history: History
+    steps: int
+    wall_s: float
 
 
-def _bordered(matrix: Real) -> Real:
-    """Return a matrix with a row and a column of zeros for the table."""
-    return np.pad(matrix, ((0, 1), (0, 1)))
+def run_alone(
+    reduced: ReducedFrame,
+    acceleration_m_s2: ArrayLike,
+    step_s: float,
+    *,
+    integrator: str = "RK44",
+    longest_step_s: float = LONGEST_STEP_S,
+    table_mass_kg: float = TABLE_MASS_KG,
+) -> Alone:
+    """Shake one frame with fixed steps that meet the acceleration's samples, and store it at each sample.
 
+    Args:
+        reduced: The frame.
+        acceleration_m_s2: Acceleration of the table (m,) [m/s^2].
+        step_s: Its sample step [s].
+        integrator: Name in ``exudyn.DynamicSolverType``.
+        longest_step_s: Longest integration step [s].
+        table_mass_kg: Mass of the table [kg].
 
-def _basis(
-    reduced: ReducedFrame, points: Iterable[tuple[int, float]]
-) -> tuple[Real, dict[tuple[int, float], int]]:
-    """Return (n, n) from the body's coordinates to the frame's, and the coordinate of each point.
-
-    Each point's displacement takes the place of the coordinate that it moves with most; the floors' own
-    displacements stay coordinates.
+    Raises:
+        FrameError: The acceleration cannot be used, or the motion grew without bound.
     """
-    rows = np.eye(len(reduced.mass))
-    taken = {int(index) for index in reduced.floor_x}
-    places: dict[tuple[int, float], int] = {}
-    for floor, y_m in points:
-        row = np.asarray(reduced.point_row(_checked_floor(reduced, floor), y_m), float)
-        # Weighted by a typical amplitude, that of a unit of strain energy, to compare metres with radians.
-        weight = np.abs(row) / np.sqrt(np.diag(reduced.stiffness))
-        if y_m == 0.0:
-            places[floor, y_m] = int(reduced.floor_x[floor - 1])
-            continue
-        weight[list(taken)] = 0.0
-        pivot = int(weight.argmax())
-        if weight[pivot] == 0.0:
-            raise FrameError(
-                f"{reduced.name}: floor {floor} cannot move at y = {y_m} m apart from its middle"
-            )
-        rows[pivot] = row
-        taken.add(pivot)
-        places[floor, y_m] = pivot
-    return np.linalg.inv(rows), places
-
-
-def _checked_floor(reduced: ReducedFrame, floor: int) -> int:
-    if not 1 <= floor <= reduced.storeys:
-        raise FrameError(f"{reduced.name}: floor {floor}; it has floors 1 to {reduced.storeys}")
-    return floor
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    table = Table(mbs, acceleration_m_s2, step_s, mass_kg=table_mass_kg)
+    body = FrameBody(mbs, reduced, table)
+    chosen = settings(table, longest_step_s)
+    wall_s = solve(mbs, chosen, solver=integrator)
+    return Alone(body.history(), int(chosen.timeIntegration.numberOfSteps), wall_s)
