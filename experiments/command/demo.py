@@ -93,7 +93,7 @@ def collide(motion: Record, records: Path | None, folder: Path) -> None:
     title = f"{PAIR[0]} beside {PAIR[1]}, {motion.name}, gap {gap_mm:g} mm"
     _drawn(lambda: picture(run.motion, folder / "collision.png", title=title))
     hardest = max(run.impacts, key=lambda impact: impact.peak_force_n)
-    start, end = max(0.0, hardest.time_s - 0.5), min(run.motion.model_s, hardest.time_s + 0.5)
+    start, end = max(0.0, hardest.time_s - 0.2), min(run.motion.model_s, hardest.time_s + 0.3)
     with Progress(console=progress_console(), transient=True) as progress:
         bar = progress.add_task("film of the collision", total=1.0)
         _drawn(
@@ -121,9 +121,9 @@ def _motion(folder: Path | None) -> Record:
     except ExperimentError:
         motion = find(MOTIONS[1], folder).scaled()
         warn(
-            f"the tests' own record '{MOTIONS[0]}' is not here (see pounding list): taking '{MOTIONS[1]}', the "
-            f"same earthquake in another processing ({motion.pga_g:.3f} g), so its peaks cannot be compared "
-            "with Table 4.1"
+            f"the tests' own record '{MOTIONS[0]}' is not here (see pounding list): taking '{MOTIONS[1]}', "
+            f"the same earthquake in another processing ({motion.pga_g:.3f} g), so its peaks cannot be "
+            "compared with Table 4.1"
         )
         return motion
 
