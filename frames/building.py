@@ -14,7 +14,6 @@ from frames.definition import Frame, PlateFrame, StickFrame
 from frames.errors import FrameError
 from frames.mesh import DEFAULT, Density
 from frames.reduction import ReducedFrame
-from frames.shells import DOFS
 from frames.symmetry import is_symmetric, planar_basis
 
 KEEP_HZ = 300.0
@@ -83,40 +82,32 @@ def build(
 def _reduce(model: Model, settings: dict[str, Any]) -> dict[str, np.ndarray]:
     """Return what is worth keeping on disk: the reduced matrices and the way back."""
     storeys, coordinates = model.frame.storeys, model.coordinates
-    translation = np.zeros((DOFS * len(model.mesh.nodes), 1))
-    translation[0::DOFS] = 1.0
-    stiffness, mass, loads = model.stiffness, model.mass, model.inertia_of(translation)
+    carried = coordinates.translation()
+    stiffness, mass = model.stiffness, model.mass
     if settings["planar"]:
         quarter = planar_basis(model.mesh, coordinates)
         stiffness, mass = quarter.T @ stiffness @ quarter, quarter.T @ mass @ quarter
-        loads = quarter.T @ loads
+        carried = quarter.T @ carried / (quarter.T @ quarter).diagonal()
         kept = quarter[coordinates.floor[:, 0]].indices.astype(np.int64)
     else:
         kept = coordinates.floor.T.ravel()
     small = craig_bampton(
-        stiffness.tocsr(), mass.tocsr(), kept, loads, keep_hz=settings["keep_hz"], modes=settings["modes"]
+        stiffness.tocsr(), mass.tocsr(), kept, carried, keep_hz=settings["keep_hz"], modes=settings["modes"]
     )
+    load = small.basis.T @ (mass @ carried)
+    influence = np.zeros(len(load))
+    # Floors translate by exactly 1, as absolute motions need; the other coordinates follow from their load.
+    rest = slice(len(kept), None)
+    influence[: len(kept)] = carried[kept]
+    influence[rest] = np.linalg.solve(small.mass[rest, rest], load[rest] - small.mass[rest] @ influence)
     return {
         "mass": small.mass,
         "stiffness": small.stiffness,
         "basis": small.basis,
-        "influence": _influence(small.mass, (small.basis.T @ loads).ravel(), storeys),
+        "influence": influence,
         "frequencies_shapes": np.vstack(dense_modes(small.stiffness, small.mass)),
         "kept": np.array([len(kept) // storeys]),
     }
-
-
-def _influence(mass: np.ndarray, load: np.ndarray, storeys: int) -> np.ndarray:
-    """Return the coordinates under a unit translation of the base.
-
-    The floors translate by exactly 1. The modes follow from their inertia force; what is lost is the part of
-    the lowest columns' mass that moves with the base rather than with the first floor.
-    """
-    influence = np.zeros(len(mass))
-    influence[:storeys] = 1.0
-    rest = slice(storeys, None)
-    influence[rest] = np.linalg.solve(mass[rest, rest], load[rest] - mass[rest, :storeys] @ np.ones(storeys))
-    return influence
 
 
 def _reduced(

@@ -24,6 +24,10 @@ INERT = 1e-9
 """A fixed-interface mode whose coupling with everything kept is below this share of the largest is inert."""
 
 
+NOTHING = 1e-10
+"""A shape with less than this share of its mass left beside the others is in their span."""
+
+
 @dataclass(frozen=True)
 class CraigBampton:
     """A reduced system.
@@ -43,20 +47,22 @@ def craig_bampton(
     stiffness: csr_matrix,
     mass: csr_matrix,
     kept: Index,
-    loads: Real,
+    carried: Real,
     *,
     keep_hz: float | None = None,
     modes: int | None = None,
 ) -> CraigBampton:
     """Reduce a system to some of its coordinates and its lowest fixed-interface modes.
 
-    Modes that neither the kept coordinates nor the loads can excite are left out: they would rest for ever.
+    Modes that neither the kept coordinates nor the base can excite are left out: they would rest for ever.
+    The static answer to a unit acceleration of the base, with the kept coordinates held, is one shape more;
+    it carries the inertia of the strips between the base and the first floor.
 
     Args:
         stiffness: K (full, full), positive definite.
         mass: M (full, full), positive semi-definite.
         kept: Coordinates kept as themselves (b,).
-        loads: Inertia forces under which the reduced system will be used (full, k).
+        carried: Motion of the coordinates with a translating base (full,).
         keep_hz: Keep the fixed-interface modes up to this frequency [Hz].
         modes: Or keep so many; 0 is Guyan's static reduction.
 
@@ -71,14 +77,26 @@ def craig_bampton(
     factor = factorise(k_ii)
     static = -factor.solve(k_ib)
     shapes = lowest_modes(k_ii, m_ii, factor, keep_hz=keep_hz, count=modes)[1]
-    coupling = np.hstack([shapes.T @ (m_ib + m_ii @ static), shapes.T @ loads[inner]])
+    rest = carried[inner] - static @ carried[kept]
+    coupling = shapes.T @ np.column_stack([m_ib + m_ii @ static, m_ii @ rest])
     largest = np.maximum(np.abs(coupling).max(axis=0, initial=0.0), np.finfo(float).tiny)
     shapes = shapes[:, (np.abs(coupling) > INERT * largest).any(axis=1)]
+    shapes = _with(shapes, factor.solve(m_ii @ rest), m_ii)
     basis = np.zeros((stiffness.shape[0], len(kept) + shapes.shape[1]))
     basis[kept, np.arange(len(kept))] = 1.0
     basis[inner] = np.hstack([static, shapes])
     small = [_symmetric(basis.T @ (matrix @ basis)) for matrix in (mass, stiffness)]
     return CraigBampton(small[0], small[1], basis)
+
+
+def _with(shapes: Real, further: Real, mass: csc_matrix) -> Real:
+    """Return shapes with one more, made orthogonal to them in mass, unless they hold it already."""
+    weight = further @ (mass @ further)
+    further = further - shapes @ (shapes.T @ (mass @ further))
+    left = further @ (mass @ further)
+    if left <= NOTHING * max(weight, np.finfo(float).tiny):
+        return shapes
+    return np.column_stack([shapes, further / np.sqrt(left)])
 
 
 def factorise(stiffness: csc_matrix) -> SuperLU:

@@ -47,6 +47,12 @@ class Kinematics:
     floor: Index
     place: Index
 
+    def translation(self) -> Real:
+        """Return the coordinates (coordinates,) when every node but the base's moves along x by 1."""
+        whole = self.place < 0
+        component = np.where(whole, -1 - self.place, self.place % DOFS)
+        return (component == 0).astype(float)
+
 
 def kinematics(
     frame: PlateFrame, mesh: Mesh, *, flexible_joints: bool = True, rigid_floors: bool = True

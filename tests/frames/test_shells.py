@@ -1,9 +1,11 @@
 """Shell elements against thin-plate theory, beam theory and rigid-body mechanics.
 
-A bilinear element converges with the square of its size: a fitted slope of 1.85 or more tells it from the first
-order and from none. Thin-plate theory leaves out shear and rotary inertia; the plates are 1/200 thin, so that
-this counts for 0.02 % (what is left at 64 elements a side).
+A bilinear element converges with the square of its size: a fitted slope of 1.85 or more tells it from the
+first order and from none. Thin-plate theory leaves out shear and rotary inertia; the plates are 1/200 thin,
+so that this counts for 0.02 % (what is left at 64 elements a side).
 """
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -117,7 +119,7 @@ def tube(length, side, thickness, along, across):
     """A folded square tube, four walls joined at their edges, with its axis along x."""
     corners = np.array([[0, 0], [side, 0], [side, side], [0, side], [0, 0]], float) - side / 2
     share = np.linspace(0, 1, across + 1)[:-1, None]
-    ring = np.vstack([a + share * (b - a) for a, b in zip(corners[:-1], corners[1:], strict=True)])
+    ring = np.vstack([a + share * (b - a) for a, b in pairwise(corners)])
     x = np.linspace(0, length, along + 1)
     nodes = np.array([[position, y, z] for position in x for y, z in ring])
     n = np.arange(len(nodes)).reshape(along + 1, len(ring))
