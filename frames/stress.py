@@ -24,6 +24,10 @@ CANDIDATES = 200
 """Places looked at over the whole history, the worst at the instants when a coordinate peaks."""
 
 
+BLOCK = 2000
+"""Instants looked at together; a long run would not fit in memory at once."""
+
+
 class StressMap(NamedTuple):
     """Stresses for unit coordinates.
 
@@ -82,10 +86,21 @@ def largest_stress(reduced: ReducedFrame, displacement: Real) -> Largest:
     instants = np.unique(np.concatenate([displacement.argmax(axis=0), displacement.argmin(axis=0)]))
     worst = np.max([StressMap(rows).von_mises(displacement[i]) for i in instants], axis=0)
     chosen = np.argsort(worst)[-CANDIDATES:]
-    history = von_mises(np.einsum("esjn,mn->emsj", rows[chosen], displacement)).max(axis=2)
-    place, instant = np.unravel_index(int(history.argmax()), history.shape)
+    history = np.concatenate(
+        [
+            _histories(rows[chosen], displacement[start : start + BLOCK])
+            for start in range(0, len(displacement), BLOCK)
+        ]
+    )
+    instant, place = np.unravel_index(int(history.argmax()), history.shape)
     element = int(chosen[place])
     return Largest(float(history.max()), int(instant), element, _words(reduced, element))
+
+
+def _histories(rows: Real, displacement: Real) -> Real:
+    """Return von Mises' stress (m, elements) of the worse surface for coordinates (m, n)."""
+    stress = displacement @ rows.reshape(-1, rows.shape[-1]).T
+    return von_mises(stress.reshape(len(displacement), *rows.shape[:-1])).max(axis=2)
 
 
 def _column_ends(reduced: ReducedFrame) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

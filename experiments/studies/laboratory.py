@@ -2,8 +2,8 @@
 
 Roof push, free vibration and sine sweep run on the believed model, and frequency and damping are read from
 the simulated records alone by the half-power bandwidth. What is read must be what was put in; further tables
-show how far a short record or a tapering window leads astray, and how far a fast sweep does when it is read at
-its loudest instant. Run it with ``pounding study laboratory``.
+show how far a short record or a tapering window leads astray, and how far a fast sweep does when it is read
+at its loudest instant. Run it with ``pounding study laboratory``.
 """
 
 from __future__ import annotations
@@ -186,7 +186,7 @@ def picture(name: str, path: Path) -> None:
     frequency, ratio = decay.reading
     axes[1].plot(decay.frequency_hz, height, color=OURS)
     axes[1].hlines(0.5**0.5, frequency * (1 - ratio), frequency * (1 + ratio), color=PUBLISHED, lw=2.0)
-    words = f"half-power bandwidth: {frequency:.3f} Hz, damping ratio {ratio:.5f}"
+    words = f"half-power bandwidth:\n{frequency:.3f} Hz, damping ratio {ratio:.5f}"
     axes[1].annotate(words, (frequency * (1 + 1.5 * ratio), 0.5**0.5), va="center", color=PUBLISHED)
     axes[1].set(xlabel="frequency [Hz]", ylabel="amplitude / peak", ylim=(0.0, 1.05))
     axes[1].set_xlim(decay.frequency_hz[0], decay.frequency_hz[-1])
