@@ -1,0 +1,154 @@
+"""Effects of the table and of the sensors: nothing in the frame is wrong, but what is said of it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.believed import Assembly, Believed
+from diagnosis.calibrate import Motion, channel_term
+from diagnosis.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
+from diagnosis.sensitivity import Term
+from diagnosis.storeys import Modes
+from diagnosis.tilt import tilt_series
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class TableGain(Effect):
+    """What shook the frame is (1 + x) times the table channel."""
+
+    name = "table_gain"
+    quantities = (Quantity("relative_change", "1"),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 0.2."""
+        return 0.2
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the table's own force."""
+        return [Term(motion.run.table, -modes.participation, inertial=True)]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Scale the table."""
+        assembly.table_gain += float(values[0])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class TableDelay(Effect):
+    """The frame was shaken later than the channel says."""
+
+    name = "table_delay"
+    quantities = (Quantity("delay", "ms", 1000.0),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 6 ms."""
+        return 0.006
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the table's rate of change."""
+        slope = np.gradient(motion.run.table, motion.run.step_s)
+        return [Term(slope, modes.participation, inertial=True)]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Delay the table."""
+        assembly.table_delay_s += float(values[0])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class TableTilt(Effect):
+    """The table pitches by tilt times its acceleration: floors are moved by their height, and weight leans."""
+
+    name = "table_tilt"
+    quantities = (Quantity("tilt", "rad s^2/m"),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return what moves the roof by a tenth of the table at the first frequency."""
+        height = max(float(frame.height_m[-1]) for frame in believed.structure.frames)
+        return 0.3 / (height * float(scales.omega[0][0]) ** 2)
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the inertia of the pitching floors, their leaning weight, and what sensors see of the pitch."""
+        pitch, pitching, inertia, weight, seen = tilt_series(believed, modes, motion.run)
+        return [
+            Term(-pitching, inertia, inertial=True),
+            Term(pitch, weight),
+            Term(pitch, output=seen),
+        ]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Tilt the table."""
+        assembly.table_tilt += float(values[0])
+
+
+@dataclass(frozen=True)
+class ChannelEffect(Effect):
+    """An effect of one channel."""
+
+    where = "channel"
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class SensorGain(ChannelEffect):
+    """The channel reads (1 + x) times the truth."""
+
+    name = "sensor_gain"
+    quantities = (Quantity("relative_change", "1"),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 0.2."""
+        return 0.2
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the channel itself."""
+        return [channel_term(believed, self.index, motion.outputs[:, self.index])]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Scale the channel; a sensor of the wrong polarity is a gain of -2."""
+        assembly.channel_gain[self.index] += float(values[0])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class SensorDelay(ChannelEffect):
+    """The channel reads later than the truth."""
+
+    name = "sensor_delay"
+    quantities = (Quantity("delay", "ms", 1000.0),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 6 ms."""
+        return 0.006
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the channel's rate, as it follows from the state."""
+        return [channel_term(believed, self.index, -motion.output_rate[:, self.index])]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Delay the channel."""
+        assembly.channel_delay_s[self.index] += float(values[0])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class SensorOffset(ChannelEffect):
+    """The channel reads a constant more than the truth."""
+
+    name = "sensor_offset"
+    quantities = (Quantity("offset", CHANNEL_UNIT),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 0.3 of the channel's rms."""
+        return 0.3 * float(scales.output[self.index])
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return a constant."""
+        return [channel_term(believed, self.index, np.ones(len(motion.outputs)))]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Offset the channel."""
+        assembly.channel_offset[self.index] += float(values[0])

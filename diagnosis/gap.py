@@ -1,0 +1,85 @@
+"""How far a simulation is from what was measured, and how near it could come."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diagnosis.believed import Acting, Believed
+from diagnosis.calibrate import Baseline
+from diagnosis.kalman import Noise, discretise, linear_system, noise_density
+from diagnosis.observations import root_mean_square
+from diagnosis.storeys import Modes
+
+
+def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
+    """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
+    measured = np.concatenate([believed.observed.runs[run].measured for run in runs])
+    difference = np.concatenate(list(outputs)) - measured
+    rms = root_mean_square(measured)
+    return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+
+
+def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
+    """Return the median of the channels' gaps."""
+    return float(np.nanmedian(channel_gaps(believed, outputs, runs)))
+
+
+def simulate(
+    believed: Believed, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+) -> list[np.ndarray]:
+    """Return the channels as simulated in each run, nothing corrected by measurements."""
+    return believed.predict(values, None, effects, runs).outputs
+
+
+def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.ndarray:
+    """Return the gap that a perfect model would leave in each channel: its noise, and what the table's noise does.
+
+    Args:
+        believed: The believed model.
+        baseline: A fit; its noise is taken as a share of each channel's rms, its modes carry the table's noise.
+        runs: Runs for which the floor is wanted, fitted or not.
+    """
+    shares, table_share = _shares(believed, baseline)
+    squares, total, count = 0.0, 0.0, 0
+    for number in runs:
+        run = believed.observed.runs[number]
+        rms = np.nan_to_num(believed.observed.rms(run))
+        table = table_share * float(root_mean_square(run.table))
+        carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * table
+        squares = squares + len(run.table) * ((shares * rms) ** 2 + carried**2)
+        total = total + len(run.table) * rms**2
+        count += len(run.table)
+    del count
+    return np.sqrt(np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0))
+
+
+def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:
+    channel, table = [], []
+    for number, noise in zip(baseline.runs, baseline.noise, strict=True):
+        run = believed.observed.runs[number]
+        rms = believed.observed.rms(run)
+        known = np.isfinite(noise.channel) & (rms > 0)
+        channel.append(np.where(known, noise.channel / np.where(known, rms, 1.0), np.nan))
+        table.append(noise.table / float(root_mean_square(run.table)))
+    shares = np.array(channel)
+    known = np.isfinite(shares)
+    mean = np.nansum(shares, axis=0) / np.maximum(known.sum(axis=0), 1)
+    return mean, float(np.mean(table))
+
+
+def table_response(believed: Believed, modes: Modes, step_s: float, samples: int) -> np.ndarray:
+    """Return the rms of each channel for table noise of unit standard deviation, over a run from rest."""
+    storeys = believed.structure.floors
+    system = linear_system(
+        modes, believed.structure.drift @ modes.floors, believed.observed.quantity, believed.observed.floor
+    )
+    density = noise_density(len(system.rate), Noise(np.zeros(storeys), 1.0, np.zeros(0)))
+    step, covariance = discretise(system.rate, density, step_s)
+    # Doubling: the covariance after 1, 2, 4, ... samples, up to half the run, where its mean lies.
+    for _ in range(max(1, int(np.log2(max(samples, 4) / 2)))):
+        covariance = covariance + step @ covariance @ step.T
+        step = step @ step
+    variance = np.einsum("ci,ij,cj->c", system.output, covariance, system.output)
+    return np.sqrt(np.maximum(variance, 0.0))

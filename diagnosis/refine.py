@@ -1,0 +1,268 @@
+"""Refinement: ordinary and effect parameters together, on the predictor with the effect in it, and its evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.believed import Believed
+from diagnosis.calibrate import (
+    BOX,
+    Baseline,
+    grouped_signatures,
+    matched_noise,
+    motions,
+    ordinary_terms,
+    run_baseline,
+    whitened,
+    whitened_innovations,
+)
+from diagnosis.catalogue import Effect
+
+LOG_WIDTH = 1.5
+"""Prior standard deviation of a parameter that is refined as a logarithm."""
+LEAST_LATENT = 1e-4
+"""[N] below which a latent force is none."""
+LATENT_STEPS = (0.3, 0.1)
+"""Factors by which the latent forces are reduced as long as the data like it better."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A refined set of effects.
+
+    Attributes:
+        effects: The effects. values: SI parameters of each.
+        std: Standard errors of those.
+        baseline: The predictor with them.
+        log_posterior: Log likelihood plus log prior less half the log determinant of the information [nats].
+        columns: Whitened, prior-scaled signatures of the effects' parameters in each run.
+    """
+
+    effects: tuple[Effect, ...]
+    values: tuple[np.ndarray, ...]
+    std: tuple[np.ndarray, ...]
+    baseline: Baseline
+    log_posterior: float
+    columns: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """How the effects' SI parameters are varied: as logarithms or in units of `width`."""
+
+    effects: tuple[Effect, ...]
+    start: np.ndarray
+    width: np.ndarray
+    logarithmic: np.ndarray
+
+    @classmethod
+    def of(cls, effects: Sequence[Effect], values: Sequence[np.ndarray], widths: Sequence[np.ndarray]) -> Coordinates:
+        """Return coordinates that are zero at `values`."""
+        logarithmic = np.concatenate([np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)])
+        start = np.concatenate([np.asarray(v, float) for v in values] or [np.zeros(0)])
+        width = np.concatenate([np.asarray(w, float) for w in widths] or [np.zeros(0)])
+        return cls(tuple(effects), start, np.where(logarithmic, LOG_WIDTH, width), logarithmic)
+
+    def values(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the SI parameters of each effect at `x`, in units of the widths from the start."""
+        moved = np.where(
+            self.logarithmic,
+            self.start * np.exp(np.clip(x * self.width, -6, 6)),
+            self.start + x * self.width,
+        )
+        ends = np.cumsum([len(effect.quantities) for effect in self.effects])
+        return tuple(np.split(moved, ends[:-1])) if self.effects else ()
+
+    def slopes(self, x: np.ndarray) -> np.ndarray:
+        """Return d value / d x."""
+        flat = np.concatenate(self.values(x)) if self.effects else np.zeros(0)
+        return np.where(self.logarithmic, flat * self.width, self.width)
+
+    def prior(self, x: np.ndarray) -> np.ndarray:
+        """Return how far from the prior's centre: amplitudes are centred on zero, logarithms on the start."""
+        return np.where(self.logarithmic, x, x + self.start / self.width)
+
+
+def refine(
+    believed: Believed,
+    baseline: Baseline,
+    effects: Sequence[Effect],
+    values: Sequence[np.ndarray],
+    widths: Sequence[np.ndarray],
+    iterations: int = 6,
+    rounds: int = 3,
+) -> Fit:
+    """Return the best fit of effects together with the ordinary parameters, the latent forces as small as they may be.
+
+    Args:
+        believed: The believed model.
+        baseline: Where to start: ordinary parameters, noise and runs are taken from it.
+        effects: Effects to put in; may be none.
+        values: Their SI parameters to start from.
+        widths: Prior standard deviations of those that are not logarithmic.
+        iterations: Gauss-Newton steps a round.
+        rounds: How often the noise is estimated again and the latent forces reduced.
+    """
+    coordinates = Coordinates.of(effects, values, widths)
+    x = np.zeros(len(coordinates.start))
+    current = _at(believed, baseline, coordinates, x, baseline.values)
+    for _ in range(rounds):
+        current, x = _descend(believed, current, coordinates, x, iterations)
+        quieter = _quieter(believed, current)
+        if quieter.log_likelihood < current.log_likelihood + 2.0:
+            current = max(current, quieter, key=lambda b: b.log_likelihood)
+            break
+        current = quieter
+    current, x = _descend(believed, current, coordinates, x, iterations)
+    return _finished(believed, current, coordinates, x)
+
+
+def _at(
+    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, ordinary: np.ndarray
+) -> Baseline:
+    acting = tuple(zip(coordinates.effects, coordinates.values(x), strict=True))
+    return run_baseline(believed, ordinary, baseline.noise, baseline.runs, acting)
+
+
+def _quieter(believed: Believed, baseline: Baseline) -> Baseline:
+    """Return the baseline with re-estimated channel noise and the latent force that the data like best."""
+    best = run_baseline(
+        believed, baseline.values, matched_noise(believed, baseline), baseline.runs, baseline.effects
+    )
+    improved = True
+    while improved:
+        improved = False
+        for factor in LATENT_STEPS:
+            if best.noise[0].latent.max() < LEAST_LATENT:
+                break
+            noise = tuple(replace(one, latent=factor * one.latent) for one in best.noise)
+            trial = run_baseline(believed, best.values, noise, best.runs, best.effects)
+            trial = run_baseline(believed, best.values, matched_noise(believed, trial), best.runs, best.effects)
+            if trial.log_likelihood > best.log_likelihood + 1.0:
+                best, improved = trial, True
+                break
+    for factor in (0.5, 2.0):
+        for _ in range(3):
+            noise = tuple(replace(one, table=factor * one.table) for one in best.noise)
+            trial = run_baseline(believed, best.values, noise, best.runs, best.effects)
+            if trial.log_likelihood < best.log_likelihood + 0.5:
+                break
+            best = trial
+    return best
+
+
+def _descend(
+    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, iterations: int
+) -> tuple[Baseline, np.ndarray]:
+    ordinary_columns: list[np.ndarray] | None = None
+    for iteration in range(iterations):
+        if ordinary_columns is None or iteration % 2 == 0:
+            ordinary_columns = _ordinary_columns(believed, baseline)
+        columns = effect_columns(believed, baseline, coordinates, x)
+        residuals = whitened_innovations(believed, baseline)
+        start = np.concatenate([baseline.values / believed.std, coordinates.prior(x)])
+        gram, slope = _normal(ordinary_columns, columns, residuals)
+        step = _step(gram, slope, start, len(believed.std))
+        before = _misfit(believed, baseline, coordinates, x, baseline.values)
+        for fraction in (1.0, 0.5, 0.2, 0.05):
+            ordinary = baseline.values + fraction * step[: len(believed.std)] * believed.std
+            moved = x + fraction * step[len(believed.std) :]
+            after = _misfit(believed, baseline, coordinates, moved, ordinary)
+            if after < before:
+                break
+        else:
+            break
+        x = moved
+        baseline = _at(believed, baseline, coordinates, x, ordinary)
+        if before - after < 0.2:
+            break
+    return baseline, x
+
+
+def _ordinary_columns(believed: Believed, baseline: Baseline) -> list[np.ndarray]:
+    groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
+    return [
+        columns * believed.std.astype(columns.dtype) for columns in grouped_signatures(believed, baseline, groups)
+    ]
+
+
+def effect_columns(
+    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray
+) -> list[np.ndarray]:
+    """Return for each run the whitened derivative of the prediction with respect to the effects' coordinates."""
+    gains = [steady.gain for steady in baseline.filters]
+    found = [np.zeros((series.size, len(x)), np.float32) for series in baseline.prediction.innovations]
+    for j in range(len(x)):
+        moved = x.copy()
+        delta = 1e-3 if coordinates.logarithmic[j] else 1e-3 * max(1.0, abs(x[j] + coordinates.start[j] / coordinates.width[j]))
+        moved[j] += delta
+        acting = tuple(zip(coordinates.effects, coordinates.values(moved), strict=True))
+        prediction = believed.predict(baseline.values, gains, acting, baseline.runs)
+        for number, run in enumerate(baseline.runs):
+            change = baseline.prediction.innovations[number] - prediction.innovations[number]
+            good = np.isfinite(believed.observed.runs[run].measured)
+            found[number][:, j] = whitened(change / delta, baseline.filters[number], good).ravel()
+    return found
+
+
+def _normal(
+    ordinary: Sequence[np.ndarray], columns: Sequence[np.ndarray], residuals: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    count = ordinary[0].shape[1] + columns[0].shape[1]
+    gram, slope = np.zeros((count, count)), np.zeros(count)
+    for one, other, residual in zip(ordinary, columns, residuals, strict=True):
+        both = np.hstack([one, other])
+        gram += both.T @ both
+        slope += both.T @ residual.astype(both.dtype)
+    return gram, slope
+
+
+def _step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, boxed: int) -> np.ndarray:
+    """Return the Gauss-Newton step; the first `boxed` coordinates stay within their priors, the rest move by at most 1."""
+    precision = gram + np.eye(len(gram))
+    lower = np.concatenate([np.full(boxed, -BOX), start[boxed:] - 1.0])
+    upper = np.concatenate([np.full(boxed, BOX), start[boxed:] + 1.0])
+    free = np.ones(len(start), bool)
+    step = np.zeros(len(start))
+    for _ in range(6):
+        right = (slope - start)[free] - precision[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.solve(precision[np.ix_(free, free)], right)
+        outside = free & ((start + step > upper + 1e-9) | (start + step < lower - 1e-9))
+        if not outside.any():
+            break
+        step[outside] = np.clip(start + step, lower, upper)[outside] - start[outside]
+        free &= ~outside
+    return np.clip(start + step, lower, upper) - start
+
+
+def _misfit(
+    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, ordinary: np.ndarray
+) -> float:
+    acting = tuple(zip(coordinates.effects, coordinates.values(x), strict=True))
+    prediction = believed.predict(ordinary, [steady.gain for steady in baseline.filters], acting, baseline.runs)
+    total = 0.5 * float(np.sum((ordinary / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
+    for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
+        good = np.isfinite(believed.observed.runs[run].measured)
+        total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
+    return total if np.isfinite(total) else float("inf")
+
+
+def _finished(believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray) -> Fit:
+    columns = effect_columns(believed, baseline, coordinates, x)
+    gram, _ = _normal(_ordinary_columns(believed, baseline), columns, whitened_innovations(believed, baseline))
+    precision = gram + np.eye(len(gram))
+    log_prior = -0.5 * float(np.sum((baseline.values / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
+    posterior = baseline.log_likelihood + log_prior - 0.5 * float(np.linalg.slogdet(precision)[1])
+    spread = np.sqrt(np.diag(np.linalg.inv(precision)))[len(believed.std) :] * np.abs(coordinates.slopes(x))
+    ends = np.cumsum([len(effect.quantities) for effect in coordinates.effects])
+    return Fit(
+        effects=coordinates.effects,
+        values=coordinates.values(x),
+        std=tuple(np.split(spread, ends[:-1])) if coordinates.effects else (),
+        baseline=baseline,
+        log_posterior=posterior,
+        columns=tuple(columns),
+    )
