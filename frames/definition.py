@@ -42,7 +42,9 @@ class Columns(Data, frozen=True):
     Attributes:
         width_m: Side along y [m].
         thickness_m: Side along x [m].
-        inset_m: Distance of the four columns of the default places from the floor's edges along x [m].
+        inset_x_m: Distance of the columns of the default places, one at each corner, from the floor's edges
+            along x [m].
+        inset_y_m: The same along y [m], from a column's outer side.
         places_m: Centres (x, y) in plan [m], origin at the floor's centre; when given, instead of one column
             at each corner.
         continuous: True: a column runs on through the floors, with one joint at each, as a panel zone; False:
@@ -51,7 +53,8 @@ class Columns(Data, frozen=True):
 
     width_m: float
     thickness_m: float
-    inset_m: float = 0.0
+    inset_x_m: float = 0.0
+    inset_y_m: float = 0.0
     places_m: list[tuple[float, float]] = []
     continuous: bool = True
 
@@ -141,8 +144,8 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         """Centres (x, y) of the columns in plan [m]."""
         if self.columns.places_m:
             return [(float(x), float(y)) for x, y in self.columns.places_m]
-        x = self.plate.length_m / 2.0 - self.columns.inset_m
-        y = (self.plate.width_m - self.columns.width_m) / 2.0
+        x = self.plate.length_m / 2.0 - self.columns.inset_x_m
+        y = (self.plate.width_m - self.columns.width_m) / 2.0 - self.columns.inset_y_m
         return [(-x, -y), (x, -y), (-x, y), (x, y)]
 
     @property

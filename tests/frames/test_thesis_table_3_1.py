@@ -46,6 +46,14 @@ def test_bare_plates_on_rigid_joints_agree_with_opensees(name, first_hz, roof_n_
     assert reduced.roof_stiffness_n_per_m / 1e3 == pytest.approx(roof_n_per_mm, rel=0.015)
 
 
+@pytest.mark.parametrize(("inset_m", "first_hz"), [(0.04, 8.65), (0.08, 8.69)])
+def test_columns_moved_inwards_agree_with_opensees(inset_m, first_hz):
+    frame = frames.load("5A")
+    columns = frames.Columns(width_m=0.04, thickness_m=0.002, inset_y_m=inset_m)
+    moved = frames.build(frames.changed(frame, columns=columns), joints="rigid", p_delta=False)
+    assert moved.frequencies_hz[0] == pytest.approx(first_hz, rel=0.015)
+
+
 def test_the_mesh_is_fine_enough():
     frame = frames.load("5A")
     coarse = frames.build(frame, joints="rigid", p_delta=False)
