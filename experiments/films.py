@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,27 +57,30 @@ def film(
     times = np.arange(start_s, end + 1e-9, speed / FRAMES_PER_SECOND)
     if len(times) < 2 or start_s < 0.0 or end > motion.model_s + 1e-9:
         raise ExperimentError(
-            f"film {path}: {start_s} to {end} s is not within the run's {motion.model_s:.3f} s"
+            f"film {path}: {start_s} to {end} s is not a span of the run's {motion.model_s:.3f} s"
         )
     width, height = size or size_of(motion)
     with plotter((width, height)) as scene, replacing(path) as part:
         stage = Stage(scene, motion, title=title)
-        writer = _writer(part, (width, height))
-        writer.send(None)
-        for count, moment in enumerate(times):
-            stage.show(float(moment))
-            # A screenshot alone would show the image that was rendered last.
-            scene.render()
-            writer.send(np.ascontiguousarray(scene.screenshot(return_img=True)))
-            if progress is not None:
-                progress((count + 1) / len(times))
-        writer.close()
+        # Closed in any case, or ffmpeg would still be writing when the half-made film is removed.
+        with closing(_writer(part, (width, height))) as writer:
+            writer.send(None)
+            for count, moment in enumerate(times):
+                stage.show(float(moment))
+                # A screenshot alone would show the image that was rendered last.
+                scene.render()
+                writer.send(np.ascontiguousarray(scene.screenshot(return_img=True)))
+                if progress is not None:
+                    progress((count + 1) / len(times))
 
 
 def _writer(path: Path, size: tuple[int, int]) -> Any:
     options: dict[str, Any] = {"fps": FRAMES_PER_SECOND, "macro_block_size": 1, "ffmpeg_log_level": "error"}
     if path.suffix == ".gif":
-        palette = f"scale={GIF_WIDTH}:-2:flags=lanczos,split[a][b];[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
+        palette = (
+            f"scale={GIF_WIDTH}:-2:flags=lanczos,split[a][b];"
+            "[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
+        )
         return imageio_ffmpeg.write_frames(
             str(path),
             size,

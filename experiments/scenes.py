@@ -42,8 +42,10 @@ Real = NDArray[np.floating[Any]]
 DRAWN_MOVEMENT = 0.25
 """The largest displacement is drawn as about this share of a frame's length along x."""
 
-ARROW_M = 0.35
+ARROW_M = 0.28
 """Length at which the largest contact force is drawn [m]."""
+
+ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
 RED = "#b3262e"
 
@@ -182,7 +184,7 @@ class Stage:
                 continue
             length = ARROW_M * (0.3 + 0.7 * force / self._largest_force)
             edge = actor.edge(contact.floor, -side)
-            arrow = pyvista.Arrow(edge, (side, 0.0, 0.0), scale=length, shaft_radius=0.03, tip_radius=0.08)
+            arrow = pyvista.Arrow(start=edge, direction=(side, 0.0, 0.0), scale=length, **ARROW)
             self._scene.add_mesh(arrow, color=RED, name=name, lighting=False)
 
 
