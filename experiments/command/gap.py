@@ -14,12 +14,15 @@ from experiments.command import options
 from experiments.command.output import emit, table, warn
 from experiments.errors import ExperimentError
 from experiments.provenance import stamp
-from experiments.records import find
+from experiments.records import MODEL_TIME_FACTOR, find
 from experiments.separation import pictures
-from experiments.separation.gap import gap_answer, history
+from experiments.separation.gap import MODEL_LENGTH_SCALE, gap_answer, history
 from experiments.separation.report import write_report
 
 Floor = Annotated[int | None, Parameter(help="Floor of the lower frame; default: its roof.")]
+FullScale = Annotated[
+    bool, Parameter(negative=(), help="Frames of full-scale buildings: the record's time is not compressed.")
+]
 Report = Annotated[
     Path | None, Parameter(help="HTML file to write: the answer with its picture, to hand on.")
 ]
@@ -32,6 +35,7 @@ def gap(
     record: str,
     pga: options.Pga = None,
     floor: Floor = None,
+    full_scale: FullScale = False,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -57,8 +61,16 @@ def gap(
         frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
         for name in (left, right)
     ]
-    motion = find(record, records).scaled(pga_g=pga)
-    answer = gap_answer(built[0], built[1], motion, floor=floor, own_peak=pga is None)
+    time_factor = 1.0 if full_scale else MODEL_TIME_FACTOR
+    motion = find(record, records).scaled(time_factor, pga)
+    answer = gap_answer(
+        built[0],
+        built[1],
+        motion,
+        floor=floor,
+        own_peak=pga is None and not full_scale,
+        length_scale=1.0 if full_scale else MODEL_LENGTH_SCALE,
+    )
     asked = {
         "left": left,
         "right": right,
@@ -68,7 +80,7 @@ def gap(
         "joints": joints,
         "p_delta": p_delta,
         "damping_ratio": [frame.damping_ratio for frame in built],
-        "time_factor": motion.step_s / find(record, records).step_s,
+        "time_factor": time_factor,
     }
     result = stamp(asked, [motion]) | answer
     if report is not None:

@@ -15,6 +15,7 @@ from experiments.separation.required_gap import (
     RequiredGap,
     contact_floors,
     fine_step,
+    floor_motions,
     gaps_by_floor,
     motions,
     pair_gap,
@@ -22,7 +23,7 @@ from experiments.separation.required_gap import (
 )
 from experiments.separation.variants import modal_frame
 from frames import ReducedFrame
-from frames.exact import forced, refine
+from frames.exact import refine
 
 MM = 1000.0
 MODEL_LENGTH_SCALE = 30.0
@@ -103,8 +104,8 @@ def rules_beside(
         )
         for frame, peak in ((left, gap.left_peak_m), (right, gap.right_peak_m))
     ]
-    buildings.sort(key=lambda building: building.height_m, reverse=True)
-    return code_rules(*buildings, pga_g, length_scale=length_scale)
+    short, tall = sorted(buildings, key=lambda building: building.height_m)
+    return code_rules(tall, short, pga_g, length_scale=length_scale)
 
 
 def spread(
@@ -156,18 +157,16 @@ def published_gap(left: str, right: str, floor: int, record: str) -> dict[str, A
     printed = published.table("4.2")
     for pair in ((left, right), (right, left)):
         if (*pair, floor) in printed.index:
-            row = printed.loc[(*pair, floor)]
-            return {
-                "experiment_mm": float(row[(record, "experiment")]),
-                "numerical_mm": float(row[(record, "numerical")]),
-                "source": printed.attrs["source"],
+            both = (float(printed[(record, name)][(*pair, floor)]) for name in ("experiment", "numerical"))
+            return dict(zip(("experiment_mm", "numerical_mm"), both, strict=True)) | {
+                "source": printed.attrs["source"]
             }
     return None
 
 
 def history(
     left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]], NDArray[np.floating[Any]]]:
     """Return times (m,) [s] and the displacements of both contact floors (m,) [m], for a picture."""
     at_left, at_right = contact_floors(left, right, floor)
     first = motions(left, record, [at_left])[:, 0]
@@ -175,17 +174,14 @@ def history(
     return times, first, motions(right, record, [at_right])[:, 0]
 
 
-def _detuned(frame: ReducedFrame, record: Record, floor: int, factor: float) -> NDArray[np.float64]:
+def _detuned(frame: ReducedFrame, record: Record, floor: int, factor: float) -> NDArray[np.floating[Any]]:
     modal = modal_frame(frame)
     modal = replace(modal, circular=factor * modal.circular)
     parts = fine_step(record.step_s)
-    displacement, _ = forced(
-        modal.poles(frame.damping_ratio),
-        refine(record.acceleration_m_s2, parts),
-        record.step_s / parts,
-        outputs=[int(frame.floor_x[floor - 1])],
-    )
-    return displacement[:, 0]
+    history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
+    return floor_motions(modal.poles(frame.damping_ratio), [int(frame.floor_x[floor - 1])], history, step)[
+        :, 0
+    ]
 
 
 def _damping(ratio: float) -> float:

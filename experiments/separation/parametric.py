@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -24,13 +24,15 @@ from numpy.typing import NDArray
 from experiments import published
 from experiments.errors import ExperimentError
 from experiments.records import Record, find
-from experiments.separation.required_gap import contact_floors, fine_step
+from experiments.separation.required_gap import contact_floors, fine_step, floor_motions
 from experiments.separation.variants import ModalFrame, modal_frame
 from experiments.sweep import sweep
 from frames import ReducedFrame, build, load
-from frames.exact import Poles, refine, run, select
+from frames.exact import refine
 
-PAIRS: tuple[tuple[str, str], ...] = (("15B", "10"), ("15B", "5B"), ("10", "5B"))
+PAIR_NAMES = ("15B-10", "15B-5B", "10-5B")
+"""Taller and lower frame of each pair of the study."""
+
 DAMPINGS = (0.01, 0.02, 0.03, 0.04, 0.05)
 ADDED_MASSES_KG = (0.0, 2.0, 3.0, 4.0)
 STIFFENINGS = (1.1, 1.2)
@@ -163,7 +165,7 @@ class _Moved:
     damping_percent: float
     stiffness_kn_per_mm: float
     mass_kg: float
-    motion_mm: NDArray[np.float64]
+    motion_mm: NDArray[np.floating[Any]]
     peak_mm: float
 
     def regressors(self, letter: str) -> dict[str, float]:
@@ -189,7 +191,7 @@ def _histories(
             shapes[key] = modal_frame(frame, added_floor_mass_kg=key[0], stiffness_factor=key[1])
         modal = shapes[key]
         ratio = frame.damping_ratio if variant.damping_ratio is None else variant.damping_ratio
-        motion = 1e3 * floor_motion(modal.poles(ratio), int(frame.floor_x[floor - 1]), history, step)
+        motion = 1e3 * floor_motions(modal.poles(ratio), [int(frame.floor_x[floor - 1])], history, step)[:, 0]
         moved[variant] = _Moved(
             height_mm=1e3 * float(frame.heights_m[-1]),
             frequency_hz=modal.frequency_hz,
@@ -202,24 +204,13 @@ def _histories(
     return moved
 
 
-def floor_motion(
-    poles: Poles, coordinate: int, history: NDArray[np.float64], step_s: float
-) -> NDArray[np.float64]:
-    """Return one coordinate's displacement (m,) [m] under a table acceleration (m,) [m/s^2].
-
-    `frames.exact.forced` without the velocity and without the modes that move the coordinate by less than a
-    millionth of its static displacement.
-    """
-    weights = poles.load * select(poles.output, [coordinate])[:, 0]
-    static = np.abs(weights / poles.rates)
-    counted = static > 1e-6 * static.max()
-    states = run(poles.rates[counted], history, step_s)
-    weights = weights[counted]
-    return states.real.T @ weights.real - states.imag.T @ weights.imag
-
-
 def block(
-    *, pair: str, label: str, records: str = "", joints: str = "calibrated", p_delta: bool = True
+    *,
+    pair: str,
+    label: str,
+    records: str = "",
+    joints: Literal["calibrated", "rigid"] = "calibrated",
+    p_delta: bool = True,
 ) -> dict[str, xr.DataArray]:
     """Return all cases of one pair under one motion: the unit of work of the study's sweep.
 
@@ -234,7 +225,7 @@ def block(
         ExperimentError: The motion is not at hand; the sweep records it and goes on.
     """
     motion = motions_of_the_study(with_validation=True).loc[label]
-    record = find(str(motion["record"]), records or None).scaled(pga_g=float(motion["pga_g"]))
+    record = find(str(motion["record"]), records or None).scaled(pga_g=float(str(motion["pga_g"])))
     tall, short = (build(load(name), joints=joints, p_delta=p_delta) for name in pair.split("-"))
     gaps = pair_gaps(tall, short, record, design_of_cases())
     return {str(name): xr.DataArray(gaps[name].to_numpy(), dims="variant") for name in gaps}
@@ -242,7 +233,7 @@ def block(
 
 def study(
     labels: Sequence[str] | None = None,
-    pairs: Sequence[str] = tuple("-".join(pair) for pair in PAIRS),
+    pairs: Sequence[str] = PAIR_NAMES,
     *,
     settings: Mapping[str, Any] | None = None,
     **options: Any,

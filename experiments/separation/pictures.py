@@ -9,6 +9,8 @@ import matplotlib
 import numpy as np
 import pandas as pd
 import statsmodels.api as sm
+from matplotlib.axes import Axes
+from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -17,7 +19,7 @@ from experiments.separation.maps import GapMap
 from experiments.separation.regression import Fit
 from frames.files import replacing
 
-Real = NDArray[np.float64]
+Real = NDArray[np.floating[Any]]
 GREY = "#888888"
 
 
@@ -121,14 +123,15 @@ def gap_maps(maps: Mapping[str, GapMap]) -> Figure:
     rows = -(-len(maps) // columns)
     figure = _figure(11.0, 0.8 + 2.6 * rows)
     axes = np.atleast_1d(figure.subplots(rows, columns, sharex=True, sharey=True)).ravel()
+    # From moving together, through SRSS, to the sum of two equal peaks.
+    scale = TwoSlopeNorm(1.0, 0.0, 2.0**0.5)
     image = None
     for axis, (name, found) in zip(axes, maps.items(), strict=False):
         image = axis.pcolormesh(
             found.ratio,
             found.tall_period_s,
             found.over_srss,
-            vmin=0.0,
-            vmax=2.0,
+            norm=scale,
             cmap="RdBu_r",
             shading="nearest",
         )
@@ -142,7 +145,9 @@ def gap_maps(maps: Mapping[str, GapMap]) -> Figure:
     figure.supxlabel("period of the stiffer frame over that of the softer one", fontsize=10)
     figure.supylabel("period of the softer frame [s], model time", fontsize=10)
     if image is not None:
-        figure.colorbar(image, ax=list(axes), label="required gap over SRSS", shrink=0.8)
+        figure.colorbar(
+            image, ax=list(axes), label="required gap over SRSS", shrink=0.8, ticks=[0, 0.5, 1, 1.2, 1.4]
+        )
     return figure
 
 
@@ -171,7 +176,7 @@ def regression_diagnostics(cases: pd.DataFrame, fits: Mapping[str, Fit], target:
     return figure
 
 
-def _predicted_panel(axis, chosen: pd.DataFrame, predicted: Real, target: str) -> None:
+def _predicted_panel(axis: Axes, chosen: pd.DataFrame, predicted: Real, target: str) -> None:
     palette = (OURS, THEIRS, "#4d8a5a")
     for colour, (record, group) in zip(palette, chosen.groupby("record", sort=False), strict=False):
         inside = (chosen["record"] == record).to_numpy()
@@ -182,12 +187,11 @@ def _predicted_panel(axis, chosen: pd.DataFrame, predicted: Real, target: str) -
     axis.legend(fontsize=7, markerscale=4)
 
 
-def _by_record_panel(axis, chosen: pd.DataFrame, residual: Real) -> None:
+def _by_record_panel(axis: Axes, chosen: pd.DataFrame, residual: Real) -> None:
     groups = [residual[(chosen["record"] == record).to_numpy()] for record in chosen["record"].unique()]
     axis.boxplot(groups, showfliers=False, medianprops={"color": PUBLISHED})
-    axis.set_xticks(
-        range(1, len(groups) + 1), [_short(str(name)) for name in chosen["record"].unique()], fontsize=8
-    )
+    labels = [str(name).replace("-", "\n", 1) for name in chosen["record"].unique()]
+    axis.set_xticks(range(1, len(groups) + 1), labels, fontsize=8)
     axis.axhline(0.0, color="black", lw=0.8)
     axis.set_ylabel("residual [mm]")
 
@@ -216,10 +220,6 @@ def held_out(comparison: pd.DataFrame) -> Figure:
     axis.set_xlabel("mean of |predicted - computed| / computed [%]")
     axis.legend(loc="lower right")
     return figure
-
-
-def _short(name: str) -> str:
-    return name.split("-")[0]
 
 
 def save(figure: Figure, path: Any, *, dpi: int = 100) -> None:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from experiments import published
 from experiments.records import Record
-from experiments.separation.parametric import floor_motion, motions_of_the_study
-from experiments.separation.required_gap import contact_floors, fine_step, required_gap
+from experiments.separation.parametric import motions_of_the_study
+from experiments.separation.required_gap import contact_floors, fine_step, floor_motions, required_gap
 from experiments.separation.variants import effective_base_mass, modal_frame, tuned_frame
 from frames import ReducedFrame
 from frames.exact import refine
+
+Moved = dict[tuple[Any, ...], NDArray[np.floating[Any]]]
 
 LEVELS = {"low": "7.2", "moderate": "7.3", "high": "7.4"}
 FRAME_OF_HEIGHT = {1500: "15B", 1000: "10", 500: "5B"}
@@ -31,7 +35,8 @@ def printed_rows() -> pd.DataFrame:
     tables = []
     for level, number in LEVELS.items():
         rows = published.table(number).reset_index()
-        labels = {float(row["pga_g"]): label for label, row in motions[motions["level"] == level].iterrows()}
+        of_level = motions[motions["level"] == level]
+        labels = dict(zip(of_level["pga_g"].to_numpy(float), of_level.index.astype(str), strict=True))
         rows["level"] = level
         rows["label"] = [labels[float(pga)] for pga in rows["pga_g"]]
         for side in ("tall", "short"):
@@ -58,8 +63,14 @@ def compare(
         records: Motions at model scale by their label in Table 7.1; rows of others are left out.
     """
     kept = rows[rows["label"].isin(records)].copy()
+    moved: Moved = {}
     for column, tune in (("tuned_mm", True), ("ours_mm", False)):
-        kept[column] = [_gap(row, frames, records[str(row["label"])], tune) for _, row in kept.iterrows()]
+        gaps = []
+        for _, row in kept.iterrows():
+            record = records[str(row["label"])]
+            one, other = (_motion(row, side, frames, record, tune, moved) for side in ("tall", "short"))
+            gaps.append(1e3 * required_gap(one, other, record.step_s).equation_4_1_m)
+        kept[column] = gaps
     return kept
 
 
@@ -95,18 +106,28 @@ def _added(frame: str, mass_kg: float) -> float:
     return round((mass_kg - nearest) / storeys, 3)
 
 
-def _gap(row: pd.Series, frames: Mapping[str, ReducedFrame], record: Record, tune: bool) -> float:
-    tall, short = frames[row["tall"]], frames[row["short"]]
-    parts = fine_step(record.step_s)
-    history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
-    moved: list[np.ndarray] = []
-    for side, frame, floor in zip(("tall", "short"), (tall, short), contact_floors(tall, short), strict=True):
-        added = float(row[f"{side}_added_kg"])
+def _motion(
+    row: pd.Series,
+    side: str,
+    frames: Mapping[str, ReducedFrame],
+    record: Record,
+    tune: bool,
+    moved: Moved,
+) -> NDArray[np.floating[Any]]:
+    """Return the motion of one frame of a row; many rows share a frame."""
+    frame = frames[row[side]]
+    added, damping = float(row[f"{side}_added_kg"]), float(row[f"{side}_damping_percent"]) / 100.0
+    frequency = float(row[f"{side}_frequency_hz"]) if tune else None
+    at = contact_floors(frames[row["tall"]], frames[row["short"]])[0 if side == "tall" else 1]
+    key = (frame.name, at, record.name, added, damping, frequency)
+    if key not in moved:
         modal = (
-            tuned_frame(frame, float(row[f"{side}_frequency_hz"]), added_floor_mass_kg=added)
-            if tune
-            else modal_frame(frame, added_floor_mass_kg=added)
+            modal_frame(frame, added_floor_mass_kg=added)
+            if frequency is None
+            else tuned_frame(frame, frequency, added_floor_mass_kg=added)
         )
-        poles = modal.poles(float(row[f"{side}_damping_percent"]) / 100.0)
-        moved.append(floor_motion(poles, int(frame.floor_x[floor - 1]), history, step))
-    return 1e3 * required_gap(moved[0], moved[1], step).equation_4_1_m
+        parts = fine_step(record.step_s)
+        history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
+        coordinate = int(frame.floor_x[at - 1])
+        moved[key] = floor_motions(modal.poles(damping), [coordinate], history, step)[:, 0]
+    return moved[key]

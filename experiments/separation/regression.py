@@ -7,8 +7,9 @@ of E.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,7 @@ from statsmodels.regression.linear_model import RegressionResultsWrapper
 from statsmodels.stats.outliers_influence import variance_inflation_factor
 
 from experiments.errors import ExperimentError
+from experiments.separation.equations import Linear
 
 ALL = ("HT", "HS", "E", "FT", "FS", "DT", "DS", "ST", "SS", "MT", "MS")
 WITHOUT_STIFFNESS_AND_MASS = ("HT", "HS", "E", "FT", "FS", "DT", "DS")
@@ -85,7 +87,7 @@ class Fit:
             .rename_axis("symbol")
         )
 
-    def predict(self, cases: pd.DataFrame) -> NDArray[np.float64]:
+    def predict(self, cases: pd.DataFrame) -> NDArray[np.floating[Any]]:
         """Return the predicted gaps (n,) [mm]."""
         return np.asarray(self.results.predict(regressors(cases, self.kept, self.constant)))
 
@@ -141,7 +143,7 @@ def fit(cases: pd.DataFrame, symbols: Sequence[str], *, constant: bool = True, t
 
 def independent(design: pd.DataFrame) -> list[str]:
     """Return the columns that are no linear combination of those before them, to one part in a million."""
-    basis: list[NDArray[np.float64]] = []
+    basis: list[NDArray[np.floating[Any]]] = []
     kept = []
     for name in design.columns:
         column = design[name].to_numpy(float)
@@ -177,14 +179,18 @@ def variance_inflation(cases: pd.DataFrame, symbols: Sequence[str]) -> pd.Series
     Infinite where a regressor is an exact combination of the others.
     """
     design = regressors(cases, symbols)
-    with np.errstate(divide="ignore"):
-        factors = [
-            variance_inflation_factor(design.to_numpy(float), index) for index in range(1, design.shape[1])
-        ]
-    return pd.Series(factors, index=list(symbols), name="vif")
+    factors = {}
+    for symbol in symbols:
+        # With the regressor last, it is left out exactly when the others already say all that it says.
+        kept = independent(design[[name for name in design.columns if name != symbol] + [symbol]])
+        inside = symbol in kept
+        factors[symbol] = (
+            variance_inflation_factor(design[kept].to_numpy(float), len(kept) - 1) if inside else np.inf
+        )
+    return pd.Series(factors, name="vif")
 
 
-def errors(actual: NDArray[np.float64], predicted: NDArray[np.float64]) -> dict[str, float]:
+def errors(actual: NDArray[np.floating[Any]], predicted: NDArray[np.floating[Any]]) -> dict[str, float]:
     """Return ``mse_mm2`` and ``mae_mm`` (thesis equations 7.11 and 7.12), ``bias_mm``, ``unsafe`` and
     ``relative``.
 
@@ -273,16 +279,18 @@ def pooled(groups: pd.DataFrame) -> dict[str, float]:
     return {name: float((groups[name] * weights).sum()) for name in groups.columns if name != "cases"}
 
 
-def mapping_errors(cases: pd.DataFrame, equation, *, correct=None) -> dict[str, float]:
+def mapping_errors(
+    cases: pd.DataFrame, equation: Linear, *, correct: Callable[[float], float] | None = None
+) -> dict[str, float]:
     """Return the `errors` of one of the thesis' equations over cases.
 
     Args:
         cases: One row a case.
-        equation: `experiments.separation.equations.Linear`.
+        equation: The equation, at model scale.
         correct: What is done to its result, as `equations.correct_high`.
     """
-    rows: list[Mapping[str, float]] = cases[list(ALL)].to_dict("records")
-    predicted = np.array([equation(**row) for row in rows])
+    rows = cases[list(ALL)].to_numpy(float)
+    predicted = [equation(**dict(zip(ALL, row, strict=True))) for row in rows]
     if correct is not None:
-        predicted = np.asarray(correct(predicted))
-    return errors(cases[TARGET].to_numpy(float), predicted)
+        predicted = [correct(value) for value in predicted]
+    return errors(cases[TARGET].to_numpy(float), np.array(predicted))

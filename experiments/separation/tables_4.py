@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from experiments import consistency, published
 from experiments.consistency import Pair
 from experiments.separation.answers import Building, code_rules
 from experiments.separation.gap import MODEL_LENGTH_SCALE, published_gap
-from experiments.separation.required_gap import RequiredGap, pair_gap
+from experiments.separation.required_gap import RequiredGap, fine_step, motions, required_gap
 from frames import ReducedFrame
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
@@ -37,12 +36,24 @@ def computed_gaps(
         frame: Gives a frame by its name.
         motion: Gives a record at model scale by its name.
     """
-    built = {name: frame(name) for pair in pairs() for name in pair[:2]}
-    motions = {name: motion(name) for name in RECORDS}
-    return {
-        (left, right, floor, record): pair_gap(built[left], built[right], motions[record], floor=floor)
-        for (left, right, floor), record in product(pairs(), RECORDS)
-    }
+    floors: dict[str, list[int]] = {}
+    for left, right, floor in pairs():
+        for name in (left, right):
+            floors.setdefault(name, []).append(floor)
+    found = {}
+    for record in RECORDS:
+        shaking = motion(record)
+        step = shaking.step_s / fine_step(shaking.step_s)
+        moved = {
+            (name, floor): history
+            for name, wanted in floors.items()
+            for floor, history in zip(wanted, motions(frame(name), shaking, wanted).T, strict=True)
+        }
+        for left, right, floor in pairs():
+            found[(left, right, floor, record)] = required_gap(
+                moved[(left, floor)], moved[(right, floor)], step
+            )
+    return found
 
 
 def table_4_2(gaps: Mapping[tuple[str, str, int, str], RequiredGap]) -> pd.DataFrame:
@@ -173,10 +184,10 @@ def _ratios(
         )
         for name in (pair.left, pair.right)
     ]
-    buildings.sort(key=lambda building: building.height_m, reverse=True)
-    answers = code_rules(*buildings, pga_g, length_scale=MODEL_LENGTH_SCALE)
+    short, tall = sorted(buildings, key=lambda building: building.height_m)
+    answers = code_rules(tall, short, pga_g, length_scale=MODEL_LENGTH_SCALE)
     return {a.name: np.nan if a.gap_mm is None else a.gap_mm / gap_mm for a in answers}
 
 
-def _ratio_table(rows: Mapping[tuple[str, str, int, str], dict[str, float]]) -> pd.DataFrame:
+def _ratio_table(rows: dict[tuple[str, str, int, str], dict[str, float]]) -> pd.DataFrame:
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["left", "right", "floor", "record"])

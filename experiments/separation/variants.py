@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +26,10 @@ class ModalFrame:
         floor_x: Coordinate of each floor's x displacement (storeys,).
     """
 
-    circular: NDArray[np.float64]
-    shapes: NDArray[np.float64]
-    mass: NDArray[np.float64]
-    influence: NDArray[np.float64]
+    circular: NDArray[np.floating[Any]]
+    shapes: NDArray[np.floating[Any]]
+    mass: NDArray[np.floating[Any]]
+    influence: NDArray[np.floating[Any]]
     floor_x: NDArray[np.intp]
 
     @property
