@@ -54,6 +54,7 @@ def test_columns_moved_inwards_agree_with_opensees(inset_m, first_hz):
     assert moved.frequencies_hz[0] == pytest.approx(first_hz, rel=0.015)
 
 
+@pytest.mark.slow
 def test_the_mesh_is_fine_enough():
     frame = frames.load("5A")
     coarse = frames.build(frame, joints="rigid", p_delta=False)
