@@ -1,3 +1,6 @@
+import re
+from pathlib import Path
+
 import msgspec
 import pytest
 
@@ -132,3 +135,13 @@ def test_frames_cannot_be_changed_by_accident():
 def test_definition_survives_a_round_trip():
     frame = frames.load("15B")
     assert frames.from_mapping(msgspec.to_builtins(frame)) == frame
+
+
+GUIDE = Path(__file__).parents[2] / "docs" / "your-own-frame.md"
+
+
+@pytest.mark.parametrize(("number", "first_hz"), [(0, 4.87), (1, 1.1)])
+def test_the_guides_frames_can_be_built(number, first_hz):
+    blocks = re.findall(r"```toml\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(blocks) == 2
+    assert frames.build(parse(blocks[number], "guide")).frequencies_hz[0] == pytest.approx(first_hz, rel=1e-3)
