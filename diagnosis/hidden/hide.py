@@ -1,0 +1,232 @@
+"""Making a hidden case: draw the rig, put the effects in with the wanted visibility, let the runs happen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from diagnosis.case import Case, CaseFrame, Channel
+from diagnosis.errors import CaseError
+from diagnosis.hidden import motions
+from diagnosis.hidden.belief import believed
+from diagnosis.hidden.effects import CATALOGUE, Parameters, Setting
+from diagnosis.hidden.instruments import Logger, logger, place, recorded, sampled
+from diagnosis.hidden.motions import Motion
+from diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
+from diagnosis.hidden.reference import Typical, typical
+from diagnosis.hidden.scatter import built, set_up
+from diagnosis.hidden.scenario import Scenario, happen, observed
+from diagnosis.hidden.visibility import Eye
+
+VISIBILITY = (0.1, 10.0)
+"""Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
+
+TRIALS = 5
+DURATION_S = (6.0, 8.0)
+RUNS = 3
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """A case and the truth about it."""
+
+    case: Case
+    truth: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Rig:
+    """All that is drawn before any effect is put in."""
+
+    bare: Scenario
+    channels: tuple[Channel, ...]
+    log: Logger
+    shakings: tuple[Motion, ...]
+
+    def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
+        """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
+
+        Coarsely, the motion is taken at that rate too: good for the difference of two linear scenarios.
+        """
+        shaking, finer = self.shakings[run], self.log.finer
+        if coarsely:
+            shaking = Motion(shaking.source, shaking.step_s * finer, shaking.acceleration[::finer])
+        truth = observed(scenario, happen(scenario, shaking, run), self.channels)
+        return truth if coarsely else truth[::finer]
+
+    def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
+        """Return what the real sensors and the logger make of it, still without noise."""
+        return sampled(observed(scenario, happen(scenario, self.shakings[run], run), self.channels), self.log)
+
+
+def hide(
+    effects: Sequence[str],
+    frames: Sequence[str] = ("5A",),
+    *,
+    seed: int = 0,
+    visibility: float | None = None,
+    source: str = "mixed",
+    duration_s: float | None = None,
+    title: str | None = None,
+) -> Hidden:
+    """Make a case with hidden effects.
+
+    Args:
+        effects: Names, each with ``:place`` if wanted; empty or ``nothing`` for a case without any.
+        frames: Frames of the thesis that stand on the table.
+        seed: Seed of everything that is drawn.
+        visibility: How far each effect stands above the noise (see `visibility.Eye`); drawn from
+            `VISIBILITY` when None.
+        source: Of the motions: ``records``, ``artificial`` or ``mixed``.
+        duration_s: Length of each run [s]; drawn from `DURATION_S` when None.
+        title: Title of the case; says nothing of the truth by default.
+
+    Raises:
+        CaseError: An effect, place, frame or option is not known.
+    """
+    wants = [want for want in map(wanted, effects) if want]
+    if source not in motions.SOURCES:
+        raise CaseError(f"motions {source!r} are not known; use one of {', '.join(motions.SOURCES)}")
+    if visibility is not None and not 0 < visibility < 1e3:
+        raise CaseError(f"visibility is {visibility:g}; give a number above 0, 1 is as strong as the noise")
+    if duration_s is not None and not 0.5 <= duration_s <= 60.0:
+        raise CaseError(f"duration is {duration_s:g} s; give 0.5 to 60")
+    rng = np.random.default_rng(seed)
+    rig = _rig(rng, frames, source, duration_s or float(rng.uniform(*DURATION_S)))
+    noise = rig.log.noise_of(rig.channels, rig.clean(rig.bare, 0))
+    eye = Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), rig.bare, noise)
+    scenario, stated = rig.bare, []
+    for want in wants:
+        target = visibility or float(np.exp(rng.uniform(*np.log(VISIBILITY))))
+        scenario, truth = _put(rng, rig, eye, scenario, want, target)
+        stated.append(truth)
+    runs = tuple(
+        recorded(rng, rig.behind_sensors(scenario, run), rig.channels, rig.log, f"run{run + 1}.csv")
+        for run in range(RUNS)
+    )
+    known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
+    case = Case(title or f"hidden {seed}", Path(), known, runs, rig.channels)
+    return Hidden(case, _truth(rig, seed, source, stated))
+
+
+def _rig(rng: np.random.Generator, names: Sequence[str], source: str, duration_s: float) -> Rig:
+    frames = {name: built(rng, believed(name)) for name in names}
+    channels = place(rng, frames)
+    log = logger(rng, channels)
+    shakings = motions.draw(rng, RUNS, duration_s, log.fine_step_s, source)
+    return Rig(set_up(rng, frames, channels), channels, log, tuple(shakings))
+
+
+def _put(
+    rng: np.random.Generator, rig: Rig, eye: Eye, scenario: Scenario, want: Wanted, target: float
+) -> tuple[Scenario, dict[str, Any]]:
+    """Put one effect into the scenario, as strong as wanted as far as that makes sense."""
+    effect = EFFECTS[want.name]
+    where = locate(rng, want, dict(rig.bare.frames), rig.channels)
+    setting = _setting(rig, where)
+    sign = _sign(rng, effect.largest, effect.smallest)
+    limit = effect.largest if sign > 0 else -effect.smallest
+    # The same chance at every trial, so that only the size changes.
+    chance = int(rng.integers(2**32))
+
+    def sees(size: float) -> tuple[float, float]:
+        alone, _ = effect.put(setting, sign * size, np.random.default_rng(chance))
+        with np.errstate(over="ignore", invalid="ignore"):
+            return eye.sees(rig.clean(alone, 0))
+
+    size, (raw, left) = _sized(sees, limit, target)
+    whole, parameters = effect.put(
+        replace(setting, scenario=scenario), sign * size, np.random.default_rng(chance)
+    )
+    return whole, {
+        "effect": want.name,
+        **vars(where),
+        "parameters": _stated(parameters, rig, where),
+        "visibility": left,
+        "visibility_raw": raw,
+        "visibility_wanted": target,
+    }
+
+
+def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, float]]:
+    """Return the size whose calibrated visibility comes nearest to `target`, and both visibilities."""
+    size = min(0.05, 0.5 * limit)
+    tried: dict[float, tuple[float, float]] = {}
+    for _ in range(TRIALS):
+        seen = sees(size)
+        if not np.isfinite(seen).all():
+            # So strong that it runs away.
+            limit, size = 0.7 * size, 0.5 * size
+            continue
+        tried[size] = seen
+        if abs(np.log(seen[1] / target)) < 0.25:
+            break
+        step = min(size * np.clip(target / seen[1], 0.03, 30.0), limit)
+        if step in tried:
+            break
+        size = float(step)
+    if not tried:
+        raise CaseError(
+            "the hidden effect makes the frame run away at any size that was tried; use another seed"
+        )
+    best = min(tried, key=lambda known: abs(np.log(tried[known][1] / target)))
+    return best, tried[best]
+
+
+def _sign(rng: np.random.Generator, largest: float, smallest: float) -> float:
+    if not (largest and smallest):
+        return 1.0 if largest else -1.0
+    return float(rng.choice([-1.0, 1.0]))
+
+
+def _setting(rig: Rig, where: Place) -> Setting:
+    frame = where.frame or next(iter(rig.bare.frames))
+    sizes = _typical(rig, frame)
+    if where.channel is None:
+        return Setting(rig.bare, sizes, frame, where.storey or 0, where.floor or 0)
+    column = [channel.name for channel in rig.channels].index(where.channel)
+    rms = float(rig.clean(rig.bare, 0)[:, column].std())
+    to_si = rig.channels[column].to_si
+    return Setting(rig.bare, sizes, frame, channel=where.channel, channel_rms=rms, channel_to_si=to_si)
+
+
+def _typical(rig: Rig, frame: str) -> Typical:
+    motion = rig.shakings[0]
+    return typical(rig.bare, frame, happen(rig.bare, motion, 0), motion.velocity)
+
+
+def _stated(parameters: Parameters, rig: Rig, where: Place) -> list[dict[str, Any]]:
+    unit = next((channel.unit for channel in rig.channels if channel.name == where.channel), "")
+    return [
+        {"name": name, "value": value, "unit": unit if given == "channel" else given}
+        for name, (value, given) in parameters.items()
+    ]
+
+
+def _truth(rig: Rig, seed: int, source: str, stated: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return all that is true of a case, for whoever judges a diagnosis of it."""
+    outside = any(effect["effect"] not in CATALOGUE for effect in stated)
+    kinds = {0: "nothing", 1: "single", 2: "double"}
+    return {
+        "schema": 1,
+        "seed": seed,
+        "frames": list(rig.bare.frames),
+        "kind": "outside" if outside else kinds.get(len(stated), "several"),
+        "effects": stated,
+        "motions": [
+            {"source": motion.source, "peak_m_s2": float(np.abs(motion.acceleration).max())}
+            for motion in rig.shakings
+        ],
+        "asked_motions": source,
+        "rate_hz": rig.log.rate_hz,
+        "noise": {
+            channel.name: float(level) for channel, level in zip(rig.channels, rig.log.noise, strict=True)
+        },
+        "table_noise": rig.log.table_noise,
+        "table_gain": rig.bare.table_gain,
+        "table_delay_ms": 1e3 * rig.bare.table_delay_s,
+    }

@@ -1,0 +1,119 @@
+"""Where the sensors sit, and what they and the logger make of the truth: dynamics, filter, rate, noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import bilinear, butter, lfilter, sosfilt
+
+from diagnosis.case import Channel, Run
+from diagnosis.hidden.beams import Beams
+from diagnosis.quantities import UNITS
+
+FINE_HZ = 3600.0
+"""Least rate at which the truth is computed [Hz]."""
+
+RATES_HZ = (500.0, 512.0, 600.0, 800.0, 1000.0, 1024.0)
+ACCELEROMETERS = 6
+"""Most accelerometers on a frame."""
+
+
+@dataclass(frozen=True)
+class Logger:
+    """How a case is recorded.
+
+    Attributes:
+        rate_hz: Samples per second.
+        finer: Steps of the truth in a sample.
+        noise: Standard deviation over root mean square of each response channel.
+        table_noise: The same of the table channel.
+        sensor_hz: Natural frequency of each channel's sensor [Hz].
+        start_s: Time of the first sample [s].
+    """
+
+    rate_hz: float
+    finer: int
+    noise: np.ndarray
+    table_noise: float
+    sensor_hz: np.ndarray
+    start_s: float
+
+    @property
+    def fine_step_s(self) -> float:
+        """Step of the truth [s]."""
+        return 1 / (self.rate_hz * self.finer)
+
+    def noise_of(self, channels: tuple[Channel, ...], clean: np.ndarray) -> np.ndarray:
+        """Return the standard deviation of each channel's noise in a run, shape (channels,)."""
+        level = np.where([channel.is_table for channel in channels], self.table_noise, self.noise)
+        return level * np.sqrt(np.mean((clean - clean.mean(axis=0)) ** 2, axis=0))
+
+
+def place(rng: np.random.Generator, frames: Mapping[str, Beams]) -> tuple[Channel, ...]:
+    """Draw the channels of a case: the table, accelerometers up each frame, one to three displacements."""
+    channels = [_channel(rng, "table", "table_acceleration")]
+    for name, beams in frames.items():
+        count = min(beams.storeys, ACCELEROMETERS)
+        between = rng.choice(np.arange(1, beams.storeys), count - 1, replace=False)
+        for floor in sorted({beams.storeys, *between.tolist()}):
+            channels.append(_channel(rng, f"{name}_a{floor}", "absolute_acceleration", name, floor))
+        seen = rng.choice(np.arange(1, beams.storeys), rng.integers(0, 3), replace=False)
+        kind = rng.choice(["relative_displacement", "absolute_displacement"], p=[0.8, 0.2])
+        for floor in sorted({beams.storeys, *seen.tolist()}):
+            channels.append(_channel(rng, f"{name}_d{floor}", str(kind), name, floor))
+        if rng.random() < 0.15:
+            floor = int(rng.integers(1, beams.storeys + 1))
+            channels.append(_channel(rng, f"{name}_v{floor}", "relative_velocity", name, floor))
+    return tuple(channels)
+
+
+def _channel(
+    rng: np.random.Generator, name: str, quantity: str, frame: str | None = None, floor: int | None = None
+) -> Channel:
+    units = list(UNITS[quantity])
+    # SI or the first-named unit for most, any other for some.
+    common = "mm" if "mm" in units else units[0]
+    unit = common if rng.random() < 0.8 else str(rng.choice(units))
+    return Channel(name, quantity, unit, frame=frame, floor=floor)
+
+
+def logger(rng: np.random.Generator, channels: tuple[Channel, ...]) -> Logger:
+    """Draw rate, noise and sensors of a case."""
+    rate = float(rng.choice(RATES_HZ))
+    noise = np.exp(rng.uniform(np.log(0.01), np.log(0.04))) * rng.uniform(0.7, 1.4, len(channels))
+    # One kind of accelerometer for table and floors; displacement sensors are as quick, but not the same.
+    common = rng.uniform(1000.0, 2500.0)
+    own = [
+        1.0 if channel.quantity.endswith("acceleration") else rng.uniform(0.7, 1.4) for channel in channels
+    ]
+    return Logger(
+        rate,
+        int(np.ceil(FINE_HZ / rate)),
+        noise,
+        float(rng.uniform(0.005, 0.01)),
+        common * np.array(own) * rng.normal(1.0, 0.03, len(channels)),
+        float(rng.choice([0.0, 1 / rate, 2.5])),
+    )
+
+
+def sampled(truth: np.ndarray, log: Logger) -> np.ndarray:
+    """Return the truth (fine samples, channels) behind sensors and anti-alias filter at the logger's rate."""
+    fine_hz = log.rate_hz * log.finer
+    seen = np.empty_like(truth)
+    for column, natural_hz in enumerate(log.sensor_hz):
+        circular = 2 * np.pi * natural_hz
+        numerator, denominator = bilinear([circular**2], [1.0, 1.4 * circular, circular**2], fine_hz)
+        seen[:, column] = lfilter(numerator, denominator, truth[:, column])
+    sections = butter(4, 0.4 * log.rate_hz, fs=fine_hz, output="sos")
+    return np.asarray(sosfilt(sections, seen, axis=0)[:: log.finer])
+
+
+def recorded(
+    rng: np.random.Generator, clean: np.ndarray, channels: tuple[Channel, ...], log: Logger, file: str
+) -> Run:
+    """Return a run with its noise."""
+    noisy = clean + rng.standard_normal(clean.shape) * log.noise_of(channels, clean)
+    time = log.start_s + np.arange(len(noisy)) / log.rate_hz
+    return Run(file, None, time, 1 / log.rate_hz, noisy)

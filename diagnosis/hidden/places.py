@@ -1,0 +1,82 @@
+"""Where an effect can sit: drawing a place, and reading one from a word such as ``coulomb_friction:3``."""
+
+from __future__ import annotations
+
+import difflib
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.case import Channel
+from diagnosis.errors import CaseError
+from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.effects import CATALOGUE, Effect
+from diagnosis.hidden.outsiders import OUTSIDE
+
+EFFECTS: dict[str, Effect] = {**CATALOGUE, **OUTSIDE}
+"""All that can be hidden, in the catalogue and outside it."""
+
+NOTHING = "nothing"
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """An effect and, where it was said, its place: a storey or floor number, or a channel's name."""
+
+    name: str
+    place: str | None = None
+
+
+def wanted(word: str) -> Wanted | None:
+    """Read ``effect`` or ``effect:place``; None for ``nothing``.
+
+    Raises:
+        CaseError: There is no such effect.
+    """
+    name, _, place = word.partition(":")
+    if name == NOTHING:
+        return None
+    if name not in EFFECTS:
+        close = difflib.get_close_matches(name, EFFECTS, n=1)
+        hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join((NOTHING, *EFFECTS))}"
+        raise CaseError(f"no effect {name!r} can be hidden; {hint}")
+    return Wanted(name, place or None)
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an effect sits; what does not apply is None."""
+
+    frame: str | None = None
+    storey: int | None = None
+    floor: int | None = None
+    channel: str | None = None
+
+
+def locate(
+    rng: np.random.Generator, want: Wanted, frames: dict[str, Beams], channels: tuple[Channel, ...]
+) -> Place:
+    """Return the place of an effect, drawn where it was not said.
+
+    Raises:
+        CaseError: The place is not there.
+    """
+    kind = EFFECTS[want.name].place
+    frame = str(rng.choice(list(frames)))
+    if kind == "table":
+        return Place()
+    if kind == "frame":
+        return Place(frame)
+    if kind == "channel":
+        names = [channel.name for channel in channels if not channel.is_table]
+        drawn = str(rng.choice(names))
+        if want.place and want.place not in names:
+            raise CaseError(f"{want.name}: no channel {want.place!r}; this case has {', '.join(names)}")
+        return Place(channel=want.place or drawn)
+    storeys = frames[frame].storeys
+    number = int(rng.integers(1, storeys + 1))
+    if want.place:
+        if not (want.place.isdigit() and 1 <= int(want.place) <= storeys):
+            raise CaseError(f"{want.name}: {kind} {want.place!r} is not on {frame}; give 1 to {storeys}")
+        number = int(want.place)
+    return Place(frame, storey=number) if kind == "storey" else Place(frame, floor=number)

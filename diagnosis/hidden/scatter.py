@@ -1,0 +1,55 @@
+"""What differs between a frame as believed and as built: ordinary scatter, well inside the default priors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.case import Channel
+from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.scenario import Scenario
+
+RAYLEIGH_SHARE = 0.3
+"""Share of the frames whose damping is of Rayleigh's kind; the others have one ratio for each mode."""
+
+
+def built(rng: np.random.Generator, believed: Beams) -> Beams:
+    """Return a frame as it may have been built."""
+    storeys = believed.storeys
+    whole = rng.normal(1.0, 0.03)
+    # A storey's shear over drift follows its columns about half, the joints do the rest.
+    bending = believed.bending * whole * rng.normal(1.0, 2 * rng.uniform(0.008, 0.02), storeys)
+    joint = believed.joint * whole * rng.normal(1.0, 0.01, storeys + 1)
+    mass = believed.floor_mass * rng.normal(1.0, rng.uniform(0.003, 0.008), storeys)
+    return replace(
+        believed,
+        bending=bending,
+        joint=joint,
+        floor_mass=mass,
+        ratios=_ratios(rng, float(believed.ratios[0]), storeys),
+        dashpots=np.zeros(storeys),
+    )
+
+
+def _ratios(rng: np.random.Generator, believed: float, storeys: int) -> np.ndarray:
+    """Return damping ratios, mode by mode."""
+    ratio = believed * np.exp(rng.normal(0.0, 0.1))
+    if storeys > 2 and rng.random() < RAYLEIGH_SHARE:
+        # Mass- and stiffness-proportional, equal in the first mode and half-way up; shear-beam frequencies.
+        order = np.arange(1, storeys + 1)
+        omega = np.sin((2 * order - 1) * np.pi / (4 * storeys + 2))
+        other = omega[(storeys + 1) // 2]
+        return ratio * (omega[0] * other / omega + omega) / (omega[0] + other)
+    return ratio * np.exp(rng.normal(0.0, rng.uniform(0.05, 0.15), storeys))
+
+
+def set_up(rng: np.random.Generator, frames: dict[str, Beams], channels: tuple[Channel, ...]) -> Scenario:
+    """Return the rig with the small faults that every table and sensor has."""
+    responses = [channel for channel in channels if not channel.is_table]
+    return Scenario(
+        frames,
+        table_gain=float(rng.normal(0.0, 0.005)),
+        table_delay_s=float(rng.normal(0.0, 1e-4)),
+        sensor_gain={channel.name: float(rng.normal(0.0, 0.003)) for channel in responses},
+    )

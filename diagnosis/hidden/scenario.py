@@ -1,0 +1,182 @@
+"""What is really on the table: frames, hidden laws and loads, faults of table and sensors; and its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from diagnosis.case import Channel
+from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.modes import Modes, joined, modes
+from diagnosis.hidden.motions import Motion
+from diagnosis.hidden.stepping import Law, Local, Response, integrate
+
+GRAVITY = 9.80665
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A law between two floors (0 is the table): it acts on floor `upper` of `frame` against `lower`.
+
+    `absolute` stretches it against the room instead of against `lower`. Laws remember, so `make` gives a new
+    one for each run of a length [s].
+    """
+
+    frame: str
+    upper: int
+    lower: int
+    make: Callable[[float], Law]
+    absolute: bool = False
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force [N] on a floor as a function of time [s]: `history(run, time) -> force`."""
+
+    frame: str
+    floor: int
+    history: Callable[[int, np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """The whole truth of a case; the sensor faults are by channel name.
+
+    Attributes:
+        frames: Frames by name, in the case's order.
+        springs: Local laws.
+        loads: Forces that nobody measured.
+        table_gain: What shook the frames over what the table channel says, minus 1.
+        table_delay_s: How much later the frames were shaken than the channel says [s].
+        table_tilt: Pitch of the table over its acceleration [rad s^2/m], top towards +x.
+        sensor_gain: Fault of a channel: it reads (1 + x) times the truth.
+        sensor_delay_s: Fault of a channel: it reads later by so much [s].
+        sensor_offset: Fault of a channel: a constant beside the truth, in SI.
+    """
+
+    frames: Mapping[str, Beams]
+    springs: tuple[Spring, ...] = ()
+    loads: tuple[Load, ...] = ()
+    table_gain: float = 0.0
+    table_delay_s: float = 0.0
+    table_tilt: float = 0.0
+    sensor_gain: Mapping[str, float] = field(default_factory=dict)
+    sensor_delay_s: Mapping[str, float] = field(default_factory=dict)
+    sensor_offset: Mapping[str, float] = field(default_factory=dict)
+
+    def row(self, frame: str, floor: int) -> int:
+        """Return the row of a floor among the floors of all frames."""
+        before = 0
+        for name, beams in self.frames.items():
+            if name == frame:
+                return before + floor - 1
+            before += beams.storeys
+        raise KeyError(frame)
+
+
+@dataclass(frozen=True)
+class Happened:
+    """A run as it really was, on the fine grid of its motion.
+
+    Attributes:
+        motion: What the table channel says.
+        table: Acceleration of the table as it shook the frames [m/s^2], shape (samples,).
+        displacement: Of every floor relative to the table [m], shape (floors, samples).
+        velocity: Of every floor relative to the table [m/s], shape (floors, samples).
+        acceleration: Of every floor in the room [m/s^2], shape (floors, samples).
+    """
+
+    motion: Motion
+    table: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+
+def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
+    """Let a run happen.
+
+    Args:
+        scenario: What is on the table.
+        motion: What the table channel says.
+        run: Number of the run, for the loads.
+    """
+    whole = joined([modes(beams) for beams in scenario.frames.values()])
+    step, count = motion.step_s, len(motion.acceleration)
+    table = (1 + scenario.table_gain) * shifted(motion.acceleration, scenario.table_delay_s / step)
+    pitch = scenario.table_tilt * table
+    pitching = np.gradient(np.gradient(pitch, step), step)
+    drive = -np.outer(whole.gamma, table - GRAVITY * pitch) - np.outer(whole.pitch, pitching)
+    time = step * np.arange(count)
+    for load in scenario.loads:
+        drive += np.outer(whole.floors[scenario.row(load.frame, load.floor)], load.history(run, time))
+    velocity = Motion(motion.source, step, table).velocity
+    locals_ = [_local(scenario, spring, whole, velocity, time[-1]) for spring in scenario.springs]
+    return _floors(scenario, whole, integrate(whole, drive, step, locals_), motion, table, pitch, pitching)
+
+
+def _local(
+    scenario: Scenario, spring: Spring, whole: Modes, velocity: np.ndarray, duration_s: float
+) -> Local:
+    row = whole.floors[scenario.row(spring.frame, spring.upper)].copy()
+    if spring.lower and not spring.absolute:
+        row -= whole.floors[scenario.row(spring.frame, spring.lower)]
+    return Local(spring.make(duration_s), row, velocity if spring.absolute else None)
+
+
+def _floors(
+    scenario: Scenario,
+    whole: Modes,
+    response: Response,
+    motion: Motion,
+    table: np.ndarray,
+    pitch: np.ndarray,
+    pitching: np.ndarray,
+) -> Happened:
+    height = np.concatenate([beams.heights_m for beams in scenario.frames.values()])
+    rate = np.gradient(pitch, motion.step_s)
+    return Happened(
+        motion,
+        table,
+        whole.floors @ response.q + np.outer(height, pitch),
+        whole.floors @ response.rate + np.outer(height, rate),
+        whole.floors @ response.acceleration + table + np.outer(height, pitching),
+    )
+
+
+def shifted(values: np.ndarray, samples: float) -> np.ndarray:
+    """Return a signal later by a number of samples that need not be whole (linear phase, zeros come in)."""
+    if samples == 0:
+        return values
+    at = np.arange(len(values)) - samples
+    return np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1])
+
+
+def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ...]) -> np.ndarray:
+    """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels)."""
+    return np.column_stack([_seen(scenario, happened, channel) for channel in channels])
+
+
+def _seen(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarray:
+    values = _true(scenario, happened, channel)
+    delay = scenario.sensor_delay_s.get(channel.name, 0.0) / happened.motion.step_s
+    values = (1 + scenario.sensor_gain.get(channel.name, 0.0)) * shifted(values, delay)
+    return values + scenario.sensor_offset.get(channel.name, 0.0)
+
+
+def _true(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarray:
+    if channel.quantity == "table_acceleration":
+        return happened.motion.acceleration
+    if channel.quantity == "table_displacement":
+        return happened.motion.displacement
+    row = scenario.row(str(channel.frame), int(channel.floor or 0))
+    if channel.quantity == "absolute_acceleration":
+        return happened.acceleration[row]
+    if channel.quantity == "relative_velocity":
+        return happened.velocity[row]
+    if channel.quantity == "absolute_displacement":
+        moved = Motion("", happened.motion.step_s, happened.table).displacement
+        return happened.displacement[row] + moved
+    return happened.displacement[row]

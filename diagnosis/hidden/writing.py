@@ -1,0 +1,43 @@
+"""A hidden case on disk, and its truth in a file apart."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from diagnosis.case_write import write_case
+from diagnosis.errors import CaseError
+from diagnosis.hidden.hide import Hidden
+
+
+def write_hidden(hidden: Hidden, out: Path, truth: Path | None = None) -> Path:
+    """Write the case, and the truth only where it is asked for.
+
+    Args:
+        hidden: What was hidden.
+        out: Folder of the case; it must not hold another case.
+        truth: File for the truth; none when None.
+
+    Returns:
+        The path of `case.toml`.
+
+    Raises:
+        CaseError: There is a case already.
+    """
+    if (out / "case.toml").exists():
+        raise CaseError(f"{out} holds a case already; name another folder or remove it")
+    written = write_case(replace(hidden.case, folder=out), out)
+    if truth is not None:
+        write_truth(hidden.truth, truth)
+    return written
+
+
+def write_truth(truth: dict[str, Any], path: Path) -> None:
+    """Write a truth as JSON, the whole file or nothing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(truth, indent=2) + "\n", encoding="utf-8")
+    os.replace(part, path)

@@ -1,0 +1,82 @@
+"""`pounding hide`: a case with effects hidden in it, by a simulator that the diagnosis does not know."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from diagnosis.hidden.hide import hide as hide_effects
+from diagnosis.hidden.writing import write_hidden
+from experiments.command import options
+from experiments.command.output import emit, table
+from experiments.provenance import stamp
+
+
+def hide(
+    *effects: str,
+    out: Annotated[Path, Parameter(help="Folder of the case; made if it is not there.")],
+    frame: Annotated[
+        list[str] | None,
+        Parameter(help="Frame of the thesis on the table, repeatable for a pair; default: 5A."),
+    ] = None,
+    visibility: Annotated[
+        float | None,
+        Parameter(help="Effect over noise after calibration; drawn from 0.1 to 10 by default."),
+    ] = None,
+    motions: Annotated[
+        Literal["records", "artificial", "mixed"],
+        Parameter(
+            help="Shake with the four records where they can be found, with artificial motions, or both."
+        ),
+    ] = "mixed",
+    duration: Annotated[
+        float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8.")
+    ] = None,
+    seed: Annotated[int, Parameter(help="Seed of everything that is drawn.")] = 0,
+    truth: Annotated[
+        Path | None, Parameter(help="File for the truth; by default it is written nowhere.")
+    ] = None,
+    json: options.Json = False,
+) -> None:
+    """Write a case in which effects are hidden, to try the diagnosis on.
+
+    Parameters
+    ----------
+    effects
+        What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
+        coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); nothing for a case without any.
+    """
+    hidden = hide_effects(
+        effects,
+        tuple(frame or ["5A"]),
+        seed=seed,
+        visibility=visibility,
+        source=motions,
+        duration_s=duration,
+    )
+    written = write_hidden(hidden, out, truth)
+    asked = {
+        "effects": list(effects),
+        "frames": list(frame or ["5A"]),
+        "visibility": visibility,
+        "seed": seed,
+    }
+    result: dict[str, Any] = {
+        **stamp({**asked, "motions": motions, "duration_s": duration}),
+        "case": str(written),
+        "truth": None if truth is None else str(truth),
+        "runs": len(hidden.case.runs),
+        "channels": len(hidden.case.channels),
+        "motions": hidden.truth["motions"],
+    }
+    emit(result, as_json=json, show=lambda: [_shakings(result), f"{written} is ready for pounding diagnose"])
+
+
+def _shakings(result: dict[str, Any]) -> Any:
+    rows = [
+        (f"run{number}.csv", motion["source"], f"{motion['peak_m_s2']:.2f}")
+        for number, motion in enumerate(result["motions"], 1)
+    ]
+    return table("Runs", ["file", "motion", "peak [m/s^2]"], rows)

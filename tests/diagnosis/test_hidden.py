@@ -1,0 +1,239 @@
+"""The simulator of hidden cases: its frames, its integration, its effects, and that it shares none."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frames
+from diagnosis.case import read_case
+from diagnosis.errors import CaseError
+from diagnosis.hidden import laws
+from diagnosis.hidden.beams import Appendage
+from diagnosis.hidden.belief import believed
+from diagnosis.hidden.effects import CATALOGUE
+from diagnosis.hidden.hide import VISIBILITY, hide
+from diagnosis.hidden.modes import frequencies_hz, modes, storey_stiffness
+from diagnosis.hidden.motions import Motion, draw
+from diagnosis.hidden.outsiders import OUTSIDE
+from diagnosis.hidden.scenario import Scenario, Spring, happen
+from diagnosis.hidden.writing import write_hidden
+
+HIDDEN = Path(__file__).parents[2] / "diagnosis" / "hidden"
+
+MAY_USE = {"diagnosis.errors", "diagnosis.case", "diagnosis.case_write", "diagnosis.quantities"}
+"""Reading, writing and units of the format; nothing that knows an effect."""
+
+
+@pytest.mark.parametrize("path", sorted(HIDDEN.glob("*.py")), ids=lambda path: path.stem)
+def test_imports_nothing_that_knows_an_effect(path: Path) -> None:
+    used = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            used |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0
+            used.add(str(node.module))
+            used |= {f"{node.module}.{alias.name}" for alias in node.names if node.module == "diagnosis"}
+        elif isinstance(node, ast.Call):
+            assert getattr(node.func, "attr", getattr(node.func, "id", "")) not in (
+                "import_module",
+                "__import__",
+            )
+    ours = {name for name in used if name.split(".")[0] in ("diagnosis", "contact", "frames", "experiments")}
+    allowed = {"frames", "experiments.errors", "experiments.records", "diagnosis"} | MAY_USE
+    assert {name for name in ours if not name.startswith("diagnosis.hidden")} <= allowed
+
+
+@pytest.mark.parametrize("name", ["5A", "5B", "10", "15B"])
+def test_rings_as_believed(name: str) -> None:
+    """The first modes of an independent beam-column model, two stiffnesses fitted, against the shells'."""
+    expected = frames.build(frames.load(name)).frequencies_hz[:3]
+    assert frequencies_hz(believed(name), 3) == pytest.approx(expected, rel=5e-3)
+    # Rigid floors take part with nearly all the mass: what is missing hangs on the base.
+    assert np.sum(modes(believed(name)).gamma ** 2) == pytest.approx(
+        frames.load(name).moving_mass_kg, rel=0.01
+    )
+
+
+def test_beam_theory() -> None:
+    """One storey with clamped ends: 12 EI / h^3, and Euler's load in the geometric stiffness (within 1 %)."""
+    frame = believed("5A")
+    one = replace(
+        frame,
+        bending=frame.bending[:1],
+        joint=np.full(2, 1e9),
+        floor_mass=frame.floor_mass[:1],
+        gyration=frame.gyration[:1],
+        axial=np.zeros(1),
+    )
+    stiffness = 12 * one.bending[0] / one.height_m**3
+    assert storey_stiffness(one)[0] == pytest.approx(stiffness, rel=1e-5)
+    euler = np.pi**2 * one.bending[0] / one.height_m**2
+    assert storey_stiffness(replace(one, axial=np.array([0.5 * euler])))[0] < 0.6 * stiffness
+    assert frequencies_hz(replace(one, axial=np.array([0.99 * euler])), 1)[0] > 0
+    with pytest.raises(CaseError, match="buckles"):
+        modes(replace(one, axial=np.array([1.02 * euler])))
+
+
+def test_rocking_softens_and_a_stiff_base_does_not() -> None:
+    frame = believed("5A")
+    fixed = frequencies_hz(frame, 3)
+    assert frequencies_hz(replace(frame, base=1e12), 3) == pytest.approx(fixed, rel=1e-4)
+    soft = frequencies_hz(replace(frame, base=3e4), 3)
+    assert soft[0] < 0.95 * fixed[0]
+
+
+def test_eccentricity_couples_and_an_appendage_splits() -> None:
+    frame = believed("5A")
+    first = frequencies_hz(frame, 1)[0]
+    twisted = frequencies_hz(replace(frame, eccentricity_m=0.05, torsion_ratio=1.3), 2)
+    assert twisted[0] < first < 1.3 * first < twisted[1]
+    split = frequencies_hz(replace(frame, appendage=Appendage(5, 0.5, first, 0.01)), 2)
+    assert split[0] < first < split[1]
+
+
+@pytest.fixture(scope="module")
+def shaking() -> Motion:
+    return draw(np.random.default_rng(5), 1, 0.8, 1 / 4000, "artificial")[0]
+
+
+def test_integration_against_a_runge_kutta_of_high_order(shaking: Motion) -> None:
+    """Linear frame and a cubic spring in storey 2, against DOP853 at a tight tolerance."""
+    frame = replace(believed("5A"), ratios=np.full(5, 0.01))
+    coefficient = 0.5 * storey_stiffness(frame)[1] / 1e-3**2
+    spring = Spring("5A", 2, 1, lambda _: laws.cubic(coefficient))
+    whole = modes(frame)
+    count = len(whole.omega)
+    row = whole.floors[1] - whole.floors[0]
+    time = shaking.step_s * np.arange(len(shaking.acceleration))
+
+    def slope(t: float, x: np.ndarray, k3: float) -> np.ndarray:
+        table = np.interp(t, time, shaking.acceleration)
+        q, v = x[:count], x[count:]
+        force = k3 * (row @ q) ** 3
+        return np.concatenate(
+            [v, -whole.gamma * table - whole.damping @ v - whole.omega**2 * q - row * force]
+        )
+
+    for springs, k3, tolerance in (((), 0.0, 1e-5), ((spring,), coefficient, 2e-4)):
+        got = happen(Scenario({"5A": frame}, springs), shaking, 0).displacement[-1]
+        exact = solve_ivp(
+            slope,
+            (0, time[-1]),
+            np.zeros(2 * count),
+            "DOP853",
+            time[::40],
+            args=(k3,),
+            rtol=1e-8,
+            atol=1e-11,
+            max_step=1e-3,
+        )
+        truth = whole.floors[-1] @ exact.y[:count]
+        assert np.abs(got[::40] - truth).max() < tolerance * np.abs(truth).max()
+
+
+def test_lugre_slides_at_its_level_and_sticks_below() -> None:
+    law = laws.LuGre(10.0, 1e6)
+    for _ in range(1000):
+        law.accept(0, 0, 0.1, 1e-3)
+    assert law.force(0, 0, 0.1, 1e-3) == pytest.approx(10.0)
+    # Turned round, it first lets go elastically.
+    assert law.force(0, 0, -1e-6, 1e-3) == pytest.approx(10.0, abs=0.01)
+    law = laws.LuGre(10.0, 1e6)
+    law.accept(0, 0, 1e-6, 1.0)
+    assert law.force(0, 0, 0.0, 1e-3) == pytest.approx(1e6 * 1e-6, rel=0.06)
+
+
+def test_bouc_wen_is_elastic_when_small_and_yields_when_large() -> None:
+    small = laws.BoucWen(100.0, 1e5, 4.0)
+    assert small.force(0, 1e-4, 0, 1e-3) == pytest.approx(0.0, abs=0.02)
+    large = laws.BoucWen(100.0, 1e5, 4.0)
+    for d in np.linspace(0, 0.01, 2000):
+        large.accept(0, float(d), 0, 1e-3)
+    assert large.pull == pytest.approx(100.0, rel=0.01)
+    assert large.force(0, 0.01, 0, 1e-3) == pytest.approx(100.0 - 1000.0, rel=0.01)
+
+
+def test_a_stop_pushes_back_on_its_side_only() -> None:
+    stop = laws.stop(-1e-3, 1e5, 1e-5, 0.0)
+    assert stop.force(0, -2e-3, 0, 0) == pytest.approx(-100.0, rel=1e-3)
+    assert stop.force(0, 2e-3, 0, 0) == 0.0
+
+
+@pytest.mark.parametrize("effect", [*CATALOGUE, *OUTSIDE])
+def test_every_effect_changes_the_case_and_states_itself(effect: str) -> None:
+    hidden = hide([effect], ["5A"], seed=8, visibility=2.0, source="artificial", duration_s=2.0)
+    (truth,) = hidden.truth["effects"]
+    assert truth["effect"] == effect
+    assert hidden.truth["kind"] == ("outside" if effect in OUTSIDE else "single")
+    assert all(np.isfinite(parameter["value"]) for parameter in truth["parameters"])
+    assert truth["visibility"] > 0.05
+    bare = hide([], ["5A"], seed=8, source="artificial", duration_s=2.0)
+    assert bare.truth["kind"] == "nothing"
+    assert [channel.name for channel in bare.case.channels] == [
+        channel.name for channel in hidden.case.channels
+    ]
+
+
+def test_the_same_seed_is_the_same_case_and_a_round_trip_keeps_it(tmp_path: Path) -> None:
+    one = hide(["coulomb_friction:3"], ["5B"], seed=1, visibility=3.0, source="artificial", duration_s=2.0)
+    two = hide(["coulomb_friction:3"], ["5B"], seed=1, visibility=3.0, source="artificial", duration_s=2.0)
+    for mine, other in zip(one.case.runs, two.case.runs, strict=True):
+        np.testing.assert_array_equal(mine.values, other.values)
+    assert one.truth["effects"][0]["storey"] == 3
+    write_hidden(one, tmp_path / "case", tmp_path / "truth.json")
+    again = read_case(tmp_path / "case")
+    np.testing.assert_allclose(again.runs[0].values, one.case.runs[0].values, rtol=1e-5)
+    assert not list((tmp_path / "case").glob("*truth*"))
+    with pytest.raises(CaseError, match="holds a case already"):
+        write_hidden(one, tmp_path / "case")
+
+
+def test_the_noise_is_as_stated() -> None:
+    """A null's channels over frequencies that no frame and no table reaches are noise alone."""
+    hidden = hide([], ["5A"], seed=2, source="artificial")
+    log, run = hidden.truth, hidden.case.runs[0]
+    values = run.values[:, 1]
+    # The window keeps what does not end at rest from leaking all over the spectrum.
+    window = np.hanning(len(values))
+    spectrum = np.abs(np.fft.rfft(values * window)) ** 2
+    frequency = np.fft.rfftfreq(len(values), run.step_s)
+    quiet = frequency > 150.0
+    noise = np.sqrt(spectrum[quiet].mean() / np.sum(window**2))
+    stated = log["noise"][hidden.case.channels[1].name]
+    assert noise / values.std() == pytest.approx(stated, rel=0.1)
+
+
+def test_visibility_is_drawn_in_its_range() -> None:
+    drawn = [
+        hide(["sensor_offset"], seed=seed, source="artificial", duration_s=3.0).truth["effects"][0]
+        for seed in range(3)
+    ]
+    for truth in drawn:
+        assert VISIBILITY[0] <= truth["visibility_wanted"] <= VISIBILITY[1]
+        assert truth["visibility"] == pytest.approx(truth["visibility_wanted"], rel=0.3)
+
+
+@pytest.mark.parametrize(
+    ("effects", "options", "said"),
+    [
+        (["coulomb_fricton"], {}, "did you mean 'coulomb_friction'"),
+        (["xyz"], {}, "known are nothing, stiffness_change"),
+        (["coulomb_friction:9"], {}, "storey '9' is not on 5A; give 1 to 5"),
+        (["sensor_gain:5A_a9"], {}, "no channel '5A_a9'"),
+        ([], {"visibility": -1.0}, "visibility is -1"),
+        ([], {"source": "recrods"}, "motions 'recrods' are not known"),
+        ([], {"frames": ["5C"]}, "did you mean 5"),
+        ([], {"duration_s": 0.1}, "duration is 0.1 s; give 0.5 to 60"),
+    ],
+)
+def test_bad_wishes(effects: list[str], options: dict, said: str) -> None:
+    options = {"source": "artificial", **options}
+    with pytest.raises((CaseError, frames.FrameError), match=said):
+        hide(effects, **options)
