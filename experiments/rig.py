@@ -171,17 +171,21 @@ class Rig:
         acceleration, step = _history(shaking, step_s)
         container = exudyn.SystemContainer()
         mbs = container.AddSystem()
-        table = Table(mbs, acceleration, step)
-        bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
-        connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
-        kept = [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
-        guard = _Guard(self.frames, bodies, progress)
-        mbs.SetPreStepUserFunction(guard)
-        end = table.duration_s if duration_s is None else float(duration_s)
-        wall = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
-        motion = self._collect(bodies, table, wall)
-        del connectors, kept
-        return motion
+        try:
+            table = Table(mbs, acceleration, step)
+            bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
+            # The engine keeps no reference to what it calls: these have to live until it has finished.
+            kept = [self._connect(mbs, bodies, contact) for contact in self.contacts]
+            kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
+            guard = _Guard(self.frames, bodies, progress)
+            mbs.SetPreStepUserFunction(guard)
+            end = table.duration_s if duration_s is None else float(duration_s)
+            wall = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
+            return self._collect(bodies, table, wall)
+        finally:
+            # The engine and what it calls refer to each other across the languages: else no run is freed.
+            mbs.SetPreStepUserFunction(0)
+            container.Reset()
 
     def _connect(self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact) -> Any:
         left, right = bodies[contact.pair], bodies[contact.pair + 1]

@@ -148,7 +148,7 @@ def test_two_points_across_a_floor_share_the_force_of_one(low: ReducedFrame, sha
 
 
 def test_an_addition_is_built_in(low: ReducedFrame, shaking: Record) -> None:
-    """What a user adds takes part in the run: here a spring of nothing, which sees the system and the bodies."""
+    """What a user adds gets the system and the bodies before the run."""
     seen: list[Any] = []
     Rig([low], additions=[seen.append]).run(shaking, duration_s=0.1)
     assert seen[0].bodies[0].reduced is low
@@ -201,7 +201,7 @@ def test_a_run_that_grows_without_bound_says_when_and_why(
 def test_any_stiffness_is_resolved(
     tall: ReducedFrame, low: ReducedFrame, shaking: Record, stiffness: float
 ) -> None:
-    """A stiff contact gives the same impulse: force grows as the root of the stiffness, time shrinks with it."""
+    """The force grows as the root of the stiffness, as the contact shortens with it."""
     found = [
         all_impacts(collide(tall, low, shaking, make_law("linear_spring", stiffness=k), duration_s=0.75))[0]
         for k in (1e8, stiffness)

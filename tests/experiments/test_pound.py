@@ -1,0 +1,118 @@
+"""The verb pound: its JSON, its files, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiments.command.app import main
+
+RECORD = "elcentro-chopra"
+SHORT = ["pound", "10", "5B", "--gap", "3", "--record", RECORD]
+
+
+def run(words: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[str, str]:
+    main(words)
+    return capsys.readouterr()
+
+
+@pytest.fixture(scope="module")
+def all_laws(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], Path]:
+    folder = tmp_path_factory.mktemp("pound")
+    main([*SHORT, "--law", "all", "--out", str(folder)])
+    return json.loads((folder / "pound.json").read_text()), folder
+
+
+def test_json_has_what_is_promised(all_laws: tuple[dict[str, Any], Path]) -> None:
+    result, _ = all_laws
+    assert [run["law"] for run in result["runs"]] == [
+        "linear_spring",
+        "linear_viscoelastic",
+        "hertz",
+        "nonlinear_viscoelastic",
+        "hertz_damp",
+    ]
+    for run in result["runs"]:
+        assert {"left", "right", "record", "law", "gap_mm", "impacts", "peaks", "energy_error"} <= set(run)
+        assert {"wall_s", "model_s"} <= set(run)
+        assert (run["left"], run["right"], run["gap_mm"]) == ("10", "5B", 3.0)
+        assert run["energy_error"] < 5e-3
+        assert run["impacts"]
+        for impact in run["impacts"]:
+            assert {
+                "time_s",
+                "duration_ms",
+                "peak_force_n",
+                "impulse_n_s",
+                "approach_velocity_m_s",
+                "restitution",
+                "floor",
+            } <= set(impact)
+            assert impact["floor"] == 5
+            assert impact["peak_force_n"] > 10.0
+        assert [peak["floor"] for peak in run["peaks"]["left"]] == list(range(1, 11))
+        assert {"max_mm", "min_mm", "max_acceleration_g"} <= set(run["peaks"]["right"][0])
+    assert result["records"][0]["name"] == RECORD
+
+
+def test_laws_agree_on_the_first_touch(all_laws: tuple[dict[str, Any], Path]) -> None:
+    """Before it they are the same linear run."""
+    times = [run["impacts"][0]["time_s"] for run in all_laws[0]["runs"]]
+    assert max(times) - min(times) < 1e-4
+
+
+def test_pictures_are_written(all_laws: tuple[dict[str, Any], Path]) -> None:
+    folder = all_laws[1]
+    assert sorted(path.name for path in folder.iterdir()) == ["forces.png", "loops.png", "pound.json"]
+    assert all(path.stat().st_size > 5_000 for path in folder.glob("*.png"))
+
+
+def test_tables_for_a_reader(capsys: pytest.CaptureFixture[str]) -> None:
+    out, _ = run([*SHORT, "--law", "hertz"], capsys)
+    assert "10 beside 5B" in out
+    assert "energy closes to" in out
+    assert "10,000 samples a second" in out
+
+
+def test_a_wide_gap_gives_no_impact_and_no_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["pound", "5A", "5B", "--gap", "50", "--record", RECORD, "--json", "--out", str(tmp_path)]
+    out, _ = run(words, capsys)
+    assert json.loads(out)["runs"][0]["impacts"] == []
+    assert [path.name for path in tmp_path.iterdir()] == ["pound.json"]
+
+
+def test_a_gap_a_floor(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["pound", "10", "5B", "--gap", "3", "--gap", "2", "--floor", "5", "--floor", "3"]
+    out, _ = run([*words, "--record", RECORD, "--json"], capsys)
+    found = json.loads(out)["runs"][0]
+    assert found["gap_mm"] == [3.0, 2.0]
+    assert found["floors"] == [5, 3]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        ([*SHORT[:4], "-1", *SHORT[5:]], "overlap"),
+        ([*SHORT, "--floor", "7"], "floor 7"),
+        ([*SHORT, "--law", "herz"], "known are linear_spring"),
+        ([*SHORT, "--gap", "2"], "2 gaps for 1 floor"),
+        ([*SHORT, "--floor", "5", "--floor", "5"], "given once"),
+        ([*SHORT, "--parameters", "guessed"], "guessed"),
+        (["pound", "10", "5B", "--gap", "3", "--record", "elcentor"], "elcentor"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    words: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(words)
+    assert left.value.code == 2
+    out, said = capsys.readouterr()
+    assert out == ""
+    assert sentence in said
+    assert said.count("\n") == 1
