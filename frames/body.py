@@ -8,7 +8,8 @@ load on each, and two frames on one table can touch through plain coordinate mar
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import exudyn
@@ -222,6 +223,17 @@ def settings(
     return chosen
 
 
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep the engine from printing on standard output, where a JSON result may be meant to stand alone."""
+    before = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = before
+
+
 def solve(mbs: Any, chosen: exudyn.SimulationSettings, *, solver: str = "RK44") -> float:
     """Assemble and run a system.
 
@@ -239,9 +251,11 @@ def solve(mbs: Any, chosen: exudyn.SimulationSettings, *, solver: str = "RK44") 
     mbs.Assemble()
     started = time.perf_counter()
     try:
-        finished = mbs.SolveDynamic(chosen, solverType=getattr(exudyn.DynamicSolverType, solver))
-    except ValueError as error:
-        raise FrameError(f"engine: {solver} did not finish ({str(error).splitlines()[0]})") from error
+        with quiet():
+            finished = mbs.SolveDynamic(chosen, solverType=getattr(exudyn.DynamicSolverType, solver))
+    except (ValueError, exudyn.SolverError) as error:
+        reason = f"({str(error).splitlines()[0]}); take a shorter step"
+        raise FrameError(f"engine: {solver} did not finish {reason}") from error
     if not finished:
         raise FrameError(f"engine: {solver} did not finish; take a shorter step")
     return time.perf_counter() - started

@@ -19,7 +19,7 @@ from scipy.signal import lfilter
 from frames.errors import FrameError
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]

@@ -18,7 +18,7 @@ from frames.errors import FrameError
 from frames.exact import absolute_acceleration, forced, free_response, poles
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 Complex = NDArray[np.complexfloating[Any, Any]]

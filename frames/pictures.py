@@ -20,7 +20,7 @@ from frames.files import replacing
 from frames.rendering import cannot_render
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 

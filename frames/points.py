@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from frames.errors import FrameError
 
 if TYPE_CHECKING:
-    from frames.reduced import ReducedFrame
+    from frames.reduction import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 

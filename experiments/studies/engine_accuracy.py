@@ -174,7 +174,7 @@ def _judged(
 
 def _cells(row: dict[str, Any]) -> list[Any]:
     setting = f"{1e3 * row['longest_step_s']:g} ms" if row["tolerance"] is None else f"{row['tolerance']:.0e}"
-    if row["steps"] is None:
+    if row["error"] is None or row["error"] > 1.0:
         return [row["integrator"], setting, "-", "-", "-", "grew without bound"]
     return [
         row["integrator"],
