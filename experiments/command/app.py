@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Sequence
+from typing import Any
 
 from cyclopts import App, CycloptsError
 from rich.console import Console
@@ -48,10 +50,12 @@ study = App(name="study", help="Replicate a chapter or table of the thesis.")
 app.command(study)
 
 STUDIES = {
+    "frame-mesh": "experiments.studies.frame_mesh:main",
     "table-3-1": "experiments.studies.table_3_1:main",
     "laboratory": "experiments.studies.laboratory:main",
     "engine-accuracy": "experiments.studies.engine_accuracy:main",
     "table-4-1": "experiments.studies.table_4_1:main",
+    "table-4-1-missing": "experiments.studies.table_4_1_missing:main",
     "chapter-4": "experiments.studies.chapter_4:main",
     "chapter-5": "experiments.studies.chapter_5:main",
     "chapter-6": "experiments.studies.chapter_6:main",
@@ -72,6 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Raises:
         SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted.
     """
+    warnings.showwarning = _warned
     try:
         app(arguments)
     except (FrameError, ContactError, ExperimentError, CaseError) as error:
@@ -88,6 +93,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _leave(f"{place}{error.strerror or error}", BAD_INPUT)
     except KeyboardInterrupt:
         _leave("interrupted; what was finished is kept, the same command goes on from there", INTERRUPTED)
+
+
+def _warned(message: Warning | str, category: type[Warning], *_place: Any) -> None:
+    """Show our own warnings as sentences; a library's are for its developers, not for a user."""
+    if issubclass(category, UserWarning):
+        Console(stderr=True, highlight=False, soft_wrap=True).print(f"warning: {message}", markup=False)
 
 
 def _leave(sentence: str, status: int) -> None:
