@@ -114,7 +114,7 @@ def verified(name: str, record: Record) -> Record:
     """Return the record under a reserved name, if it is that motion.
 
     It is, if its step and the hash of its samples are those of the table. It also is, and its history says
-    so, if number of samples and step are those of the table, the peak agrees within 0.001 g (the table rounds)
+    so, if number of samples and step are the table's, the peak agrees within 0.001 g (the table rounds)
     and the extremes of four oscillators within 0.2 %, with their signs, so that a reversed polarity is
     noticed: the same samples printed with other digits or in another unit. Anything else, also the same
     shaking in another processing, is refused.

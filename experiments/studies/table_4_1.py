@@ -3,27 +3,33 @@
 `BLIND` is the model believed before any peak was looked at: joints calibrated on the frequency of free
 vibration and nothing else, gravity's P-Delta on, the damping of the free-vibration tests in every mode, the
 records as they are (their peaks are those of section 3.7), positive acceleration towards +x. All other
-variants are shown beside it, none is picked. Run it with ``python -m experiments.studies.table_4_1``.
+variants are shown beside it, none is picked. Run it with ``pounding study table-4-1``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
 from itertools import product
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 import frames
 from experiments import consistency, published
+from experiments.command import options
+from experiments.command.output import emit, progress_console, table
+from experiments.provenance import stamp
 from experiments.records import Record, find
+from experiments.results import save
+from experiments.studies.table_3_1 import calibrated, thesis_frame
+from experiments.studies.table_4_1_picture import picture
+from frames.definition import PlateFrame
 from frames.exact import linear_response
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
@@ -69,9 +75,9 @@ def variants() -> list[Variant]:
 
 def measured(source: str = "experiment") -> xr.DataArray:
     """Return the printed peaks [mm] over place, record and side; `numerical` are SAP2000's."""
-    table = published.table("4.1").xs(source, axis=1, level="source")
-    frame, floor = (table.index.get_level_values(level).to_numpy() for level in ("frame", "floor"))
-    values = table[list(product(RECORDS, SIDES))].to_numpy(dtype=float)
+    printed = published.table("4.1").xs(source, axis=1, level="source")
+    frame, floor = (printed.index.get_level_values(level).to_numpy() for level in ("frame", "floor"))
+    values = printed[list(product(RECORDS, SIDES))].to_numpy(dtype=float)
     coords = {"place": [f"{a} floor {b}" for a, b in zip(frame, floor, strict=True)], "record": list(RECORDS)}
     return xr.DataArray(
         values.reshape(-1, len(RECORDS), len(SIDES)),
@@ -82,14 +88,17 @@ def measured(source: str = "experiment") -> xr.DataArray:
 
 
 def build(name: str, variant: Variant) -> frames.ReducedFrame:
-    """Return a frame of the thesis as a variant believes it."""
+    """Return a frame as a variant believes it; without P-Delta the joints are fitted without it."""
+    known, p_delta, damping = thesis_frame(name), variant.p_delta, variant.damping
     if variant.joints == "rigid":
-        return frames.build(
-            frames.load(name), joints="rigid", p_delta=variant.p_delta, damping=variant.damping
-        )
-    return frames.build(
-        frames.load(name), p_delta=variant.p_delta, damping=variant.damping, calibration=variant.joints
-    )
+        return frames.build(known, joints="rigid", p_delta=p_delta, damping=damping)
+    frame = known if p_delta else _fitted_without_gravity(name, variant.joints)
+    return frames.build(frame, p_delta=p_delta, damping=damping, calibration=variant.joints)
+
+
+@cache
+def _fitted_without_gravity(name: str, calibration: str) -> PlateFrame:
+    return calibrated(thesis_frame(name), calibration, p_delta=False)
 
 
 def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Record:
@@ -185,43 +194,63 @@ def scores(data: xr.Dataset) -> pd.DataFrame:
     """Return the score of SAP2000 and of every variant, with and without the contested peaks."""
     rows = {"SAP2000 (printed)": data.sap2000}
     rows |= {str(name): data.computed[index] for index, name in enumerate(data.name.values)}
-    table = {}
+    found = {}
     for name, computed in rows.items():
         every, some = score(computed), score(computed, data.trusted)
-        table[name] = {f"{k}_all": v for k, v in asdict(every).items()} | asdict(some)
-    return pd.DataFrame(table).T
+        found[name] = {f"{k}_all": v for k, v in asdict(every).items()} | asdict(some)
+    return pd.DataFrame(found).T
 
 
-def show(data: xr.Dataset, console: Console) -> None:
-    """Print every peak of the blind variant with its error, then the scores of all variants."""
+def peaks_table(data: xr.Dataset) -> pd.DataFrame:
+    """Return a row for each of the 64 peaks: measured, SAP2000's, the blind model's and its error."""
     blind = data.computed[0]
-    table = Table(title=f"Table 4.1 [mm]: measured, SAP2000, ours ({BLIND}) and error of ours")
-    for column in ("place", "record", "side", "measured", "SAP2000", "ours", "error %", ""):
-        table.add_column(column, justify="left" if column in ("place", "record", "side", "") else "right")
-    percent = 100 * errors(blind)
-    for place, record, side in product(*(data.measured[dim].values for dim in data.measured.dims)):
-        at = {"place": place, "record": record, "side": side}
-        mark = "" if bool(data.trusted.sel(place=place, record=record)) else "contested"
-        values = [f"{float(array.sel(at)):.1f}" for array in (data.measured, data.sap2000, blind)]
-        table.add_row(place, record, side, *values, f"{float(percent.sel(at)):+.0f}", mark)
-    console.print(table)
-    summary = Table(title="mean |ours - measured| / measured [%], all 64 peaks and without the contested")
-    for column in ("variant", "mean", "worst", "bias", "mean*", "worst*", "bias*"):
-        summary.add_column(column, justify="left" if column == "variant" else "right")
-    for name, row in scores(data).iterrows():
-        keys = ("mean_all", "worst_all", "bias_all", "mean", "worst", "bias")
-        summary.add_row(str(name), *(f"{100 * row[key]:.1f}" for key in keys))
-    console.print(summary)
+    columns = {
+        "measured_mm": data.measured,
+        "sap2000_mm": data.sap2000,
+        "computed_mm": blind,
+        "error": errors(blind),
+    }
+    frame = xr.Dataset(columns).assign(trusted=data.trusted).to_dataframe()
+    return frame[[*columns, "trusted"]].reset_index()
 
 
-def main(records: Path | None = None, out: Path | None = None) -> xr.Dataset:
-    """Compute, print and, if a folder is given, write the comparison; return its data."""
-    data = compare(records)
-    show(data, Console())
+def show(data: xr.Dataset) -> Iterable[Any]:
+    """Return the tables for a reader: the blind model's 64 peaks, then the scores of all variants."""
+    rows = [
+        [
+            *(row[key] for key in ("place", "record", "side")),
+            *(f"{row[key]:.1f}" for key in ("measured_mm", "sap2000_mm", "computed_mm")),
+            f"{100 * row['error']:+.0f}",
+            "" if row["trusted"] else "contested",
+        ]
+        for row in peaks_table(data).to_dict("records")
+    ]
+    yield table(
+        f"Table 4.1 [mm], ours: {BLIND}",
+        ["place", "record", "side", "measured", "SAP2000", "ours", "error %", ""],
+        rows,
+    )
+    keys = ("mean_all", "worst_all", "bias_all", "mean", "worst", "bias")
+    lines = [[str(name), *(f"{100 * row[key]:.1f}" for key in keys)] for name, row in scores(data).iterrows()]
+    heads = ["variant", "mean", "worst", "bias", "mean*", "worst*", "bias*"]
+    yield table("|ours - measured| / measured [%], of all 64 peaks; * without the contested", heads, lines)
+
+
+def main(
+    *, records: options.Records = None, json: options.Json = False, out: options.Out = None
+) -> dict[str, Any]:
+    """Compare 64 peaks of frames that shake alone with Table 4.1, in all variants."""
+    with progress_console().status("computing 24 variants"):
+        data = compare(records)
+    settings = {"blind": asdict(BLIND), "variants": [str(name) for name in data.name.values]}
+    result = stamp(settings, [find(name, records) for name in RECORDS])
+    result |= {"peaks": peaks_table(data).to_dict("records")}
+    result |= {"scores": [{"variant": name} | dict(row) for name, row in scores(data).iterrows()]}
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        data.to_netcdf(out / "table_4_1.nc", engine="h5netcdf")
-    return data
+        save(data, out / "table_4_1.nc")
+        picture(data, out / "table-4-1.png")
+    emit(result, as_json=json, show=lambda: show(data))
+    return result
 
 
 if __name__ == "__main__":

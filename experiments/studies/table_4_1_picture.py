@@ -1,0 +1,66 @@
+"""The picture of Table 4.1: measured peaks, SAP2000's and ours, a panel for each record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from frames.files import replacing
+
+STYLE: dict[Any, Any] = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
+MEASURED, OURS, SAP2000 = "#222222", "#c0392b", "#2e86c1"
+
+
+@matplotlib.rc_context(STYLE)
+def picture(data: xr.Dataset, path: Path) -> None:
+    """Draw the peaks of a comparison (`table_4_1.compare`) into a file; its first variant is ours.
+
+    Bars reach from the measured minimum to the measured maximum; contested peaks are hatched.
+
+    Raises:
+        FrameError: The file cannot be written.
+    """
+    figure = Figure(figsize=(9.0, 6.4), layout="constrained")
+    for axis, record in zip(figure.subplots(2, 2, sharex=True).ravel(), data.record.values, strict=True):
+        _panel(axis, data.sel(record=record))
+        axis.set_title(str(record), loc="left")
+    figure.axes[0].legend(loc="upper right", fontsize=8, frameon=False)
+    figure.supylabel("peak displacement relative to the table [mm]", fontsize=9)
+    with replacing(path) as part:
+        figure.savefig(part, dpi=90)
+
+
+def _panel(axis: Axes, data: xr.Dataset) -> None:
+    x = np.arange(data.sizes["place"])
+    high, low = data.measured.sel(side="max").values, data.measured.sel(side="min").values
+    for index in x:
+        sure = bool(data.trusted.values[index])
+        axis.bar(
+            index,
+            high[index] + low[index],
+            bottom=-low[index],
+            width=0.7,
+            color="#d5d8dc" if sure else "white",
+            edgecolor=MEASURED,
+            lw=0.7,
+            hatch=None if sure else "////",
+            label="measured" if index == 0 else None,
+        )
+    for values, colour, mark, shift, label in (
+        (data.sap2000, SAP2000, "s", -0.15, "SAP2000, as printed"),
+        (data.computed[0], OURS, "o", 0.15, "ours, fixed beforehand"),
+    ):
+        for side, sign in (("max", 1), ("min", -1)):
+            named = label if sign > 0 else None
+            axis.plot(x + shift, sign * values.sel(side=side), mark, ms=4.5, color=colour, label=named)
+    axis.axhline(0, color=MEASURED, lw=0.6)
+    names = [
+        f"{frame}\nfl. {floor}" for frame, floor in zip(data.frame.values, data.floor.values, strict=True)
+    ]
+    axis.set_xticks(x, names, fontsize=8)

@@ -1,0 +1,109 @@
+"""Thesis, Table 4.1 (p. 71): 64 measured peak displacements of frames that shake alone.
+
+The model is the believed one: fixed, and committed, before the first comparison. What is asserted are the
+errors that this first comparison found, with little room, so that a change of the model that makes them worse
+fails. They are large, and docs/validation/table-4-1.md says so: no bound here claims that the model is good.
+"""
+
+import numpy as np
+import pytest
+
+from experiments.rig import Rig
+from experiments.studies import table_4_1
+from experiments.studies.table_4_1 import BLIND, RECORDS, Variant
+
+ROOM = 0.005
+"""Half a percentage point: a frequency that moves by 0.1 % moves the mean errors by 0.1 to 0.3 points."""
+
+
+@pytest.fixture(scope="module")
+def blind(test_records):
+    return table_4_1.predict(BLIND, test_records)
+
+
+def test_the_blind_model_is_what_was_committed_before_the_first_comparison():
+    assert Variant("free_vibration", True, "3.7", 1, None) == BLIND
+    assert table_4_1.variants()[0] == BLIND
+    assert len(table_4_1.variants()) == len(set(table_4_1.variants())) == 24
+
+
+def test_sap2000_as_printed_is_9_5_percent_off():
+    # recomputed from the printed numbers alone
+    assert table_4_1.score(table_4_1.measured("numerical")).mean == pytest.approx(0.095, abs=5e-4)
+
+
+def test_contested_peaks_follow_from_the_rules():
+    trusted = table_4_1.trusted()
+    doubtful = [
+        (place, record)
+        for place in trusted.place.values
+        for record in trusted.record.values
+        if not trusted.sel(place=place, record=record)
+    ]
+    assert doubtful == [(f"15B floor {floor}", "hachinohe") for floor in (15, 10, 5)]
+
+
+def test_mean_error_of_all_64_peaks(blind):
+    found = table_4_1.score(blind)
+    assert found.count == 64
+    assert found.mean < 0.239 + ROOM
+    assert found.worst < 0.790 + 2 * ROOM  # a single peak, 5B under El Centro near resonance
+
+
+def test_mean_error_without_the_contested_peaks(blind):
+    found = table_4_1.score(blind, table_4_1.trusted())
+    assert found.count == 58
+    assert found.mean < 0.219 + ROOM
+    # the model moves more than the frames did: free-vibration damping lets resonance build up
+    assert 0.10 < found.bias < 0.152 + ROOM
+
+
+@pytest.mark.parametrize(
+    ("place", "mean"),
+    [
+        ("15A floor 15", 0.166),
+        ("15B floor 15", 0.271),
+        ("15B floor 10", 0.157),
+        ("15B floor 5", 0.149),
+        ("10 floor 10", 0.332),
+        ("10 floor 5", 0.135),
+        ("5A floor 5", 0.058),
+        ("5B floor 5", 0.464),
+    ],
+)
+def test_mean_error_at_each_place(place, mean, blind):
+    error = abs(table_4_1.errors(blind)).where(table_4_1.trusted()).sel(place=place)
+    # eight or six peaks: room for two of them to move by 4 %
+    assert float(error.mean()) < mean + 2 * ROOM
+
+
+def test_15b_under_hachinohe_is_where_table_4_3_was_computed_from(blind):
+    # Thesis, Table 4.3 (p. 88): its sums need 17.2, 15.1 and 8.8 mm, Table 4.1 prints 33.8, 32.0 and 19.0. The
+    # believed model, which knows neither, is 13 to 17 % above the former and 40 % and more below the latter.
+    ours = blind.sel(record="hachinohe").max("side")
+    for floor, used, printed in ((15, 17.2, 33.8), (10, 15.1, 32.0), (5, 8.8, 19.0)):
+        value = float(ours.sel(place=f"15B floor {floor}"))
+        assert abs(value / used - 1) < 0.20
+        assert value / printed < 0.62
+
+
+def test_the_engine_finds_the_peaks_of_the_exact_response(test_records):
+    reduced = table_4_1.build("5B", BLIND)
+    motion = table_4_1.table_motion("kobe", BLIND, test_records).trimmed(lower=0.0, upper=0.7)
+    exact = table_4_1.floor_peaks(reduced, motion, [5, 3])
+    run = Rig([reduced]).run(motion).frames[0]
+    engine = {entry["floor"]: (entry["max_mm"], entry["min_mm"]) for entry in run.peaks()}
+    # tolerances of the integrator of 1e-6 over 40 periods, and peaks between two of its steps of up to 0.5 ms
+    np.testing.assert_allclose([engine[5], engine[3]], exact, rtol=2e-3)
+
+
+def test_peaks_scale_with_the_records(test_records):
+    other = table_4_1.predict(Variant(peaks="7.1"), test_records)
+    ratio = (other / table_4_1.predict(BLIND, test_records)).mean(("place", "side"))
+    expected = [0.349 / 0.34844, 0.24 / 0.22944, 0.849 / 0.84306, 0.675 / 0.83394]
+    np.testing.assert_allclose(ratio.sel(record=list(RECORDS)), expected, rtol=1e-4)
+
+
+def test_polarity_swaps_the_sides(blind, test_records):
+    turned = table_4_1.predict(Variant(polarity=-1), test_records)
+    np.testing.assert_allclose(turned.sel(side="max"), blind.sel(side="min"), rtol=1e-12)
