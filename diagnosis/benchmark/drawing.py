@@ -1,0 +1,71 @@
+"""Which cases a benchmark consists of: kinds, effects, frames and seeds, all from one number.
+
+Fixed before any classifier was judged by it, and not changed to suit one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from diagnosis.errors import CaseError
+from diagnosis.hidden.effects import CATALOGUE
+from diagnosis.hidden.outsiders import OUTSIDE
+
+Card = TypeVar("Card")
+
+NULLS, OUTSIDERS, DOUBLES = 0.2, 0.1, 0.1
+"""Shares of the cases without an effect, with one outside the catalogue, and with two; the rest have one."""
+
+SINGLE_FRAMES = (("5A",), ("5B",), ("10",), ("15B",))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One case of a set: its number, what is hidden on which frames, and the seed of all else."""
+
+    index: int
+    effects: tuple[str, ...]
+    frames: tuple[str, ...]
+    seed: int
+
+
+def draw_set(count: int, seed: int) -> list[Drawn]:
+    """Draw a set of cases on single frames.
+
+    Args:
+        count: Number of cases.
+        seed: Of the set; the same gives the same cases, and a longer set does not begin with a shorter one.
+
+    Raises:
+        CaseError: There is no case in it.
+    """
+    if count < 1:
+        raise CaseError(f"a benchmark of {count} cases says nothing; give at least 1")
+    rng = np.random.default_rng([seed, count])
+    nulls, outsiders, doubles = (round(share * count) for share in (NULLS, OUTSIDERS, DOUBLES))
+    catalogue, outside = _dealt(rng, list(CATALOGUE)), _dealt(rng, list(OUTSIDE))
+    hidden: list[tuple[str, ...]] = [()] * nulls
+    hidden += [(next(outside),) for _ in range(outsiders)]
+    hidden += [_pair(catalogue) for _ in range(doubles)]
+    hidden += [(next(catalogue),) for _ in range(count - len(hidden))]
+    frames = _dealt(rng, list(SINGLE_FRAMES))
+    order = rng.permutation(count)
+    seeds = rng.integers(2**31, size=count)
+    return [Drawn(i, hidden[at], next(frames), int(seeds[i])) for i, at in enumerate(order)]
+
+
+def _dealt(rng: np.random.Generator, cards: list[Card]) -> Iterator[Card]:
+    """Deal all cards once before any comes again, in a new order each time."""
+    while True:
+        yield from (cards[i] for i in rng.permutation(len(cards)))
+
+
+def _pair(catalogue: Iterator[str]) -> tuple[str, str]:
+    first = second = next(catalogue)
+    while second == first:
+        second = next(catalogue)
+    return first, second

@@ -1,0 +1,144 @@
+"""Running a benchmark: hide, diagnose, open the truth; case by case in processes, resumable."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import resource
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from diagnosis.benchmark.drawing import draw_set
+from diagnosis.benchmark.scoring import judge
+from diagnosis.benchmark.summary import summarise
+from diagnosis.errors import CaseError
+from diagnosis.hidden.hide import hide
+from diagnosis.hidden.motions import available
+from diagnosis.hidden.writing import write_hidden
+from experiments.sweep import sweep
+from experiments.sweep_store import code_version
+
+Method = Callable[[Path], Mapping[str, Any]]
+
+METHODS = ("diagnosis", "refit", "sparse")
+"""The workflow itself and what people would do instead (see `competitors`)."""
+
+
+def method(name: str) -> Method:
+    """Return the function that makes a report of a case folder.
+
+    Raises:
+        CaseError: There is no such method.
+    """
+    if name == "diagnosis":
+        from diagnosis.diagnose import diagnose_case
+
+        return diagnose_case
+    if name in METHODS:
+        from diagnosis.benchmark import competitors
+
+        return {"refit": competitors.refit_each, "sparse": competitors.sparse_regression}[name]
+    raise CaseError(f"no method {name!r} to judge; use one of {', '.join(METHODS)}")
+
+
+def one_case(index: int, count: int, seed: int, way: str, motions: str) -> dict[str, Any]:
+    """Hide, diagnose and only then open the truth of one case of a set.
+
+    Args:
+        index: Number of the case in the set.
+        count: Number of cases in the set.
+        seed: Of the set.
+        way: One of `METHODS`.
+        motions: ``records``, ``artificial`` or ``mixed``.
+
+    Returns:
+        ``truth`` and ``report`` as JSON texts, ``seconds`` [s] and ``memory_mb``, the largest so far [MB].
+    """
+    drawn = draw_set(count, seed)[index]
+    hidden = hide(drawn.effects, drawn.frames, seed=drawn.seed, source=motions, title=f"case {index}")
+    with tempfile.TemporaryDirectory(prefix="pounding-") as folder:
+        case = Path(folder) / "case"
+        write_hidden(hidden, case)
+        start = time.perf_counter()
+        report = method(way)(case)
+        seconds = time.perf_counter() - start
+    memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return {
+        "truth": json.dumps(hidden.truth),
+        "report": json.dumps(report),
+        "seconds": seconds,
+        "memory_mb": memory_mb,
+    }
+
+
+def run_benchmark(
+    count: int,
+    seed: int = 0,
+    *,
+    way: str = "diagnosis",
+    motions: str = "mixed",
+    folder: Path | None = None,
+    workers: int | None = None,
+    console: Console | None = None,
+) -> dict[str, Any]:
+    """Judge a way of diagnosis on a drawn set.
+
+    Args:
+        count: Number of cases.
+        seed: Of the set.
+        way: One of `METHODS`.
+        motions: Where the table's motions come from: ``records``, ``artificial`` or ``mixed``.
+        folder: Where finished cases are kept, so that an interrupted benchmark goes on; None keeps nothing.
+        workers: Processes; one a core when None, 0 runs in this process.
+        console: Where progress is shown.
+
+    Returns:
+        The figures of `summarise`, and ``count``, ``seed``, ``method``, ``motions``, ``records``,
+        ``failures``, ``memory_mb`` and ``judged``: truth and verdict of each case in short.
+
+    Raises:
+        CaseError: An unknown method, or a set without cases.
+    """
+    method(way)
+    cases = [{"index": drawn.index} for drawn in draw_set(count, seed)]
+    settings = {"count": count, "seed": seed, "way": way, "motions": motions}
+    done = sweep(
+        one_case,
+        cases,
+        settings=settings,
+        folder=folder,
+        workers=workers,
+        version=_version(),
+        console=console,
+    )
+    texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
+    finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
+    judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
+    return {
+        **settings,
+        "method": way,
+        "records": available() if motions != "artificial" else [],
+        **summarise(judged),
+        "failures": [str(reason) for reason in done["failure"].values if reason],
+        "memory_mb": float(done["memory_mb"].max()),
+        "judged": [
+            {**vars(case), "seed": truth["seed"], "hidden": truth["effects"], "found": report["effects"]}
+            for case, (truth, report, _) in zip(judged, finished, strict=True)
+        ],
+    }
+
+
+def _version() -> str:
+    """Return a hash of all source that a judged case depends on."""
+    digest = hashlib.sha256(code_version(one_case).encode())
+    spec = find_spec("diagnosis")
+    root = Path(str(spec.origin)).parent if spec else Path()
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,130 @@
+"""Figures over many judged cases: shares with Wilson intervals, confusion, detection by size, reliability."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from statsmodels.stats.proportion import proportion_confint
+
+from diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judged
+
+SIZES = (0.0, 0.3, 1.0, 2.0, 5.0, np.inf)
+"""Bounds of the visibility in the table of detection against size."""
+
+PLAIN = 2.0
+"""Visibility from which an effect exceeds twice the noise floor."""
+
+CONFIDENCES = (0.0, 0.5, 0.7, 0.9, 1.0)
+
+TARGETS = {
+    "exact_of_detected": 0.90,
+    "exact_of_plain": 0.80,
+    "class_right_of_detected": 0.95,
+    "false_alarms": 0.05,
+    "outsiders_caught": 0.80,
+    "gap_closed_median": 0.80,
+    "parameter_error_median": 0.05,
+}
+"""What is to be reached; false alarms and parameter errors at most, the others at least."""
+
+
+def share(cases: Sequence[Judged], hit: Callable[[Judged], bool]) -> dict[str, Any]:
+    """Return hits, cases, their ratio and its 95 % Wilson interval (None without cases)."""
+    hits = sum(bool(hit(case)) for case in cases)
+    if not cases:
+        return {"hits": 0, "cases": 0, "share": None, "low": None, "high": None}
+    low, high = proportion_confint(hits, len(cases), method="wilson")
+    return {
+        "hits": hits,
+        "cases": len(cases),
+        "share": hits / len(cases),
+        "low": float(low),
+        "high": float(high),
+    }
+
+
+def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
+    """Return all figures of a benchmark.
+
+    An outsider or a double counts by what was asked of it: called unknown, or both effects named. The figures
+    on named effects are over the cases with effects of the catalogue, one or two.
+    """
+    nulls = [case for case in cases if case.kind == "nothing"]
+    outsiders = [case for case in cases if case.kind == OUTSIDE]
+    named = [case for case in cases if case.kind not in ("nothing", OUTSIDE)]
+    single = [case for case in named if case.kind == "single"]
+    detected = [case for case in named if case.detected]
+    plain = [case for case in named if case.visibility > PLAIN]
+    closed = [case.gap_closed for case in named if case.detected and np.isfinite(case.gap_closed)]
+    errors = [error for case in named for error in case.parameter_errors]
+    return {
+        "cases": len(cases),
+        "exact_of_detected": share(detected, lambda case: case.exact),
+        "exact_of_plain": share(plain, lambda case: case.exact),
+        "class_right_of_detected": share(detected, lambda case: case.in_class),
+        "exact_of_detected_singles": share([c for c in single if c.detected], lambda case: case.exact),
+        "exact_of_plain_singles": share([c for c in single if c.visibility > PLAIN], lambda case: case.exact),
+        "doubles_exact": share([c for c in named if c.kind == "double"], lambda case: case.exact),
+        "false_alarms": share(nulls, lambda case: case.detected),
+        "outsiders_caught": share(outsiders, lambda case: case.exact),
+        "plain_outsiders_caught": share([c for c in outsiders if c.visibility > PLAIN], lambda c: c.exact),
+        "gap_closed_median": _median(closed),
+        "parameter_error_median": _median(errors),
+        "seconds_median": _median([case.seconds for case in cases]),
+        "seconds_largest": max((case.seconds for case in cases), default=None),
+        "detection": _detection(single),
+        "reliability": _reliability(cases),
+        "confusion": _confusion(cases),
+        "by_effect": {
+            name: share(
+                [case for case in single if case.effects == (name,) and case.detected], lambda c: c.exact
+            )
+            for name in sorted({name for case in single for name in case.effects})
+        },
+    }
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(np.median(values)) if len(values) else None
+
+
+def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
+    rows = []
+    for low, high in pairwise(SIZES):
+        inside = [case for case in cases if low <= case.visibility < high]
+        rows.append(
+            {
+                "visibility": [low, None if np.isinf(high) else high],
+                "detected": share(inside, lambda case: case.detected),
+                "exact": share(inside, lambda case: case.exact),
+            }
+        )
+    return rows
+
+
+def _reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:
+    """Return stated confidence against the share of right verdicts, by bin of confidence."""
+    rows = []
+    for low, high in pairwise(CONFIDENCES):
+        last = high == CONFIDENCES[-1]
+        inside = [c for c in cases if low <= c.confidence < high or (last and c.confidence == high)]
+        stated = _median([]) if not inside else float(np.mean([case.confidence for case in inside]))
+        rows.append(
+            {"confidence": [low, high], "stated": stated, "right": share(inside, lambda c: c.in_class)}
+        )
+    return rows
+
+
+def _confusion(cases: Sequence[Judged]) -> dict[str, dict[str, int]]:
+    """Return how often each truth was called what; doubles and outsiders under their kind."""
+    counts: dict[str, dict[str, int]] = {}
+    for case in cases:
+        truth = {"nothing": NOTHING, "single": "".join(case.effects)}.get(case.kind, case.kind)
+        right_place = case.exact or case.called in (NOTHING, UNKNOWN) or case.called != truth
+        called = case.called if right_place else f"{case.called}, elsewhere"
+        row = counts.setdefault(truth, {})
+        row[called] = row.get(called, 0) + 1
+    return {truth: dict(sorted(row.items())) for truth, row in sorted(counts.items())}

@@ -1,0 +1,90 @@
+"""The tables of a benchmark for a reader."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rich.table import Table
+
+from diagnosis.benchmark.scoring import NOTHING, UNKNOWN
+from diagnosis.benchmark.summary import TARGETS
+
+AT_MOST = frozenset({"false_alarms", "parameter_error_median"})
+
+
+def tables(result: Mapping[str, Any]) -> Iterator[Table | str]:
+    """Yield the tables of a benchmark, as `run_benchmark` returns it."""
+    yield _figures(result)
+    yield _detection(result)
+    yield _confusion(result)
+    yield _reliability(result)
+    seconds, largest = result["seconds_median"], result["seconds_largest"]
+    if seconds is not None:
+        memory = result["memory_mb"]
+        yield f"time a case: {seconds:.1f} s in the median, {largest:.1f} s at most; {memory:.0f} MB"
+    for reason in result["failures"]:
+        yield f"failed: {reason}"
+
+
+def _percent(part: Mapping[str, Any]) -> str:
+    if part["share"] is None:
+        return "–"
+    return f"{part['share']:.0%} ({part['hits']}/{part['cases']}; {part['low']:.0%} to {part['high']:.0%})"
+
+
+def _figures(result: Mapping[str, Any]) -> Table:
+    table = Table(
+        "figure",
+        "reached (95 % interval)",
+        "asked for",
+        title=f"{result['cases']} cases",
+        title_justify="left",
+    )
+    for name, value in result.items():
+        if isinstance(value, Mapping) and "share" in value:
+            reached = _percent(value)
+        elif name in TARGETS:
+            reached = "–" if value is None else f"{value:.1%}"
+        else:
+            continue
+        sign = "at most" if name in AT_MOST else "at least"
+        asked = f"{sign} {TARGETS[name]:.0%}" if name in TARGETS else ""
+        table.add_row(name.replace("_", " "), reached, asked)
+    return table
+
+
+def _detection(result: Mapping[str, Any]) -> Table:
+    table = Table("visibility", "detected", "exact", title="Single effects by size", title_justify="left")
+    for row in result["detection"]:
+        low, high = row["visibility"]
+        bounds = f"{low:g} to {high:g}" if high is not None else f"above {low:g}"
+        table.add_row(bounds, _percent(row["detected"]), _percent(row["exact"]))
+    return table
+
+
+def _confusion(result: Mapping[str, Any]) -> Table:
+    """Return the confusion matrix; columns are numbered like the rows to keep it narrow."""
+    truths = list(result["confusion"])
+    called = {name for row in result["confusion"].values() for name in row}
+    columns = [*(name for name in truths if name in called), *sorted(called - set(truths))]
+    table = Table("hidden", *(str(i) for i in range(1, len(columns) + 1)), "exact if detected")
+    table.title, table.title_justify = "Called what (columns as named below)", "left"
+    for truth in truths:
+        row = result["confusion"][truth]
+        right = result["by_effect"].get(truth)
+        cells = [str(row[name]) if name in row else "" for name in columns]
+        table.add_row(truth, *cells, _percent(right) if right else "")
+    names = {NOTHING: "nothing missing", UNKNOWN: "unknown effect"}
+    table.caption = ", ".join(f"{i} {names.get(name, name)}" for i, name in enumerate(columns, 1))
+    table.caption_justify = "left"
+    return table
+
+
+def _reliability(result: Mapping[str, Any]) -> Table:
+    table = Table("confidence", "stated", "right", title="Stated confidence", title_justify="left")
+    for row in result["reliability"]:
+        low, high = row["confidence"]
+        stated = "–" if row["stated"] is None else f"{row['stated']:.0%}"
+        table.add_row(f"{low:g} to {high:g}", stated, _percent(row["right"]))
+    return table
