@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,7 @@ def computed_gaps(
             found[(left, right, floor, record)] = required_gap(
                 moved[(left, floor)], moved[(right, floor)], step
             )
-    return found
+    return {(*pair, record): found[(*pair, record)] for pair, record in product(pairs(), RECORDS)}
 
 
 def table_4_2(gaps: Mapping[tuple[str, str, int, str], RequiredGap]) -> pd.DataFrame:
@@ -165,7 +166,7 @@ def summary(ratios: pd.DataFrame) -> pd.DataFrame:
         }
     )
     table["covers_for"] = 1.0 / table["least"]
-    return table.sort_values("error")
+    return table.sort_values("error").rename_axis("rule")
 
 
 def _key(pair: Pair) -> tuple[str, str, int, str]:

@@ -18,7 +18,8 @@ from rich.progress import Progress
 
 from experiments import published
 from experiments.command import options
-from experiments.command.output import emit, progress_console, table
+from experiments.command.output import emit, progress_console, table, warn
+from experiments.errors import ExperimentError
 from experiments.provenance import stamp
 from experiments.records import Record, find
 from experiments.separation import pictures, tables_4
@@ -76,7 +77,9 @@ def study(
         "rules_measured": measured,
         "rules_computed": computed,
         "rules_measured_summary": tables_4.summary(measured),
-        "rules_uncontested_summary": tables_4.summary(measured[~table_4_2["contested"].to_numpy()]),
+        "rules_uncontested_summary": tables_4.summary(
+            measured[~table_4_2["contested"].reindex(measured.index)]
+        ),
         "rules_computed_summary": tables_4.summary(computed),
     }
     if collisions:
@@ -163,9 +166,11 @@ def write(
     motions = motions_of_the_study()
     bar = None if progress is None else progress.add_task("gap maps", total=len(motions))
     maps = {}
-    for _, motion in motions.iterrows():
-        record = find(motion["record"], folder).scaled()
-        maps[str(motion["record"])] = gap_map(record)
+    for name in motions["record"]:
+        try:
+            maps[str(name)] = gap_map(find(str(name), folder).scaled())
+        except ExperimentError as error:
+            warn(f"no gap map of a motion that is not at hand: {error}")
         if progress is not None and bar is not None:
             progress.advance(bar)
     pictures.save(pictures.gap_maps(maps), out / "gap_maps.png")

@@ -118,3 +118,14 @@ def test_study_writes_tables_and_pictures(test_records, tmp_path, capsys) -> Non
     }
     assert not list(tmp_path.glob(".*"))
     assert len(pd.read_csv(tmp_path / "table_4_3.csv")) == 40
+
+
+def test_contested_entries_are_left_out_by_name(gaps, test_records) -> None:
+    """Left out is 15B under Hachinohe, and not the entry that no rule covers (10 beside 5B, El Centro)."""
+    built = {name: build(name, BLIND) for name in chapter_4.FRAMES}
+    pga = {name: find(name, test_records).pga_g for name in tables_4.RECORDS}
+    measured = tables_4.rules_from_measured(built, pga)
+    contested = tables_4.table_4_2(gaps)["contested"].reindex(measured.index)
+    left_out = measured[contested]
+    assert {record for *_, record in left_out.index} == {"hachinohe"}
+    assert tables_4.summary(measured[~contested]).loc["ABS", "least"] == pytest.approx(10.4 / 12.0)
