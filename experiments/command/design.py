@@ -41,7 +41,7 @@ def design(
     report: Report = None,
     json: options.Json = False,
 ) -> None:
-    """Say how far apart two buildings must stand by the codes' rules and the thesis' equations, at full scale."""
+    """Say how far apart two buildings must stand by codes' rules and the thesis' equations, at full scale."""
     site = Site(
         tall_m=tall,
         short_m=short,
@@ -71,7 +71,8 @@ def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:
     edges = ", ".join(
         f"{level} {edge['lower_g']} to {edge['upper_g']} g" for level, edge in result["pga_classes"].items()
     )
-    yield f"Classes of peak acceleration: {edges}; an edge belongs to the class above. Below 0.2 g: asked at 0.2 g."
+    yield f"Classes of peak acceleration: {edges}; an edge belongs to the class above."
+    yield "Below 0.2 g the thesis' equations are asked at 0.2 g."
     yield from result["limits"]
 
 

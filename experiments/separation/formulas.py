@@ -138,10 +138,10 @@ def compare(cases: pd.DataFrame, formulas: Mapping[str, Formula] = FORMULAS) -> 
         formulas: By name.
 
     Returns:
-        One row a formula: ``seen``, ``pair`` and ``event`` (mean of |error| over gap, nothing held out, a
-        pair, an earthquake), ``unsafe`` (share of cases predicted too small with the earthquake held out),
-        ``factor`` (the factor that the prediction has to be multiplied with to cover 95 % of cases then) and
-        ``worst_event``.
+        One row a formula: ``seen``, ``pair`` and ``event`` (mean of the error's size over the gap, nothing
+        held out, a pair, an earthquake), ``unsafe`` (share of cases predicted too small with the earthquake
+        held out), ``factor`` (the factor that the prediction has to be multiplied with to cover 95 % of
+        cases then) and ``worst_event``.
     """
     rows = {}
     for name, formula in formulas.items():

@@ -194,8 +194,8 @@ def errors(actual: NDArray[np.floating[Any]], predicted: NDArray[np.floating[Any
     """Return ``mse_mm2`` and ``mae_mm`` (thesis equations 7.11 and 7.12), ``bias_mm``, ``unsafe`` and
     ``relative``.
 
-    ``unsafe`` is the share of cases whose gap is predicted too small, ``relative`` the mean of |error| over
-    gap.
+    ``unsafe`` is the share of cases whose gap is predicted too small, ``relative`` the mean size of the
+    error over gap.
     """
     error = np.asarray(predicted, float) - np.asarray(actual, float)
     return {

@@ -81,7 +81,7 @@ def table_4_2(gaps: Mapping[tuple[str, str, int, str], RequiredGap]) -> pd.DataF
 
 
 def mean_errors(table: pd.DataFrame) -> pd.DataFrame:
-    """Return mean, worst and bias of |computed - measured| / measured for SAP2000 and for our gaps."""
+    """Return mean, worst and bias of ``abs(computed - measured) / measured`` for SAP2000 and for our gaps."""
     rows = {}
     for name in ("sap2000_mm", "closing_mm", "opening_mm", "equation_4_1_mm"):
         error = table[name] / table["experiment_mm"] - 1.0
@@ -152,8 +152,8 @@ def summary(ratios: pd.DataFrame) -> pd.DataFrame:
     """Return for each rule how often it is safe, how far it is off, and its least and largest share of the
     gap.
 
-    ``error`` is the mean of |rule / required - 1|, ``safe`` the share of pairs and records that it covers,
-    and ``covers_for`` the factor by which it would have to be multiplied to cover all of them.
+    ``error`` is the mean of ``abs(rule / required - 1)``, ``safe`` the share of pairs and records that it
+    covers, and ``covers_for`` the factor by which it would have to be multiplied to cover all of them.
     """
     table = pd.DataFrame(
         {
