@@ -154,4 +154,4 @@ def _require_touch(runs: Sequence[Pounding]) -> None:
 
 def _save(figure: Figure, path: str | Path) -> None:
     with replacing(Path(path)) as whole:
-        figure.savefig(whole, dpi=110)
+        figure.savefig(whole, dpi=100)

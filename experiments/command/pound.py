@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json as json_text
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,14 +10,13 @@ from cyclopts import Parameter
 from rich.progress import Progress
 
 from contact.parameters import PRINTED, thesis_law
-from experiments import plots_contact
+from experiments import collision_files
 from experiments.command import options
-from experiments.command.output import emit, plain, progress_console, table
+from experiments.command.output import emit, plain, progress_console, table, warn
 from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from experiments.pounding import Pounding, built, floor_masses, shaking
 from experiments.pounding import pound as run_one
 from experiments.provenance import stamp
-from frames.files import replacing
 
 DEFAULT_LAW = "linear_viscoelastic"
 FIVE_LAWS = tuple(PRINTED)
@@ -48,6 +46,7 @@ def pound(
     damping: options.Damping = None,
     records: options.Records = None,
     out: options.Out = None,
+    film: Annotated[bool, Parameter(negative=(), help="Film the hardest collision in --out.")] = False,
     json: options.Json = False,
 ) -> None:
     """Shake two frames side by side and report every impact between them.
@@ -98,17 +97,18 @@ def pound(
     }
     result = stamp(asked, [shaken]) | {"runs": [run.result() for run in runs]}
     if out is not None:
-        _write(out, result, runs)
+        for note in _keep(runs, result, out, film):
+            warn(note)
+    elif film:
+        warn("--film needs a folder: nothing is written without --out")
     emit(result, as_json=json, show=lambda: _show(result))
 
 
-def _write(folder: Path, result: dict[str, Any], runs: Sequence[Pounding]) -> None:
-    folder.mkdir(parents=True, exist_ok=True)
-    with replacing(folder / "pound.json") as path:
-        path.write_text(json_text.dumps(plain(result), indent=2) + "\n", encoding="utf-8")
-    if any(run.impacts for run in runs):
-        plots_contact.force_histories(runs, folder / "forces.png")
-        plots_contact.loops(runs, folder / "loops.png")
+def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> list[str]:
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task("film" if film else "writing", total=1.0)
+        told = lambda share: progress.update(bar, completed=share)  # noqa: E731
+        return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
 def _show(result: dict[str, Any]) -> Iterable[Any]:

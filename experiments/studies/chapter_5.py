@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import cyclopts
 import numpy as np
 import pandas as pd
 
@@ -166,4 +167,4 @@ def _wide(runs: pd.DataFrame, value: str) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    main()
+    cyclopts.run(main)

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import cyclopts
 import pandas as pd
 
 from experiments.campaign import LAWS, Test, chapter_6, frame_of, run_all, run_apart, shaking
@@ -183,4 +184,4 @@ def show(tables: dict[str, pd.DataFrame]) -> Iterable[Any]:
 
 
 if __name__ == "__main__":
-    main()
+    cyclopts.run(main)

@@ -1,0 +1,182 @@
+"""What the default accuracy of colliding runs leaves: chapter 6's tests against tighter runs.
+
+Each test runs with each law at the same fraction of our own required gap (at 0.9 of it where the laboratory
+tested at or beyond it, so that all collide) and is compared, impact by impact, with a run at tolerances a
+hundred times tighter, and with one that keeps modes up to four times the frequency. A case has converged if
+it has the same number of impacts, and all of them agree to 1 % of peak force, 0.1 ms and 0.5 % of impulse.
+Run it with ``python -m experiments.studies.contact_accuracy``.
+"""
+
+from __future__ import annotations
+
+import json as json_text
+from collections.abc import Iterable
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any
+
+import cyclopts
+import numpy as np
+import pandas as pd
+from cyclopts import Parameter
+
+import frames
+from contact.parameters import thesis_law
+from experiments.campaign import LAWS, chapter_6, frame_of
+from experiments.campaign_tables import label
+from experiments.command import options
+from experiments.command.output import emit, table
+from experiments.impacts import Impact
+from experiments.pounding import floor_masses, pound, shaking
+from experiments.provenance import stamp
+from experiments.rig import COLLIDING, Accuracy
+from experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
+from experiments.sweep import sweep
+
+REFERENCE = Accuracy(1e-10, 1e-12, 2e-4)
+KEEP_HZ = 1200.0
+PEAK, TIME_S, IMPULSE = 0.01, 1e-4, 0.005
+LARGEST_FRACTION = 0.9
+
+
+def main(
+    *,
+    out: options.Out = None,
+    records: options.Records = None,
+    kept: Kept = None,
+    workers: Workers = None,
+    duration_s: Annotated[float, Parameter(help="Model time of each run [s].")] = 6.0,
+    json: options.Json = False,
+) -> None:
+    """Accuracy of colliding runs, in step and in the number of modes kept.
+
+    Args:
+        out: Folder for the tables as CSV.
+    """
+    result, tables = study(records, kept=kept, workers=workers, duration_s=duration_s)
+    if out is not None:
+        write_tables(tables, out)
+    emit(result, as_json=json, show=lambda: show(tables))
+
+
+def study(
+    records: Path | None = None,
+    *,
+    kept: Path | None = None,
+    workers: int | None = None,
+    duration_s: float = 6.0,
+    laws: Iterable[str] = LAWS,
+    only: Iterable[str] | None = None,
+) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
+    """Return the stamped result and its tables by name; `only` names cases as in the tables."""
+    folder = "" if records is None else str(records)
+    wanted = None if only is None else set(only)
+    tests = [t for t in chapter_6() if wanted is None or label(t.left, t.right, t.record) in wanted]
+    cases = []
+    for test in tests:
+        gap = test.own_gap_mm(folder or None) * min(1.0, LARGEST_FRACTION / test.fraction)
+        names = {"left": test.left, "right": test.right, "record": test.record, "gap_mm": gap}
+        cases += [names | {"law": law} for law in laws]
+    settings = {"duration_s": duration_s, "folder": folder}
+    runs = frame_of(sweep(compare, cases, settings=settings, folder=kept, workers=workers))
+    runs.insert(0, "case", [label(*row) for row in runs[["left", "right", "record"]].itertuples(index=False)])
+    runs = runs.drop(columns=["left", "right", "record"])
+    tables = {name: _table(runs, name) for name in ("step", "modes")}
+    tables["summary"] = _summary(tables)
+    result = stamp({"reference": list(REFERENCE), "default": list(COLLIDING), "duration_s": duration_s})
+    return result | {name: keyed(found) for name, found in tables.items()}, tables
+
+
+def compare(
+    left: str, right: str, record: str, law: str, gap_mm: float, *, duration_s: float, folder: str = ""
+) -> dict[str, Any]:
+    """Return the comparisons of one case, for `sweep`: `step` and `modes` as JSON text."""
+    default, tight = (
+        _impacts((left, right), None, record, law, gap_mm, accuracy, duration_s, folder)
+        for accuracy in (COLLIDING, REFERENCE)
+    )
+    modes = _impacts((left, right), KEEP_HZ, record, law, gap_mm, COLLIDING, duration_s, folder)
+    return {
+        "step": json_text.dumps(_compared(default, tight)),
+        "modes": json_text.dumps(_compared(default, modes)),
+    }
+
+
+@lru_cache(maxsize=16)
+def _built(name: str, keep_hz: float | None) -> frames.ReducedFrame:
+    return frames.build(frames.load(name), keep_hz=keep_hz)
+
+
+def _impacts(
+    names: tuple[str, str],
+    keep_hz: float | None,
+    record: str,
+    law: str,
+    gap_mm: float,
+    accuracy: Accuracy,
+    duration_s: float,
+    folder: str,
+) -> list[Impact]:
+    pair = _built(names[0], keep_hz), _built(names[1], keep_hz)
+    masses = floor_masses(_built(names[0], None), _built(names[1], None))
+    chosen = thesis_law(law, masses=masses)
+    shaken = shaking(record, folder or None)
+    end = min(duration_s, shaken.duration_s)
+    return pound(*pair, shaken, chosen, 1e-3 * gap_mm, accuracy=accuracy, duration_s=end).impacts
+
+
+def _compared(found: list[Impact], reference: list[Impact]) -> dict[str, Any]:
+    """Compare impacts in order, as far as both runs have them."""
+    peak, time, impulse, good = [], [], [], 0
+    for one, other in zip(found, reference, strict=False):
+        peak.append(abs(one.peak_force_n / other.peak_force_n - 1))
+        time.append(abs(one.time_s - other.time_s))
+        impulse.append(abs(one.impulse_n_s / other.impulse_n_s - 1))
+        within = peak[-1] <= PEAK and time[-1] <= TIME_S and impulse[-1] <= IMPULSE
+        good += within and good == len(peak) - 1
+    return {
+        "impacts": len(found),
+        "impacts_reference": len(reference),
+        "agree": int(good),
+        "peak": max(peak, default=0.0),
+        "time_ms": 1e3 * max(time, default=0.0),
+        "impulse": max(impulse, default=0.0),
+        "first_peak": peak[0] if peak else 0.0,
+        "first_impulse": impulse[0] if impulse else 0.0,
+        "converged": bool(good == len(found) == len(reference)),
+    }
+
+
+def _table(runs: pd.DataFrame, name: str) -> pd.DataFrame:
+    found = pd.DataFrame([json_text.loads(text) for text in runs[name]])
+    return pd.concat([runs[["case", "law"]].reset_index(drop=True), found], axis=1)
+
+
+def _summary(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    rows = {}
+    for name, found in tables.items():
+        good = found[found["converged"]]
+        rows[name] = {
+            "cases": len(found),
+            "converged": int(found["converged"].sum()),
+            "impacts": int(found["impacts"].sum()),
+            "impacts that agree": int(found["agree"].sum()),
+            "largest peak error of the converged": float(np.max(good["peak"], initial=0.0)),
+            "largest time error of the converged [ms]": float(np.max(good["time_ms"], initial=0.0)),
+            "largest impulse error of the converged": float(np.max(good["impulse"], initial=0.0)),
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("against")
+
+
+def show(tables: dict[str, pd.DataFrame]) -> Iterable[Any]:
+    """Return the summary, and the cases that did not converge by name, for a reader."""
+    summary = tables["summary"].reset_index()
+    yield table("summary", [str(c) for c in summary], [[cell(v) for v in row] for row in summary.to_numpy()])
+    for name in ("step", "modes"):
+        rest = tables[name][~tables[name]["converged"]]
+        rows = [[cell(value) for value in row] for row in rest.to_numpy()]
+        yield table(f"{name}: cases that did not converge", [str(column) for column in rest], rows)
+
+
+if __name__ == "__main__":
+    cyclopts.run(main)
