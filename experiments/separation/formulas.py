@@ -126,6 +126,8 @@ def held_out(cases: pd.DataFrame, formula: Formula, by: str) -> Real:
     found = pd.Series(np.nan, index=cases.index)
     for value in cases[by].unique():
         inside = cases[by] == value
+        if inside.all():
+            continue
         found[inside] = formula(cases[~inside], cases[inside])
     return found.to_numpy(float)
 
@@ -148,18 +150,34 @@ def compare(cases: pd.DataFrame, formulas: Mapping[str, Formula] = FORMULAS) -> 
         seen = formula(cases, cases)
         pair, event = held_out(cases, formula, "pair"), held_out(cases, formula, "event")
         actual = cases[TARGET].to_numpy(float)
-        known = np.isfinite(event)
-        by_event = pd.Series(np.abs(event / actual - 1.0)).groupby(cases["event"].to_numpy()).mean()
         rows[name] = {
-            "seen": errors(actual, seen)["relative"],
-            "pair": errors(actual[np.isfinite(pair)], pair[np.isfinite(pair)])["relative"],
-            "event": errors(actual[known], event[known])["relative"],
-            "unsafe": float(np.mean(event[known] < actual[known])),
-            "factor": _covering_factor(actual[known], event[known]),
-            "worst_event": str(by_event.idxmax()),
-            "worst_event_error": float(by_event.max()),
+            "seen": _relative(actual, seen),
+            "pair": _relative(actual, pair),
+            "event": _relative(actual, event),
+            **_unseen(actual, event, cases["event"]),
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("formula")
+
+
+def _relative(actual: Real, predicted: Real) -> float:
+    """Return the mean of the error's size over the gap, of the cases that could be predicted; NaN if none."""
+    known = np.isfinite(predicted)
+    return errors(actual[known], predicted[known])["relative"] if known.any() else np.nan
+
+
+def _unseen(actual: Real, predicted: Real, event: pd.Series) -> dict[str, Any]:
+    """Return how the prediction of earthquakes held out fails; empty where none could be held out."""
+    known = np.isfinite(predicted)
+    if not known.any():
+        return {"unsafe": np.nan, "factor": np.nan, "worst_event": "", "worst_event_error": np.nan}
+    share = pd.Series(np.abs(predicted[known] / actual[known] - 1.0))
+    by_event = share.groupby(event.to_numpy()[known]).mean()
+    return {
+        "unsafe": float(np.mean(predicted[known] < actual[known])),
+        "factor": _covering_factor(actual[known], predicted[known]),
+        "worst_event": str(by_event.idxmax()),
+        "worst_event_error": float(by_event.max()),
+    }
 
 
 def _covering_factor(actual: Real, predicted: Real) -> float:

@@ -36,10 +36,15 @@ CORRECTED: dict[str, tuple[Linear, Callable[[float], float] | None]] = {
 }
 
 
+def levels_in(cases: pd.DataFrame) -> list[str]:
+    """Return the classes that have cases; with records missing it may not be all three."""
+    return [level for level in LEVELS if (cases["level"] == level).any()]
+
+
 def correlation_rows(cases: pd.DataFrame) -> pd.DataFrame:
     """Return the gap's correlation with each variable, printed and ours, one row a class and variable."""
     rows = {}
-    for level in LEVELS:
+    for level in levels_in(cases):
         printed = published.table(CORRELATION_TABLES[level]).loc["gap"]
         ours = correlations(cases[cases["level"] == level]).loc["gap"]
         for symbol in printed.index[1:]:
@@ -55,6 +60,8 @@ def regression_rows(cases: pd.DataFrame) -> pd.DataFrame:
     """
     tables = {}
     for number, (level, symbols, constant) in TABLES.items():
+        if level not in levels_in(cases):
+            continue
         printed = pd.to_numeric(published.table(number)["coefficient"], errors="coerce")
         ours = fit(cases[cases["level"] == level], symbols, constant=constant).table
         joined = pd.DataFrame(
@@ -74,7 +81,7 @@ def error_rows(cases: pd.DataFrame) -> pd.DataFrame:
     """Return Table 7.17: MSE and MAE of each model, printed, and of ours on our cases, with R^2 of ours."""
     printed = published.table("7.17")
     rows = {}
-    for level in LEVELS:
+    for level in levels_in(cases):
         chosen = cases[cases["level"] == level]
         for model, symbols in MODELS.items():
             fitted = fit(chosen, symbols)
@@ -110,11 +117,12 @@ def thesis_equations_on(cases: pd.DataFrame) -> pd.DataFrame:
 
 
 def inflation_rows(cases: pd.DataFrame, models: Sequence[str] = tuple(MODELS)) -> pd.DataFrame:
-    """Return the variance inflation of each regressor in each model, over all cases of the low class.
+    """Return the variance inflation of each regressor in each model, over all cases of the lowest class
+    there is.
 
     The design is alike in all classes but for the peaks, so one class stands for all.
     """
-    chosen = cases[cases["level"] == "low"]
+    chosen = cases[cases["level"] == levels_in(cases)[0]]
     return pd.DataFrame({model: variance_inflation(chosen, MODELS[model]) for model in models}).rename_axis(
         "symbol"
     )
@@ -123,10 +131,12 @@ def inflation_rows(cases: pd.DataFrame, models: Sequence[str] = tuple(MODELS)) -
 def validation_rows(cases: pd.DataFrame) -> pd.DataFrame:
     """Return the cross-validated errors of the thesis' three models by row, pair and event, one row each."""
     rows = {}
-    for level in LEVELS:
+    for level in levels_in(cases):
         chosen = cases[cases["level"] == level]
         for model, symbols in MODELS.items():
             for by in ("row", "pair", "event"):
+                if by != "row" and chosen[by].nunique() < 2:
+                    continue  # one earthquake cannot be held out and learnt from
                 rows[(level, model, by)] = pooled(cross_validate(chosen, symbols, by))
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["level", "model", "held out"])
 
@@ -134,7 +144,7 @@ def validation_rows(cases: pd.DataFrame) -> pd.DataFrame:
 def ours_on_new_frames(cases: pd.DataFrame, new: pd.DataFrame) -> pd.DataFrame:
     """Return the errors of the thesis' second model, fitted to our cases, on frames not among them."""
     rows = {}
-    for level in LEVELS:
+    for level in levels_in(cases):
         fitted = fit(cases[cases["level"] == level], WITHOUT_STIFFNESS_AND_MASS)
         for pair, group in new[new["level"] == level].groupby("pair"):
             interval = fitted.interval(group)

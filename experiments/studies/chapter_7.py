@@ -235,7 +235,8 @@ def write(found: dict[str, pd.DataFrame], tables: dict[str, pd.DataFrame], out: 
         write_whole(out / f"{name}.csv", table.to_csv().encode())
     cases = found["study"]
     fits = {
-        level: fit(cases[cases["level"] == level], WITHOUT_STIFFNESS_AND_MASS) for level in tables_7.LEVELS
+        level: fit(cases[cases["level"] == level], WITHOUT_STIFFNESS_AND_MASS)
+        for level in tables_7.levels_in(cases)
     }
     pictures.save(pictures.regression_diagnostics(cases, fits), out / "regression_diagnostics.png")
     pictures.save(pictures.held_out(tables["formulas"]), out / "held_out.png")
@@ -252,17 +253,20 @@ def show(tables: dict[str, pd.DataFrame], missing: list[str]) -> Iterable[Render
 
 def conclusion(compared: pd.DataFrame) -> str:
     """Return in words what the comparison of formulas says."""
-    ours = list(formulas.FORMULAS)
-    by_class, spectral = compared.loc[ours[0]], compared.loc["DDC of spectral displacements"]
-    best = compared.loc[ours[:3], "event"].min()
+    names = list(formulas.FORMULAS)
+    by_class, spectral = compared.loc[names[0]], compared.loc["DDC of spectral displacements"]
+    seen = (
+        f"A formula in the peak acceleration misses the gaps of its own earthquakes by {by_class['seen']:.0%}"
+    )
+    best = compared.loc[names[:3], "event"].min()
+    if not np.isfinite(best):
+        return f"{seen} in the mean; with one earthquake at hand nothing can be said of another."
     return (
-        "A formula in the peak acceleration misses the gaps of its own earthquakes by "
-        f"{100 * by_class['seen']:.0f} % in "
-        f"the mean, and those of an earthquake it has not seen by {100 * by_class['event']:.0f} % in "
-        "the thesis' form, by "
-        f"{100 * best:.0f} % in the best: it cannot be trusted outside its records. The double "
-        "difference of the spectral "
-        f"displacements, with nothing fitted, misses them by {100 * spectral['event']:.0f} %."
+        f"{seen} in the mean, and those of an earthquake it has not seen by {by_class['event']:.0%} "
+        "in the thesis' "
+        f"form, by {best:.0%} in the best: it cannot be trusted outside its records. The double "
+        "difference of the "
+        f"spectral displacements, with nothing fitted, misses them by {spectral['event']:.0%}."
     )
 
 

@@ -96,6 +96,20 @@ def test_formulas_in_the_peak_fail_on_unseen_earthquakes(cases, test_records) ->
     assert "cannot be trusted outside its records" in chapter_7.conclusion(compared)
 
 
+def test_study_goes_on_with_the_records_that_are_there(cases, test_records, tmp_path) -> None:
+    """Without the stand-ins two classes have one earthquake each; with one record nothing can be held out."""
+    for names in (TESTS, ["elcentro"]):
+        found = {"study": cases[cases["label"].isin(names)].reset_index(drop=True)}
+        tables = chapter_7.evaluate(found, test_records)
+        assert set(tables["errors"].index.get_level_values("level")) == set(found["study"]["level"])
+        assert "equations_on_new_frames" not in tables
+        chapter_7.write(found, tables, tmp_path)
+        assert chapter_7.conclusion(tables["formulas"]).startswith("A formula in the peak")
+    assert tables["formulas"]["event"].drop(index=list(tables["formulas"].index[-2:])).isna().all()
+    held_out = set(tables["cross_validation"].index.get_level_values("held out"))
+    assert held_out == {"row", "pair"}
+
+
 def test_contradictions_are_named() -> None:
     found = tables_7.contradictions()
     assert len(found["impossible_errors"]) == 6
