@@ -83,6 +83,11 @@ class Believed:
         self._splines = [CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs]
         self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
 
+    def table_slope(self, run: RunData) -> np.ndarray:
+        """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
+        number = next(i for i, one in enumerate(self.observed.runs) if one is run)
+        return np.asarray(self._splines[number](np.arange(len(run.table)) * run.step_s, 1))
+
     def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
         """Return the believed system with parameter `values` (in units of their own) and effects."""
         structure = self.structure
@@ -258,7 +263,8 @@ def _parameters(structure: Structure, observed: Observations, prior: Prior) -> l
     found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
     channels = range(len(observed.names))
     found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
-    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels]
+    # One channel keeps the time: all of them late together are a table that is early.
+    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[1:]]
     return found
 
 

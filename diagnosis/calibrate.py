@@ -173,7 +173,7 @@ def _output_rate(believed: Believed, modes: Modes, states: np.ndarray, run: RunD
     system = linear_system(
         modes, believed.structure.drift @ modes.floors, believed.observed.quantity, believed.observed.floor
     )
-    table = system.output @ system.force @ modes.participation
+    table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
     return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table))
 
 
@@ -206,10 +206,9 @@ def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place
         span = structure.span(place)
         return [_damping_term(modes, motion, mode) for mode in range(span.start, span.stop)]
     if kind == "table_gain":
-        return [Term(motion.run.table, -modes.participation, inertial=True)]
+        return [table_term(modes, motion.run.table)]
     if kind == "table_delay":
-        slope = np.gradient(motion.run.table, motion.run.step_s)
-        return [Term(slope, modes.participation, inertial=True)]
+        return [table_term(modes, -believed.table_slope(motion.run))]
     if kind == "channel_gain":
         return [channel_term(believed, place, motion.outputs[:, place])]
     return [channel_term(believed, place, -motion.output_rate[:, place])]
@@ -236,6 +235,11 @@ def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> li
 def _damping_term(modes: Modes, motion: Motion, mode: int) -> Term:
     factor = -2 * modes.ratio[mode] * modes.omega[mode]
     return force_term(motion, lambda m: factor * m.eta_rate[:, mode], np.eye(len(modes.omega))[mode])
+
+
+def table_term(modes: Modes, series: np.ndarray) -> Term:
+    """Return what a change of the table's acceleration by `series` adds."""
+    return Term(series, -modes.participation, inertial=True, table=1.0)
 
 
 def channel_term(believed: Believed, channel: int, series: np.ndarray) -> Term:

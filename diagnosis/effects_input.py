@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.believed import Assembly, Believed
-from diagnosis.calibrate import Motion, channel_term
+from diagnosis.calibrate import Motion, channel_term, table_term
 from diagnosis.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
@@ -28,7 +28,7 @@ class TableGain(Effect):
 
     def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the table's own force."""
-        return [Term(motion.run.table, -modes.participation, inertial=True)]
+        return [table_term(modes, motion.run.table)]
 
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Scale the table."""
@@ -49,8 +49,7 @@ class TableDelay(Effect):
 
     def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the table's rate of change."""
-        slope = np.gradient(motion.run.table, motion.run.step_s)
-        return [Term(slope, modes.participation, inertial=True)]
+        return [table_term(modes, -believed.table_slope(motion.run))]
 
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Delay the table."""

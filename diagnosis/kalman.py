@@ -44,7 +44,7 @@ class Noise:
 class LinearSystem:
     """Continuous system x' = A x + B force, y = C x + D force over modes, latent forces, table noise, table motion.
 
-    `rate` (states, states), `force` (states, modes), `output` (channels, states), `direct` (channels, modes).
+    `rate` (states, states), `force` (states, modes + 1: the table's acceleration last), `output` (channels, states), `direct` (channels, modes).
     """
 
     rate: np.ndarray
@@ -55,7 +55,9 @@ class LinearSystem:
 
 @dataclass(frozen=True)
 class SteadyFilter:
-    """Filter gain (states, channels), innovation covariance (channels, channels) and one-step matrices."""
+    """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the standard
+    deviation of each state after a sample (states,).
+    """
 
     gain: np.ndarray
     covariance: np.ndarray
@@ -64,6 +66,7 @@ class SteadyFilter:
     force_end: np.ndarray
     output: np.ndarray
     direct: np.ndarray
+    spread: np.ndarray
 
 
 def linear_system(
@@ -83,8 +86,9 @@ def linear_system(
     rate[noise, noise] = -TABLE_NOISE_RATE
     rate[displacement, velocity] = 1.0
     rate[velocity, [noise, displacement, velocity]] = -1.0, -(LEAK**2), -1.4 * LEAK
-    force = np.zeros((states, n))
-    force[n : 2 * n] = np.eye(n)
+    force = np.zeros((states, n + 1))
+    force[n : 2 * n, :n] = np.eye(n)
+    force[velocity, n] = 1.0
     output = np.zeros((len(quantities), states))
     direct = np.zeros((len(quantities), n))
     for c, (quantity, f) in enumerate(zip(quantities, floor, strict=True)):
@@ -118,7 +122,9 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
     full = np.eye(len(measured))
     full[np.ix_(measured, measured)] = innovation / np.outer(scale, scale)
     start, end = _first_order_hold(system.rate, system.force, step_s)
-    return SteadyFilter(gain, full, step, start, end, system.output, system.direct)
+    left = np.diag(predicted) - np.einsum("ic,ci->i", gain[:, measured], output @ predicted)
+    spread = np.sqrt(np.maximum(left, 0.0))
+    return SteadyFilter(gain, full, step, start, end, system.output, system.direct, spread)
 
 
 def noise_density(states: int, noise: Noise) -> np.ndarray:
@@ -127,7 +133,8 @@ def noise_density(states: int, noise: Noise) -> np.ndarray:
     density = np.zeros(states)
     density[states - 3 - storeys : states - 3] = 2 * LATENT_RATE * noise.latent**2
     density[states - 3] = 2 * TABLE_NOISE_RATE * noise.table**2
-    density[states - 1] = 1e-12
+    # A table channel that is a little off its zero drifts away when integrated twice.
+    density[states - 1] = 1e-12 + 1e-4 * noise.table**2
     return density
 
 

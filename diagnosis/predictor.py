@@ -30,8 +30,8 @@ ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT 
     HERTZ_DAMP,
 ) = range(12)
 
-LEAK = 2.0 * math.pi * 0.05
-"""[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten."""
+LEAK = 2.0 * math.pi * 0.002
+"""[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
 
 
 @njit(cache=True)

@@ -25,8 +25,8 @@ LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
 LEAST_LATENT = 1e-4
 """[N] below which a latent force is none."""
-LATENT_STEPS = (0.3, 0.1)
-"""Factors by which the latent forces are reduced as long as the data like it better."""
+LATENT_STEP = 0.3
+"""Factor by which the latent forces are reduced as long as the data like it better."""
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ def refine(
     effects: Sequence[Effect],
     values: Sequence[np.ndarray],
     widths: Sequence[np.ndarray],
-    iterations: int = 6,
-    rounds: int = 3,
+    iterations: int = 3,
+    thorough: bool = True,
 ) -> Fit:
     """Return the best fit of effects together with the ordinary parameters, the latent forces as small as they may be.
 
@@ -103,21 +103,38 @@ def refine(
         effects: Effects to put in; may be none.
         values: Their SI parameters to start from.
         widths: Prior standard deviations of those that are not logarithmic.
-        iterations: Gauss-Newton steps a round.
-        rounds: How often the noise is estimated again and the latent forces reduced.
+        iterations: Gauss-Newton steps for each size of the latent forces.
+        thorough: Whether noise and latent forces are estimated again; else they stay as in `baseline`.
     """
     coordinates = Coordinates.of(effects, values, widths)
     x = np.zeros(len(coordinates.start))
-    current = _at(believed, baseline, coordinates, x, baseline.values)
-    for _ in range(rounds):
-        current, x = _descend(believed, current, coordinates, x, iterations)
-        quieter = _quieter(believed, current)
-        if quieter.log_likelihood < current.log_likelihood + 2.0:
-            current = max(current, quieter, key=lambda b: b.log_likelihood)
+    current = _start(believed, baseline, coordinates, x)
+    current, x = _descend(believed, current, coordinates, x, iterations)
+    if not thorough:
+        return _finished(believed, current, coordinates, x)
+    while current.noise[0].latent.max() > LEAST_LATENT:
+        noise = tuple(replace(one, latent=LATENT_STEP * one.latent) for one in current.noise)
+        trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
+        trial = run_baseline(believed, current.values, matched_noise(believed, trial), trial.runs, trial.effects)
+        trial, moved = _descend(believed, trial, coordinates, x, iterations)
+        if trial.log_likelihood < current.log_likelihood + 1.0:
             break
-        current = quieter
+        current, x = trial, moved
+    current = _table_noise(believed, current)
+    noise = matched_noise(believed, current)
+    trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
+    current = max(current, trial, key=lambda one: one.log_likelihood)
     current, x = _descend(believed, current, coordinates, x, iterations)
     return _finished(believed, current, coordinates, x)
+
+
+def _start(believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray) -> Baseline:
+    """Return where to start: with the null model's ordinary parameters, or, where those were bent, with the believed."""
+    starts = [
+        _at(believed, baseline, coordinates, x, ordinary)
+        for ordinary in (baseline.values, np.zeros(len(believed.std)))
+    ]
+    return min(starts, key=lambda one: _misfit(believed, one, coordinates, x, one.values))
 
 
 def _at(
@@ -127,23 +144,9 @@ def _at(
     return run_baseline(believed, ordinary, baseline.noise, baseline.runs, acting)
 
 
-def _quieter(believed: Believed, baseline: Baseline) -> Baseline:
-    """Return the baseline with re-estimated channel noise and the latent force that the data like best."""
-    best = run_baseline(
-        believed, baseline.values, matched_noise(believed, baseline), baseline.runs, baseline.effects
-    )
-    improved = True
-    while improved:
-        improved = False
-        for factor in LATENT_STEPS:
-            if best.noise[0].latent.max() < LEAST_LATENT:
-                break
-            noise = tuple(replace(one, latent=factor * one.latent) for one in best.noise)
-            trial = run_baseline(believed, best.values, noise, best.runs, best.effects)
-            trial = run_baseline(believed, best.values, matched_noise(believed, trial), best.runs, best.effects)
-            if trial.log_likelihood > best.log_likelihood + 1.0:
-                best, improved = trial, True
-                break
+def _table_noise(believed: Believed, baseline: Baseline) -> Baseline:
+    """Return the baseline with the table's noise that the data like best."""
+    best = baseline
     for factor in (0.5, 2.0):
         for _ in range(3):
             noise = tuple(replace(one, table=factor * one.table) for one in best.noise)

@@ -15,9 +15,10 @@ from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.gap import channel_gaps, floors, simulate
 from diagnosis.refine import Fit, refine
 
-REFINED = 5
+REFINED = 8
+THOROUGH = 3
 WORTH = 2.0
-"""Candidates refined at most, and the least evidence [nats] for which one is."""
+"""Candidates refined at most, those of them refined to the end, and the least evidence [nats] for which one is."""
 UNEXPLAINED = 1.5
 """Gap over noise floor above which the search goes on: larger amplitudes, second effects."""
 RESCUE_LEVEL = 0.01
@@ -32,30 +33,50 @@ SECOND = 12.0
 Progress = Callable[[str, float], None]
 
 
+@dataclass(frozen=True)
+class Judged:
+    """A refined candidate as it is judged.
+
+    Attributes:
+        fit: The fit. nats: Its log evidence against the null model.
+        gap: Median gap over the training and over the held-out runs (NaN without any).
+        channel_gap: Gap of each channel over the training and the held-out runs, shape (2, channels).
+        innovation: Mean square of the whitened innovations on the held-out runs, by the null model's filter.
+    """
+
+    fit: Fit
+    nats: float
+    gap: tuple[float, float]
+    channel_gap: np.ndarray
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects in the fit."""
+        return self.fit.effects
+
+
 @dataclass
 class Findings:
     """What the search found.
 
     Attributes:
         null: The refined null model. scores: All candidates about it.
-        fits: Refined candidates, best first; evidence is the difference of log posteriors to `null`.
+        judged: Refined candidates, best first.
+        floor: Gap that a perfect model would leave over the training and the held-out runs, (2, channels).
         sizes: Typical sizes of motion.
         training, held_out: Numbers of the runs.
     """
 
     believed: Believed
-    null: Fit
+    null: Judged
     scores: Scores
     sizes: Scales
     training: tuple[int, ...]
     held_out: tuple[int, ...]
-    fits: list[Fit] = field(default_factory=list)
+    judged: list[Judged] = field(default_factory=list)
+    floor: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     later: Scores | None = None
     """Scores of second effects about the best fit."""
-
-    def evidence(self, fit: Fit) -> float:
-        """Return a fit's log evidence against the null model [nats]."""
-        return fit.log_posterior - self.null.log_posterior
 
 
 def search(
@@ -72,30 +93,60 @@ def search(
     progress("scoring the catalogue", 0.25)
     sizes = scales(believed, null.baseline)
     scores = score(believed, null.baseline, effects, sizes)
-    found = Findings(believed, null, scores, sizes, tuple(training), tuple(held_out))
+    runs = (tuple(training), tuple(held_out))
+    found = Findings(believed, judge(believed, null, null, *runs), scores, sizes, *runs)
     chosen = _chosen(scores)
+    quick = []
     for count, one in enumerate(chosen):
-        progress(f"refining {one.effect.label()}", 0.35 + 0.3 * count / max(len(chosen), 1))
-        found.fits.append(_refined(found, null.baseline, one))
-    _sort(found)
-    if _unexplained(found, best(found)):
+        progress(f"refining {one.effect.label()}", 0.35 + 0.15 * count / max(len(chosen), 1))
+        quick.append(_refined(found, null.baseline, one, thorough=False))
+    order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
+    for count, i in enumerate(order[:THOROUGH]):
+        progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
+        _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
+    if unexplained(found, best(found)):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
-        _sort(found)
-    if found.fits:
+    if found.judged:
         progress("looking for a second effect", 0.75)
         _second(found, effects)
-        _sort(found)
+    found.floor = _floor(found, best(found).fit)
     return found
 
 
-def best(found: Findings) -> Fit:
-    """Return the fit with most evidence, or the null model."""
-    return found.fits[0] if found.fits and found.evidence(found.fits[0]) > 0 else found.null
+def judge(
+    believed: Believed, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]
+) -> Judged:
+    """Return a fit with its evidence and its gaps."""
+    each = [_channel_gaps(believed, fit, runs) for runs in (training, held_out)]
+    median = [float(np.nanmedian(gaps)) if np.isfinite(gaps).any() else float("nan") for gaps in each]
+    return Judged(fit, fit.log_posterior - null.log_posterior, (median[0], median[1]), np.array(each))
 
 
-def _sort(found: Findings) -> None:
-    found.fits.sort(key=lambda fit: -fit.log_posterior)
+def _channel_gaps(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> np.ndarray:
+    if not runs:
+        return np.full(len(believed.observed.names), np.nan)
+    outputs = simulate(believed, fit.baseline.values, fit.baseline.effects, runs)
+    return channel_gaps(believed, outputs, runs)
+
+
+def _floor(found: Findings, fit: Fit) -> np.ndarray:
+    nothing = np.full(len(found.believed.observed.names), np.nan)
+    return np.array(
+        [floors(found.believed, fit.baseline, runs) if runs else nothing for runs in (found.training, found.held_out)]
+    )
+
+
+def best(found: Findings) -> Judged:
+    """Return the candidate with most evidence, or the null model."""
+    return found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
+
+
+def _keep(found: Findings, fit: Fit) -> None:
+    judged = judge(found.believed, fit, found.null.fit, found.training, found.held_out)
+    if np.isfinite(judged.nats):
+        found.judged.append(judged)
+    found.judged.sort(key=lambda one: -one.nats)
 
 
 def _chosen(scores: Scores) -> list[Score]:
@@ -115,23 +166,32 @@ def widths(believed: Believed, effect: Effect, sizes: Scales, shape: tuple[float
     return np.maximum(np.abs(start), 1e-12)
 
 
-def _refined(found: Findings, baseline: Baseline, one: Score, with_fit: Fit | None = None) -> Fit:
+def _refined(
+    found: Findings,
+    baseline: Baseline,
+    one: Score,
+    with_fit: Fit | None = None,
+    start: Fit | None = None,
+    thorough: bool = True,
+) -> Fit:
     believed, effect = found.believed, one.effect
     values = effect.values(one.amplitude, one.shape)
     width = widths(believed, effect, found.sizes, one.shape)
-    if with_fit is None:
-        return refine(believed, baseline, (effect,), (values,), (width,))
-    before = [widths(believed, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-    return refine(
-        believed, baseline, (*with_fit.effects, effect), (*with_fit.values, values), (*before, width)
-    )
+    if with_fit is not None:
+        before = [widths(believed, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
+        return refine(
+            believed, baseline, (*with_fit.effects, effect), (*with_fit.values, values), (*before, width)
+        )
+    if start is not None:
+        baseline, values = start.baseline, start.values[0]
+    return refine(believed, baseline, (effect,), (values,), (width,), thorough=thorough)
 
 
-def _unexplained(found: Findings, fit: Fit) -> bool:
-    believed = found.believed
-    outputs = simulate(believed, fit.baseline.values, fit.baseline.effects, found.training)
-    ratio = channel_gaps(believed, outputs, found.training) / floors(believed, fit.baseline, found.training)
-    return bool(np.nanmedian(ratio) > UNEXPLAINED)
+def unexplained(found: Findings, judged: Judged) -> bool:
+    """Return whether a fit leaves much more than noise in the training runs."""
+    floor = floors(found.believed, judged.fit.baseline, found.training)
+    with np.errstate(invalid="ignore"):
+        return bool(np.nanmedian(judged.channel_gap[0] / floor) > UNEXPLAINED)
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
@@ -162,7 +222,7 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
         seen.append(effect)
         baseline = run_baseline(believed, ordinary, noise, found.training, [(effect, values)])
         width = np.maximum(np.abs(values), 1e-12)
-        found.fits.append(refine(believed, baseline, (effect,), (values,), (width,)))
+        _keep(found, refine(believed, baseline, (effect,), (values,), (width,)))
 
 
 def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
@@ -176,7 +236,7 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
 
 
 def _second(found: Findings, effects: Sequence[Effect]) -> None:
-    fit = best(found)
+    fit = best(found).fit
     if not fit.effects:
         return
     believed = found.believed
@@ -186,4 +246,4 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
         return
     for one in found.later.ranked[:2]:
         if one.nats > SECOND:
-            found.fits.append(_refined(found, fit.baseline, one, fit))
+            _keep(found, _refined(found, fit.baseline, one, fit))

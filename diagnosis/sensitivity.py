@@ -21,6 +21,7 @@ class Term:
         output: What a unit of it adds to the channels by itself, shape (channels,), or None.
         end: Size at the end of the step before each sample, where it differs from `series` (a force that jumps when
             the state is corrected), shape (samples,), or None.
+        table: What a unit of it adds to the table's own acceleration.
         inertial: The force comes from the table's motion, which an absolute acceleration does not show at once.
     """
 
@@ -29,6 +30,7 @@ class Term:
     output: np.ndarray | None = None
     end: np.ndarray | None = None
     inertial: bool = False
+    table: float = 0.0
 
 
 def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray) -> np.ndarray:
@@ -44,18 +46,19 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
     """
     terms = [term for group in groups for term in group]
     column = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-    modes, channels = steady.force_start.shape[1], len(steady.output)
-    force = np.zeros((modes, len(terms)))
+    modes, channels = steady.force_start.shape[1] - 1, len(steady.output)
+    force = np.zeros((modes + 1, len(terms)))
     output = np.zeros((channels, len(terms)))
     for j, term in enumerate(terms):
         if term.force is not None:
-            force[:, j] = term.force
+            force[:modes, j] = term.force
+        force[modes, j] = term.table
         if term.output is not None:
             output[:, j] = term.output
     series = np.stack([term.series for term in terms], axis=1)
     at_end = np.stack([term.series if term.end is None else term.end for term in terms], axis=1)
     seen = np.array([not term.inertial for term in terms], float)
-    direct = steady.direct @ force * seen + output
+    direct = steady.direct @ force[:modes] * seen + output
     closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
     start = steady.force_start @ force
     back = -steady.step @ steady.gain @ direct

@@ -2,108 +2,151 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from diagnosis.case import Case
 from diagnosis.catalogue import CHANNEL_UNIT, Effect
-from diagnosis.gap import channel_gaps, floors, gap, simulate
-from diagnosis.refine import Fit
-from diagnosis.search import Findings, best
+from diagnosis.search import Findings, Judged
+from diagnosis.where import where
 
-DETECTED = 12.0
-"""Evidence [nats] from which something is missing."""
-CLASS_NATS = 4.0
+DETECTED_NATS = 15.0
+DETECTED_SIZE = 0.3
+"""Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
+CLASS_NATS = 5.0
 """Refined candidates within this of the best cannot be told from it."""
 EXPLAINED = 0.6
-"""Share of the explainable gap that an effect must close on the held-out run, or else it is not what is missing."""
+"""Share of the explainable gap that effects must close on the held-out run, or else something else is missing."""
+SECOND_SHARE = 0.3
+"""Share of what a single effect leaves unexplained that a second one must explain."""
+LEFT = 1.6
+"""Gap over noise floor below which nothing is left to explain."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """A verdict: its name, the candidate behind it, candidates that cannot be told from it, and its confidence."""
+
+    verdict: str
+    judged: Judged
+    alike: tuple[Judged, ...]
+    confidence: float
+
+
+def decide(found: Findings) -> Decision:
+    """Return the verdict on a case."""
+    single = [one for one in found.judged if len(one.effects) == 1]
+    if not single or single[0].nats < DETECTED_NATS or visible(found, single[0]) < DETECTED_SIZE:
+        nats = single[0].nats if single else 0.0
+        return Decision("nothing_missing", found.null, (), _sure(DETECTED_NATS - nats))
+    chosen = single[0]
+    doubles = [one for one in found.judged if len(one.effects) > 1]
+    if doubles and _worth(found, chosen, doubles[0]):
+        chosen = doubles[0]
+    if any(effect.foil for effect in chosen.effects) or closed(found, chosen) < EXPLAINED:
+        return Decision("unknown_effect", chosen, (), _sure(chosen.nats - DETECTED_NATS))
+    alike = tuple(
+        other
+        for other in single
+        if len(chosen.effects) == 1
+        and other is not chosen
+        and not other.effects[0].foil
+        and other.nats > chosen.nats - CLASS_NATS
+    )
+    verdict = "effect_class" if alike else "effect_named"
+    return Decision(verdict, chosen, alike, _sure(chosen.nats - DETECTED_NATS))
+
+
+def visible(found: Findings, judged: Judged) -> float:
+    """Return how much an effect takes out of the channel where it shows most, in units of that channel's noise."""
+    before, after = found.null.channel_gap, judged.channel_gap
+    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0)) / found.floor
+    return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
+
+
+def closed(found: Findings, judged: Judged) -> float:
+    """Return the share of the explainable gap that is closed, on the held-out runs if there are any."""
+    which = 1 if found.held_out else 0
+    before, after = found.null.channel_gap[which], judged.channel_gap[which]
+    floor = found.floor[which]
+    # Over all channels together, by power: a channel that never saw the effect should not decide.
+    explainable = np.nansum(np.maximum((before / floor) ** 2 - 1, 0.0))
+    left = np.nansum(np.maximum((after / floor) ** 2 - LEFT**2, 0.0))
+    return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
+
+
+def _worth(found: Findings, single: Judged, double: Judged) -> bool:
+    """Return whether a second effect explains a good part of what the first one leaves."""
+    which = 1 if found.held_out else 0
+    floor = found.floor[which]
+    left = [np.nansum(np.maximum((one.channel_gap[which] / floor) ** 2 - 1, 0.0)) for one in (single, double)]
+    return double.nats > single.nats + DETECTED_NATS and left[1] < (1 - SECOND_SHARE) * left[0]
+
+
+def _sure(margin: float) -> float:
+    return float(1 / (1 + np.exp(-np.clip(margin / 5, -30, 30))))
 
 
 def report_of(case: Case, found: Findings) -> dict[str, Any]:
     """Return the report as it goes into `report.json`."""
-    fit = best(found)
-    nats = found.evidence(fit)
-    gaps = _gaps(found, fit)
-    if not fit.effects or nats < DETECTED:
-        verdict, shown = "nothing_missing", []
-        gaps = _gaps(found, found.null)
-    else:
-        shown = _effects(case, found, fit)
-        if any(effect.foil for effect in fit.effects) or _closed(gaps) < EXPLAINED:
-            verdict = "unknown_effect"
-        elif any(len(effect["class"]) > 1 for effect in shown):
-            verdict = "effect_class"
-        else:
-            verdict = "effect_named"
-        shown = [effect for effect in shown if not effect.pop("foil")]
+    decision = decide(found)
     return {
         "schema": 1,
-        "verdict": verdict,
-        "confidence": _confidence(verdict, nats),
-        "effects": shown,
-        "gap": gaps,
-        "where": [],
+        "verdict": decision.verdict,
+        "confidence": decision.confidence,
+        "effects": _effects(case, found, decision),
+        "gap": _gaps(found, decision.judged),
+        "where": where(
+            found.believed,
+            found.null.fit.baseline,
+            np.nan_to_num(found.floor[0], nan=1.0),
+            [*found.training, *found.held_out],
+        ),
         "candidates": _candidates(found),
         "warnings": [*case.warnings, *found.believed.observed.warnings],
     }
 
 
-def _closed(gaps: dict[str, Any]) -> float:
-    """Return the share of the explainable gap that is closed, on the held-out run if there is one."""
-    where = gaps["held_out"] or gaps["training"]
-    explainable = where["before"] - where["noise_floor"]
-    return (where["before"] - where["after"]) / explainable if explainable > 0 else 0.0
-
-
-def _gaps(found: Findings, fit: Fit) -> dict[str, Any]:
-    believed = found.believed
-
-    def numbers(runs: tuple[int, ...]) -> dict[str, float]:
-        before = simulate(believed, found.null.baseline.values, (), runs)
-        after = simulate(believed, fit.baseline.values, fit.baseline.effects, runs)
+def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
+    def numbers(which: int) -> dict[str, float]:
         return {
-            "before": gap(believed, before, runs),
-            "after": gap(believed, after, runs),
-            "noise_floor": float(np.nanmedian(floors(believed, fit.baseline, runs))),
+            "before": found.null.gap[which],
+            "after": judged.gap[which],
+            "noise_floor": float(np.nanmedian(found.floor[which])),
         }
 
     held_out = None
     if found.held_out:
-        names = ", ".join(believed.observed.runs[run].name for run in found.held_out)
-        held_out = {"run": names} | numbers(found.held_out)
-    return {"training": numbers(found.training), "held_out": held_out}
+        names = ", ".join(found.believed.observed.runs[run].name for run in found.held_out)
+        held_out = {"run": names} | numbers(1)
+    return {"training": numbers(0), "held_out": held_out}
 
 
-def _effects(case: Case, found: Findings, fit: Fit) -> list[dict[str, Any]]:
+def _effects(case: Case, found: Findings, decision: Decision) -> list[dict[str, Any]]:
+    if decision.verdict == "nothing_missing":
+        return []
+    fit = decision.judged.fit
     shown = []
-    nats = found.evidence(fit)
     for number, effect in enumerate(fit.effects):
-        alike = [effect.place()]
-        if len(fit.effects) == 1:
-            alike += [
-                other.effects[0].place()
-                for other in found.fits
-                if len(other.effects) == 1
-                and other.effects[0] != effect
-                and not other.effects[0].foil
-                and found.evidence(other) > nats - CLASS_NATS
-            ]
+        if effect.foil:
+            continue
         shown.append(
             effect.place()
             | {
-                "parameters": _parameters(case, found, effect, fit.values[number], fit.std[number]),
-                "log_evidence": nats,
-                "class": alike,
-                "foil": effect.foil,
+                "parameters": parameters(case, found, effect, fit.values[number], fit.std[number]),
+                "log_evidence": decision.judged.nats,
+                "class": [effect.place(), *(other.effects[0].place() for other in decision.alike)],
             }
         )
     return shown
 
 
-def _parameters(
+def parameters(
     case: Case, found: Findings, effect: Effect, values: np.ndarray, std: np.ndarray
 ) -> list[dict[str, Any]]:
+    """Return an effect's parameters as reported: names, values, standard errors, units."""
     shown = []
     for quantity, value, spread in zip(effect.quantities, values, std, strict=True):
         if not quantity.reported:
@@ -113,8 +156,7 @@ def _parameters(
             channel = case.channels[case.channel_index(str(effect.channel))]
             unit, factor = channel.unit, 1 / channel.to_si
         if effect.name == "joint_flexibility":
-            frame = found.believed.structure.frames[effect.index]
-            factor = frame.joint_stiffness
+            factor = found.believed.structure.frames[effect.index].joint_stiffness
         shown.append(
             {"name": quantity.name, "value": float(value) * factor, "std": float(spread) * factor, "unit": unit}
         )
@@ -123,17 +165,8 @@ def _parameters(
 
 def _candidates(found: Findings) -> list[dict[str, Any]]:
     nats: dict[Effect, float] = {one.effect: one.nats for one in found.scores.ranked}
-    for fit in found.fits:
-        if len(fit.effects) == 1:
-            nats[fit.effects[0]] = found.evidence(fit)
+    for judged in found.judged:
+        if len(judged.effects) == 1:
+            nats[judged.effects[0]] = judged.nats
     ranked = sorted(nats.items(), key=lambda item: -item[1])
     return [effect.place() | {"log_evidence": value} for effect, value in ranked if not effect.foil]
-
-
-def _confidence(verdict: str, nats: float) -> float:
-    if verdict == "nothing_missing":
-        return float(1 / (1 + np.exp((nats - DETECTED) / 4)))
-    return float(1 / (1 + np.exp(-(nats - DETECTED) / 4)))
-
-
-__all__ = ["channel_gaps", "report_of"]
