@@ -26,7 +26,7 @@ from experiments.sweep_store import code_version
 
 Method = Callable[[Path], Mapping[str, Any]]
 
-METHODS = ("diagnosis", "refit", "sparse")
+METHODS = ("diagnosis", "refit", "sparse", "sparse-pysindy")
 """The workflow itself and what people would do instead (see `competitors`)."""
 
 
@@ -43,7 +43,7 @@ def method(name: str) -> Method:
     if name in METHODS:
         from diagnosis.benchmark import competitors
 
-        return {"refit": competitors.refit_each, "sparse": competitors.sparse_regression}[name]
+        return competitors.COMPETITORS[name]
     raise CaseError(f"no method {name!r} to judge; use one of {', '.join(METHODS)}")
 
 
@@ -103,7 +103,7 @@ def run_benchmark(
         ``failures``, ``memory_mb`` and ``judged``: truth and verdict of each case in short.
 
     Raises:
-        CaseError: An unknown method, or a set without cases.
+        CaseError: An unknown method, a set without cases, or not one that could be finished.
     """
     method(way)
     cases = [{"index": drawn.index} for drawn in draw_set(count, seed)]
@@ -117,6 +117,8 @@ def run_benchmark(
         version=_version(),
         console=console,
     )
+    if "truth" not in done:
+        raise CaseError(f"no case of the benchmark was finished; the first: {done['failure'].values[0]}")
     texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
     finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
     judged = [judge(truth, report, seconds) for truth, report, seconds in finished]

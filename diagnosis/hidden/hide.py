@@ -25,7 +25,7 @@ from diagnosis.hidden.visibility import Eye
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
 
-TRIALS = 5
+TRIALS = 7
 DURATION_S = (6.0, 8.0)
 RUNS = 3
 
@@ -154,21 +154,22 @@ def _put(
 
 def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, float]]:
     """Return the size whose calibrated visibility comes nearest to `target`, and both visibilities."""
-    size = min(0.05, 0.5 * limit)
+    size, low, high = min(0.05, 0.5 * limit), 0.0, limit
     tried: dict[float, tuple[float, float]] = {}
     for _ in range(TRIALS):
         seen = sees(size)
-        if not np.isfinite(seen).all():
-            # So strong that it runs away.
-            limit, size = 0.7 * size, 0.5 * size
-            continue
-        tried[size] = seen
-        if abs(np.log(seen[1] / target)) < 0.25:
+        if np.isfinite(seen).all():
+            tried[size] = seen
+            if abs(np.log(seen[1] / target)) < 0.25:
+                break
+        # What runs away is too strong.
+        weak = size in tried and seen[1] < target
+        low, high = (max(low, size), high) if weak else (low, min(high, size))
+        step = size * float(np.clip(target / seen[1], 0.03, 30.0)) if size in tried else 0.5 * size
+        # A proportional step, unless it leaves what is known to be too weak and too strong.
+        size = step if low < step < high else (high if high == limit else 0.5 * (low + high))
+        if size in tried:
             break
-        step = min(size * np.clip(target / seen[1], 0.03, 30.0), limit)
-        if step in tried:
-            break
-        size = float(step)
     if not tried:
         raise CaseError(
             "the hidden effect makes the frame run away at any size that was tried; use another seed"

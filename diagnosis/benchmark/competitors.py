@@ -1,0 +1,17 @@
+"""What people would do instead, on the same cases: refit each candidate, or regress each storey's force."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from diagnosis.benchmark.refitting import refit_each
+from diagnosis.benchmark.regression import sparse_regression, thresholded_by_pysindy
+
+COMPETITORS: dict[str, Callable[[Path], dict[str, Any]]] = {
+    "refit": refit_each,
+    "sparse": sparse_regression,
+    "sparse-pysindy": partial(sparse_regression, optimiser=thresholded_by_pysindy),
+}

@@ -1,0 +1,172 @@
+"""The benchmark's machinery: what is drawn, how verdicts are judged and summed up, that it resumes."""
+
+from __future__ import annotations
+
+import io
+from collections import Counter
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from diagnosis.benchmark import run
+from diagnosis.benchmark.drawing import draw_set
+from diagnosis.benchmark.scoring import judge
+from diagnosis.benchmark.summary import share, summarise
+from diagnosis.benchmark.tables import tables
+from diagnosis.case import read_case
+from diagnosis.errors import CaseError
+from diagnosis.hidden.effects import CATALOGUE
+from diagnosis.hidden.hide import hide
+from diagnosis.hidden.outsiders import OUTSIDE
+
+PLACE = dict.fromkeys(("frame", "storey", "floor", "channel", "contact", "left", "right"))
+FRICTION = {**PLACE, "effect": "coulomb_friction", "frame": "5A", "storey": 3}
+GAIN = {**PLACE, "effect": "table_gain"}
+
+
+def truth(*effects: dict[str, Any], kind: str = "single", value: float = 10.0) -> dict[str, Any]:
+    told = [{"name": "friction_force", "value": value, "unit": "N"}]
+    hidden = [{**effect, "visibility": 3.0, "parameters": told} for effect in effects]
+    return {"kind": kind, "effects": hidden, "frames": ["5A"], "seed": 0}
+
+
+def report(
+    verdict: str, *effects: dict[str, Any], classes: tuple[dict[str, Any], ...] = ()
+) -> dict[str, Any]:
+    told = [{"name": "friction_force", "value": 9.0, "std": 0.1, "unit": "N"}]
+    found = [{**effect, "parameters": told, "class": list(classes)} for effect in effects]
+    gap = {"before": 0.3, "after": 0.1, "noise_floor": 0.05, "run": "run3.csv"}
+    return {
+        "verdict": verdict,
+        "confidence": 0.9,
+        "effects": found,
+        "gap": {"training": gap, "held_out": gap},
+    }
+
+
+def test_a_set_has_its_shares_and_deals_evenly() -> None:
+    drawn = draw_set(200, 1)
+    kinds = Counter(
+        "nothing" if not d.effects else "outside" if d.effects[0] in OUTSIDE else f"{len(d.effects)}"
+        for d in drawn
+    )
+    assert kinds == {"nothing": 40, "outside": 20, "2": 20, "1": 120}
+    singles = Counter(d.effects[0] for d in drawn if len(d.effects) == 1 and d.effects[0] in CATALOGUE)
+    assert set(singles) == set(CATALOGUE)
+    assert set(Counter(d.frames for d in drawn).values()) == {50}
+    assert all(len(set(d.effects)) == len(d.effects) for d in drawn)
+    assert len({d.seed for d in drawn}) == 200
+    assert draw_set(200, 1) == drawn
+    assert draw_set(200, 2) != drawn
+    with pytest.raises(CaseError, match="a benchmark of 0 cases"):
+        draw_set(0, 1)
+
+
+@pytest.mark.parametrize(
+    ("hidden", "found", "detected", "exact", "in_class"),
+    [
+        (truth(kind="nothing"), report("nothing_missing"), False, True, True),
+        (truth(kind="nothing"), report("effect_named", FRICTION), True, False, False),
+        (truth(kind="nothing"), report("unknown_effect", FRICTION), True, False, False),
+        (truth(FRICTION), report("effect_named", FRICTION), True, True, True),
+        (truth(FRICTION), report("nothing_missing"), False, False, False),
+        (truth(FRICTION), report("effect_named", {**FRICTION, "storey": 2}), True, False, False),
+        (truth(FRICTION), report("effect_class", GAIN, classes=(GAIN, FRICTION)), True, False, True),
+        (truth(FRICTION), report("effect_class", FRICTION, classes=(FRICTION, GAIN)), True, True, True),
+        (truth(FRICTION), report("effect_named", FRICTION, GAIN), True, False, True),
+        (truth(FRICTION), report("unknown_effect", FRICTION), True, False, False),
+        (truth(FRICTION, GAIN, kind="double"), report("effect_named", GAIN, FRICTION), True, True, True),
+        (truth(FRICTION, GAIN, kind="double"), report("effect_named", FRICTION), True, False, False),
+        (truth(FRICTION, kind="outside"), report("effect_named", FRICTION), True, False, False),
+        (truth(FRICTION, kind="outside"), report("unknown_effect"), True, True, True),
+    ],
+)
+def test_judging(hidden: dict, found: dict, detected: bool, exact: bool, in_class: bool) -> None:
+    judged = judge(hidden, found, 1.0)
+    assert (judged.detected, judged.exact, judged.in_class) == (detected, exact, in_class)
+
+
+def test_closed_gap_and_parameter_error() -> None:
+    judged = judge(truth(FRICTION), report("effect_named", FRICTION))
+    assert judged.gap_closed == pytest.approx(0.2 / 0.25)
+    assert judged.parameter_errors == pytest.approx((0.1,))
+    wrong = judge(truth(FRICTION), report("effect_named", GAIN))
+    assert wrong.parameter_errors == ()
+    single = report("effect_named", FRICTION)
+    single["gap"]["held_out"] = None
+    assert np.isnan(judge(truth(FRICTION), single).gap_closed)
+
+
+def test_wilson_interval_of_textbooks() -> None:
+    """Newcombe 1998, Statist. Med. 17, table I: 81 of 263 has 0.2553 to 0.3662 by Wilson's score."""
+    part = share([judge(truth(FRICTION), report("effect_named", FRICTION))] * 263, lambda case: True)
+    assert (part["hits"], part["share"]) == (263, 1.0)
+    cases = [judge(truth(FRICTION), report("effect_named", FRICTION if i < 81 else GAIN)) for i in range(263)]
+    part = share(cases, lambda case: case.exact)
+    assert (part["low"], part["high"]) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+
+
+def test_summary_counts_each_kind_by_what_was_asked_of_it() -> None:
+    cases = [
+        judge(truth(kind="nothing"), report("nothing_missing"), 1.0),
+        judge(truth(kind="nothing"), report("effect_named", FRICTION), 2.0),
+        judge(truth(FRICTION), report("effect_named", FRICTION), 3.0),
+        judge(truth(FRICTION), report("effect_named", {**FRICTION, "storey": 1}), 4.0),
+        judge(truth(FRICTION, kind="outside"), report("unknown_effect"), 5.0),
+    ]
+    figures = summarise(cases)
+    assert figures["false_alarms"]["share"] == 0.5
+    assert figures["exact_of_detected"]["share"] == 0.5
+    assert figures["outsiders_caught"]["share"] == 1.0
+    assert figures["seconds_median"] == 3.0
+    assert figures["confusion"]["coulomb_friction"] == {
+        "coulomb_friction": 1,
+        "coulomb_friction, elsewhere": 1,
+    }
+    assert figures["reliability"][-1]["right"]["share"] == 0.6
+    console = Console(width=160, file=io.StringIO())
+    for item in tables({**figures, "failures": ["case 3: it broke"], "memory_mb": 100.0}):
+        console.print(item)
+    text = console.file.getvalue()
+    assert "50% (1/2; 9% to 91%)" in text
+    assert "it broke" in text
+
+
+def test_an_unknown_method_is_said() -> None:
+    with pytest.raises(CaseError, match="no method 'guessing'"):
+        run.run_benchmark(2, way="guessing")
+
+
+def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With a way of diagnosis that only looks at what it is given."""
+    seen = []
+
+    def look(folder: Path) -> dict[str, Any]:
+        seen.append(sorted(path.name for path in Path(folder).iterdir()))
+        case = read_case(folder)
+        assert "hidden" not in case.title
+        return report("nothing_missing")
+
+    monkeypatch.setattr(run, "method", lambda name: look)
+    monkeypatch.setattr(run, "hide", partial(hide, duration_s=0.6))
+    # Finished cases belong to the source that made them.
+    monkeypatch.setattr(run, "_version", lambda: "one")
+    options: dict[str, Any] = {"folder": tmp_path, "workers": 0, "motions": "artificial"}
+    result = run.run_benchmark(3, 3, **options)
+    assert len(seen) == 3
+    assert set(map(tuple, seen)) == {("case.toml", "run1.csv", "run2.csv", "run3.csv")}
+    assert result["false_alarms"]["share"] == 0.0
+    assert result["cases"] == 3
+    assert result["failures"] == []
+    again = run.run_benchmark(3, 3, **options)
+    assert len(seen) == 3
+    assert [case["seed"] for case in again["judged"]] == [case["seed"] for case in result["judged"]]
+    monkeypatch.setattr(run, "_version", lambda: "two")
+    run.run_benchmark(3, 3, **options)
+    assert len(seen) == 6
