@@ -126,11 +126,11 @@ def evaluate(found: dict[str, pd.DataFrame], records: Path | None = None) -> dic
         "inflation": tables_7.inflation_rows(cases),
         "cross_validation": tables_7.validation_rows(cases),
         "equations_on_our_cases": tables_7.thesis_equations_on(cases),
-        "equations_on_their_own_motions": tables_7.thesis_equations_on(
-            cases[cases["record"].isin(list(REFERENCES))]
-        ),
         **tables_7.contradictions(),
     }
+    own = cases[cases["record"].isin(list(REFERENCES))]
+    if len(own):
+        tables["equations_on_their_own_motions"] = tables_7.thesis_equations_on(own)
     if "validation" in found:
         tables["equations_on_new_frames"] = tables_7.thesis_equations_on(found["validation"])
         tables["ours_on_new_frames"] = tables_7.ours_on_new_frames(cases, found["validation"])
@@ -261,12 +261,11 @@ def conclusion(compared: pd.DataFrame) -> str:
     best = compared.loc[names[:3], "event"].min()
     if not np.isfinite(best):
         return f"{seen} in the mean; with one earthquake at hand nothing can be said of another."
+    form = f"{by_class['event']:.0%} in the thesis' form, by " if np.isfinite(by_class["event"]) else ""
     return (
-        f"{seen} in the mean, and those of an earthquake it has not seen by {by_class['event']:.0%} "
-        "in the thesis' "
-        f"form, by {best:.0%} in the best: it cannot be trusted outside its records. The double "
-        "difference of the "
-        f"spectral displacements, with nothing fitted, misses them by {spectral['event']:.0%}."
+        f"{seen} in the mean, and those of an earthquake it has not seen by {form}{best:.0%} in the best: it "
+        "cannot be trusted outside its records. The double difference of the spectral displacements, with "
+        f"nothing fitted, misses them by {spectral['event']:.0%}."
     )
 
 
