@@ -19,8 +19,9 @@ from diagnosis.tilt import tilt_inputs
 
 CHANNEL_GAIN = 0.003
 CHANNEL_DELAY_S = 2e-4
-HIGHER_DAMPING = 0.4
-"""Prior standard deviations that a case does not state: a sensor's gain and delay, a higher mode's log damping."""
+COMMON_DAMPING = 0.7
+"""What a case does not state: prior standard deviations of a sensor's gain and delay, and how much of the damping's
+goes to all modes together; half the variance of the first mode, which is the one that was measured."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,12 @@ class Believed:
         return assembly
 
     def modes(self, assembly: Assembly) -> Modes:
-        """Return the modes of an assembly, frame by frame; appendages make modes of their own."""
+        """Return the modes of an assembly, with the coordinates that effects added."""
+        plain = self.plain_modes(assembly)
+        return _extended(assembly, plain) if assembly.extensions else plain
+
+    def plain_modes(self, assembly: Assembly) -> Modes:
+        """Return the modes of an assembly's floors alone, frame by frame."""
         mass, stiffness, log_damping = assembly.mass, assembly.stiffness, assembly.log_damping
         floors = len(mass)
         omegas, rows = [], []
@@ -126,8 +132,7 @@ class Believed:
             omegas.append(omega)
             shapes[span, span] = block
             rows.append(block.T @ mass[span, span].sum(axis=1))
-        plain = Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
-        return _extended(assembly, plain) if assembly.extensions else plain
+        return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
 
     def predict(
         self,
@@ -179,6 +184,9 @@ class Believed:
             parameters,
             drag,
         )
+        if gain is None:
+            for channel in np.flatnonzero(assembly.channel_delay_s):
+                outputs[:, channel] = shift(outputs[:, channel], run.step_s, -assembly.channel_delay_s[channel])
         factor = 1.0 + assembly.channel_gain
         return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
 
@@ -252,11 +260,12 @@ def _parameters(structure: Structure, observed: Observations, prior: Prior) -> l
     frames = range(len(structure.frames))
     first = {structure.first(frame) for frame in frames}
     found = [Parameter("frame_stiffness", frame, prior.frame_stiffness) for frame in frames]
-    found += [Parameter("frame_damping", frame, prior.damping_ratio) for frame in frames]
+    common = COMMON_DAMPING * prior.damping_ratio
+    found += [Parameter("frame_damping", frame, common) for frame in frames]
     found += [Parameter("storey_stiffness", storey, prior.storey_stiffness) for storey in range(floors)]
     found += [Parameter("floor_mass", floor, prior.floor_mass) for floor in range(floors)]
     found += [
-        Parameter("mode_damping", mode, prior.damping_ratio if mode in first else HIGHER_DAMPING)
+        Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else 1.0) * prior.damping_ratio)
         for mode in range(floors)
     ]
     found += [Parameter("table_gain", 0, prior.table_gain)]

@@ -281,9 +281,9 @@ def normal_equations(believed: Believed, baseline: Baseline) -> tuple[np.ndarray
     count = len(believed.std)
     gram, slope = np.zeros((count, count)), np.zeros(count)
     for columns, series in zip(signature, innovations, strict=True):
-        scaled = columns * believed.std.astype(columns.dtype)
+        scaled = columns.astype(float) * believed.std
         gram += scaled.T @ scaled
-        slope += scaled.T @ series.astype(columns.dtype)
+        slope += scaled.T @ series
     return gram, slope
 
 

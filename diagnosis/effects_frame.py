@@ -196,8 +196,9 @@ class AirDrag(FrameEffect):
 class TorsionalEccentricity(FrameEffect):
     """Centres of mass and stiffness lie an eccentricity apart, so that the floors turn as they move.
 
-    Floors turn with the lateral shapes, at `ratio` times the lateral frequencies where the centres coincide; the
-    ratio is not in the believed model, so it is scored on a grid and refined with the eccentricity.
+    Displacements are those of the plan's centre, the centre of stiffness. Floors turn with the lateral shapes, at
+    `ratio` times the lateral frequencies where the centres coincide; the ratio is not in the believed model, so it is
+    scored on a grid and refined with the eccentricity.
     """
 
     name = "torsional_eccentricity"
@@ -206,14 +207,14 @@ class TorsionalEccentricity(FrameEffect):
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return ratios of torsional to lateral frequency."""
-        return [(1.05,), (1.2,), (1.4,), (1.7,), (2.2,)]
+        return [(1.05,), (1.25,), (1.5,), (1.8,), (2.3,)]
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the square of a fifth of the radius of gyration."""
         return (0.2 * self.storeys(believed).gyration_m) ** 2
 
     def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the force of the turning floors for a unit squared eccentricity."""
+        """Return the inertia of the turning floors for a unit squared eccentricity."""
         span = self.span(believed)
         radius = self.storeys(believed).gyration_m
         found = []
@@ -221,8 +222,10 @@ class TorsionalEccentricity(FrameEffect):
             omega, ratio = float(modes.omega[mode]), float(modes.ratio[mode])
 
             def turning(m: Motion, mode: int = mode, omega: float = omega, ratio: float = ratio) -> np.ndarray:
-                driven = oscillator(m.eta[:, mode], shape[0] * omega, ratio, motion.run.step_s)
-                return np.asarray(omega**4 * driven / radius**2)
+                moved = -(omega**2) * m.eta[:, mode] - 2 * ratio * omega * m.eta_rate[:, mode]
+                own = shape[0] * omega
+                driven = oscillator(moved, own, ratio, motion.run.step_s)
+                return np.asarray((moved - own**2 * driven) / radius**2)
 
             found.append(force_term(motion, turning, np.eye(len(modes.omega))[mode]))
         return found
@@ -247,10 +250,10 @@ class TorsionalEccentricity(FrameEffect):
                 new[:before, :before] = old
             own = stiffness[span, span]
             new_part = slice(before, before + n)
-            larger[0][new_part, new_part] = mass[span, span]
-            larger[1][new_part, new_part] = (ratio**2 + offset**2) * own
-            larger[1][span, new_part] = -offset * own
-            larger[1][new_part, span] = -offset * own
+            larger[0][new_part, new_part] = (1 + offset**2) * mass[span, span]
+            larger[0][span, new_part] = offset * mass[span, span]
+            larger[0][new_part, span] = offset * mass[span, span]
+            larger[1][new_part, new_part] = ratio**2 * own
             larger[2][new_part, new_part] = ratio * damping[span, span]
             return larger[0], larger[1], larger[2]
 

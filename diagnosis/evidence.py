@@ -116,15 +116,15 @@ def score(
         groups: list[list[Term]] = ordinary_terms(believed, baseline.modes, motion)
         groups += [effect.terms(believed, baseline.modes, motion, shape) for effect, shape in columns]
         signature = grouped_signatures(believed, one, [groups])[0]
-        scale = np.concatenate([believed.std, width]).astype(signature.dtype)
-        signature = signature * scale
+        # Candidates are often nearly ordinary: what is left of them is a small difference, and needs double precision.
+        signature = signature.astype(float) * np.concatenate([believed.std, width])
         if present:
             ordinary = len(believed.std)
             signature = np.hstack(
-                [signature[:, :ordinary], present[number].astype(signature.dtype), signature[:, ordinary:]]
+                [signature[:, :ordinary], present[number], signature[:, ordinary:]]
             )
         gram += signature.T @ signature
-        slope += signature.T @ residuals[number].astype(signature.dtype)
+        slope += signature.T @ residuals[number]
     slope[: len(believed.std)] -= baseline.values / believed.std
     return _rank(columns, width, gram, slope, free)
 

@@ -21,6 +21,10 @@ from diagnosis.calibrate import (
 )
 from diagnosis.catalogue import Effect
 
+DAMPINGS = (0.0, 0.1, 1.0, 10.0)
+PATTERN = (0.1, 0.03, 0.01)
+PATTERN_BELOW = 20.0
+"""Damping of the Gauss-Newton step; strides of the search along single parameters, and the gain below which it runs."""
 LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
 LEAST_LATENT = 1e-4
@@ -168,21 +172,48 @@ def _descend(
         residuals = whitened_innovations(believed, baseline)
         start = np.concatenate([baseline.values / believed.std, coordinates.prior(x)])
         gram, slope = _normal(ordinary_columns, columns, residuals)
-        step = _step(gram, slope, start, len(believed.std))
         before = _misfit(believed, baseline, coordinates, x, baseline.values)
-        for fraction in (1.0, 0.5, 0.2, 0.05):
-            ordinary = baseline.values + fraction * step[: len(believed.std)] * believed.std
-            moved = x + fraction * step[len(believed.std) :]
+        after = before
+        for damping in DAMPINGS:
+            step = _step(gram, slope, start, len(believed.std), damping)
+            ordinary = baseline.values + step[: len(believed.std)] * believed.std
+            moved = x + step[len(believed.std) :]
             after = _misfit(believed, baseline, coordinates, moved, ordinary)
             if after < before:
                 break
         else:
+            ordinary, moved = baseline.values, x
+        if len(x) and before - after < PATTERN_BELOW:
+            moved, after = _pattern(believed, baseline, coordinates, moved, ordinary, min(after, before))
+        if after >= before:
             break
         x = moved
         baseline = _at(believed, baseline, coordinates, x, ordinary)
         if before - after < 0.2:
             break
     return baseline, x
+
+
+def _pattern(
+    believed: Believed,
+    baseline: Baseline,
+    coordinates: Coordinates,
+    x: np.ndarray,
+    ordinary: np.ndarray,
+    cost: float,
+) -> tuple[np.ndarray, float]:
+    """Search the effects' own parameters one by one: sticking and touching make kinks that a slope does not see."""
+    for stride in PATTERN:
+        for j in range(len(x)):
+            for sign in (1.0, -1.0):
+                while True:
+                    moved = x.copy()
+                    moved[j] += sign * stride
+                    tried = _misfit(believed, baseline, coordinates, moved, ordinary)
+                    if tried > cost - 0.1:
+                        break
+                    x, cost = moved, tried
+    return x, cost
 
 
 def _ordinary_columns(believed: Believed, baseline: Baseline) -> list[np.ndarray]:
@@ -217,15 +248,18 @@ def _normal(
     count = ordinary[0].shape[1] + columns[0].shape[1]
     gram, slope = np.zeros((count, count)), np.zeros(count)
     for one, other, residual in zip(ordinary, columns, residuals, strict=True):
-        both = np.hstack([one, other])
+        both = np.hstack([one, other]).astype(float)
         gram += both.T @ both
-        slope += both.T @ residual.astype(both.dtype)
+        slope += both.T @ residual
     return gram, slope
 
 
-def _step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, boxed: int) -> np.ndarray:
-    """Return the Gauss-Newton step; the first `boxed` coordinates stay within their priors, the rest move by at most 1."""
-    precision = gram + np.eye(len(gram))
+def _step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, boxed: int, damping: float) -> np.ndarray:
+    """Return the damped Gauss-Newton step (Levenberg and Marquardt).
+
+    The first `boxed` coordinates stay within their priors, the rest move by at most 1.
+    """
+    precision = gram + np.eye(len(gram)) + damping * np.diag(np.diag(gram))
     lower = np.concatenate([np.full(boxed, -BOX), start[boxed:] - 1.0])
     upper = np.concatenate([np.full(boxed, BOX), start[boxed:] + 1.0])
     free = np.ones(len(start), bool)

@@ -209,9 +209,7 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
             for factor in RESCUE_FACTORS:
                 values = effect.values(factor * size, shape)
                 acting = [(effect, values)]
-                prediction = believed.predict(ordinary, gains, acting, found.training)
-                with np.errstate(over="ignore", invalid="ignore"):
-                    likely = log_likelihood(believed, prediction.innovations, start.filters, found.training)
+                likely = _likely(found, start, gains, acting)
                 if np.isfinite(likely) and likely > start.log_likelihood + RESCUED:
                     tried.append((likely, effect, values))
     tried.sort(key=lambda entry: -entry[0])
@@ -225,14 +223,27 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
         _keep(found, refine(believed, baseline, (effect,), (values,), (width,)))
 
 
+def _likely(
+    found: Findings, start: Baseline, gains: Sequence[np.ndarray], acting: list[tuple[Effect, np.ndarray]]
+) -> float:
+    """Return the log likelihood of an effect at a size; one that changes no matrix can keep the filter's gain."""
+    believed = found.believed
+    with np.errstate(over="ignore", invalid="ignore"):
+        if acting[0][0].where != "storey":
+            return run_baseline(believed, start.values, start.noise, start.runs, acting).log_likelihood
+        prediction = believed.predict(start.values, gains, acting, start.runs)
+        return log_likelihood(believed, prediction.innovations, start.filters, start.runs)
+
+
 def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
-    """Return the storeys' laws, in the storeys that score best where there are many."""
+    """Return what acts in the storeys that score best, on whole frames and on the table."""
     ranked = {one.effect: rank for rank, one in enumerate(found.scores.ranked)}
     storeys: list[int] = []
     for effect in sorted(effects, key=lambda e: ranked.get(e, len(ranked))):
         if effect.where == "storey" and effect.index not in storeys:
             storeys.append(effect.index)
-    return [e for e in effects if e.where == "storey" and e.index in storeys[:RESCUED_STOREYS]]
+    inside = storeys[:RESCUED_STOREYS]
+    return [e for e in effects if (e.where == "storey" and e.index in inside) or (e.where in ("frame", "") and not e.foil)]
 
 
 def _second(found: Findings, effects: Sequence[Effect]) -> None:

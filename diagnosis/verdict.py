@@ -9,6 +9,8 @@ import numpy as np
 
 from diagnosis.case import Case
 from diagnosis.catalogue import CHANNEL_UNIT, Effect
+from diagnosis.engine import simulate_engine
+from diagnosis.gap import gap
 from diagnosis.search import Findings, Judged
 from diagnosis.where import where
 
@@ -97,7 +99,7 @@ def report_of(case: Case, found: Findings) -> dict[str, Any]:
         "verdict": decision.verdict,
         "confidence": decision.confidence,
         "effects": _effects(case, found, decision),
-        "gap": _gaps(found, decision.judged),
+        "gap": _gaps(found, found.null if decision.verdict == "unknown_effect" else decision.judged),
         "where": where(
             found.believed,
             found.null.fit.baseline,
@@ -110,10 +112,16 @@ def report_of(case: Case, found: Findings) -> dict[str, Any]:
 
 
 def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
+    believed, baseline = found.believed, judged.fit.baseline
+
     def numbers(which: int) -> dict[str, float]:
+        after = found.null.gap[which]
+        if judged is not found.null:
+            runs = (found.training, found.held_out)[which]
+            after = gap(believed, simulate_engine(believed, baseline.values, baseline.effects, runs), runs)
         return {
             "before": found.null.gap[which],
-            "after": judged.gap[which],
+            "after": after,
             "noise_floor": float(np.nanmedian(found.floor[which])),
         }
 
