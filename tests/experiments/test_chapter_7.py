@@ -126,8 +126,7 @@ spent = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSA
 own = Path("/proc/self/status").read_text()
 cost = {
     "cpu_s": sum(usage.ru_utime + usage.ru_stime for usage in spent),
-    # This process (whose rusage would begin with that of the tests it was started from) and two workers,
-    each at # its own peak.
+    # Two workers at their peaks and this process, whose own rusage would begin with that of its parent.
     "memory_kb": int(own.split("VmHWM:")[1].split()[0]) + 2 * spent[1].ru_maxrss,
 }
 Path(sys.argv[1], "cost.json").write_text(json.dumps(cost))
