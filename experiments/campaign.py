@@ -36,7 +36,7 @@ SAMPLE_RATE_HZ = 10_000.0
 
 
 @dataclasses.dataclass(frozen=True)
-class Test:
+class Trial:
     """One test of the laboratory.
 
     Attributes:
@@ -62,21 +62,21 @@ class Test:
         return self.fraction * own_required_mm(self.left, self.right, self.record, folder)
 
 
-def chapter_5() -> list[Test]:
+def chapter_5() -> list[Trial]:
     """Return the 20 tests of section 5.2.2, each record's widest gap first."""
     rows = published.table("section 5.2.2")["gap_mm"]
     return [_test(left, right, record, gap) for (left, right, record, _), gap in rows.items()]
 
 
-def chapter_6() -> list[Test]:
+def chapter_6() -> list[Trial]:
     """Return the 12 tests of section 6.3.2."""
     rows = published.table("section 6.3.2")["gap_mm"]
     return [_test(left, right, record, gap) for (left, right, record), gap in rows.items()]
 
 
-def _test(left: str, right: str, record: str, gap: float) -> Test:
+def _test(left: str, right: str, record: str, gap: float) -> Trial:
     floors = published.table("4.2").sort_index().xs((left, right))
-    return Test(left, right, record, float(gap), float(floors[record, "experiment"].iloc[0]))
+    return Trial(left, right, record, float(gap), float(floors[record, "experiment"].iloc[0]))
 
 
 @lru_cache(maxsize=64)
@@ -231,6 +231,6 @@ def _first_force(found: Pounding) -> xr.DataArray:
     return xr.DataArray(force, {"sample": samples}, ("sample",))
 
 
-def model_seconds(tests: Sequence[Test], folder: str | None = None) -> float:
+def model_seconds(tests: Sequence[Trial], folder: str | None = None) -> float:
     """Return the model time of one run of each test [s]."""
     return sum(shaking(test.record, folder).duration_s for test in tests)

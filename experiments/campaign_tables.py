@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from experiments.campaign import LAWS, Test, own_required_mm, peaks_table
+from experiments.campaign import LAWS, Trial, own_required_mm, peaks_table
 from experiments.dissimilarity import counted_impacts, dissimilarity, ranks
 
 KEY = ["left", "right", "record"]
@@ -28,12 +28,12 @@ def label(left: str, right: str, record: str) -> str:
     return f"{left}-{right} {record}"
 
 
-def case(test: Test, gap_mm: float, law: str = DEFAULT_LAW, **own: Any) -> dict[str, Any]:
+def case(test: Trial, gap_mm: float, law: str = DEFAULT_LAW, **own: Any) -> dict[str, Any]:
     """Return a test as arguments of `experiments.campaign.run_case`."""
     return {"left": test.left, "right": test.right, "record": test.record, "law": law, "gap_mm": gap_mm} | own
 
 
-def band_cases(test: Test, gap_mm: float) -> list[dict[str, Any]]:
+def band_cases(test: Trial, gap_mm: float) -> list[dict[str, Any]]:
     """Return a test with each of `BANDS` down and up, each marked in `contact` by nothing but its numbers."""
     cases = []
     for changes in BANDS.values():
@@ -44,7 +44,7 @@ def band_cases(test: Test, gap_mm: float) -> list[dict[str, Any]]:
     return cases
 
 
-def requirements(tests: Sequence[Test], folder: str | None = None) -> pd.DataFrame:
+def requirements(tests: Sequence[Trial], folder: str | None = None) -> pd.DataFrame:
     """Return each test's gap, the laboratory's and our required gap, and the same fraction of ours."""
     rows = {}
     for test in tests:
@@ -74,7 +74,7 @@ def counted() -> pd.Series:
     return pd.Series(found, name="counted").rename_axis("case")
 
 
-def bands(tests: Sequence[Test], runs: pd.DataFrame, value: str) -> pd.DataFrame:
+def bands(tests: Sequence[Trial], runs: pd.DataFrame, value: str) -> pd.DataFrame:
     """Return the lowest and highest value over each band, from the runs of `band_cases` in their order."""
     rows: dict[str, dict[str, Any]] = {}
     values = iter(runs[value])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import frames
 from contact.laws import Law
-from contact.parameters import make_law, thesis_law
 from experiments.errors import ExperimentError
 from experiments.impacts import Impact, all_impacts
-from experiments.motion import Motion, floor_coordinate
+from experiments.motion import Motion
 from experiments.records import Record, find
 from experiments.rig import Accuracy, Contact, Rig
+from experiments.separation.required_gap import contact_floors
 
 if TYPE_CHECKING:
     from frames.reduction import ReducedFrame
@@ -74,7 +73,7 @@ def pound(
         record: The shaking, at model scale.
         law: Impact law of all contacts.
         gap_m: Gap at rest [m], one for all floors or one a floor.
-        floors: Floors that can touch; default: the lower frame's roof.
+        floors: Floors of the lower frame that can touch; default: its roof.
         duration_s: End of the run [s]; default: the end of the record.
         accuracy: Tolerances, see `Rig.run`.
         progress: Called now and then with the model time [s].
@@ -84,26 +83,47 @@ def pound(
             that grows without bound.
         ContactError: A negative gap.
     """
-    chosen = list(floors) or [min(left.storeys, right.storeys)]
-    gaps = _one_each(gap_m, chosen)
-    contacts = [Contact(law, gap, floor) for gap, floor in zip(gaps, chosen, strict=True)]
-    motion = Rig([left, right], contacts).run(
-        record, duration_s=duration_s, accuracy=accuracy, progress=progress
-    )
+    rig = rig_of(left, right, law, gap_m, floors)
+    motion = rig.run(record, duration_s=duration_s, accuracy=accuracy, progress=progress)
     return Pounding(record, motion, all_impacts(motion))
 
 
-def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int) -> tuple[float, float]:
-    """Return the masses [kg] of a floor of both frames, for the laws whose damping refers to them.
+def rig_of(
+    left: ReducedFrame,
+    right: ReducedFrame,
+    law: Law,
+    gap_m: float | Sequence[float],
+    floors: Sequence[int] = (),
+) -> Rig:
+    """Return two frames side by side with a contact at each floor; arguments and errors as for `pound`."""
+    chosen: list[int | None] = list(floors) or [None]
+    gaps = _one_each(gap_m, chosen)
+    return Rig(
+        [left, right],
+        [
+            Contact(law, gap, contact_floors(left, right, floor))
+            for gap, floor in zip(gaps, chosen, strict=True)
+        ],
+    )
+
+
+def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[float, float]:
+    """Return the masses [kg] of the floors that meet, for the laws whose damping refers to them.
 
     A floor carries its row of the mass matrix condensed to the floors, half of its columns included.
 
+    Args:
+        left, right: Reduced frames.
+        floor: Floor of the lower frame; its roof when None.
+
     Raises:
-        ExperimentError: A frame does not have that floor.
+        ExperimentError: The floors cannot meet.
     """
-    for frame in (left, right):
-        floor_coordinate(frame, floor)
-    first, second = (float(frame.storey_model()[0][floor - 1].sum()) for frame in (left, right))
+    numbers = contact_floors(left, right, floor)
+    first, second = (
+        float(frame.storey_model()[0][number - 1].sum())
+        for frame, number in zip((left, right), numbers, strict=True)
+    )
     return first, second
 
 
@@ -124,61 +144,7 @@ def shaking(
     return record.flipped() if flip else record
 
 
-def case(
-    left: str,
-    right: str,
-    record: str,
-    law: str,
-    gap_mm: float,
-    *,
-    parameters: str = "printed",
-    stiffness: float | None = None,
-    damping_n_s_per_m: float | None = None,
-    tension: bool = False,
-    flip: bool = False,
-    damping: float | None = None,
-    folder: str | None = None,
-    duration_s: float | None = None,
-) -> dict[str, Any]:
-    """Run one case given by names, for sweeps: `experiments.sweep.sweep(case, cases)`.
-
-    Args:
-        left, right, record, law: Names.
-        gap_mm: Gap at the lower frame's roof [mm].
-        parameters: Parameter set of the law.
-        stiffness: Contact stiffness instead of the set's [N/m or N/m^1.5].
-        damping_n_s_per_m: With it, the dashpot of the linear viscoelastic law.
-        tension: May the contact pull?
-        flip: Turn the record's sign.
-        damping: Damping ratio of the frames; their own when None.
-        folder: Folder of records.
-        duration_s: End of the run [s].
-
-    Returns:
-        `impacts` and `peaks` as JSON text, `count`, `peak_force_n`, `energy_error`, `wall_s`, `model_s`,
-        `closest_mm`: the smallest gap left at any time (negative: the deepest overlap).
-    """
-    pair = built(left, damping=damping), built(right, damping=damping)
-    floor = min(pair[0].storeys, pair[1].storeys)
-    masses = floor_masses(*pair, floor)
-    if stiffness is None:
-        chosen = thesis_law(law, parameters, masses=masses, tension=tension)
-    else:
-        chosen = make_law(law, stiffness=stiffness, damping=damping_n_s_per_m, masses=masses, tension=tension)
-    found = pound(*pair, shaking(record, folder, flip=flip), chosen, 1e-3 * gap_mm, duration_s=duration_s)
-    return {
-        "impacts": json.dumps([impact.as_dict() for impact in found.impacts]),
-        "peaks": json.dumps(found.result()["peaks"]),
-        "count": len(found.impacts),
-        "peak_force_n": max((impact.peak_force_n for impact in found.impacts), default=0.0),
-        "closest_mm": -1e3 * float(found.motion.contacts[0].deformation_m.max()),
-        "energy_error": found.motion.energy.error,
-        "wall_s": found.motion.wall_s,
-        "model_s": found.motion.model_s,
-    }
-
-
-def _one_each(gap_m: float | Sequence[float], floors: Sequence[int]) -> list[float]:
+def _one_each(gap_m: float | Sequence[float], floors: Sequence[int | None]) -> list[float]:
     gaps = [float(gap_m)] if isinstance(gap_m, int | float) else [float(gap) for gap in gap_m]
     if len(gaps) == 1:
         gaps *= len(floors)

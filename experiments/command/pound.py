@@ -14,7 +14,7 @@ from experiments import collision_files
 from experiments.command import options
 from experiments.command.output import emit, plain, progress_console, table, warn
 from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from experiments.pounding import Pounding, built, floor_masses, shaking
+from experiments.pounding import Pounding, built, floor_masses, rig_of, shaking
 from experiments.pounding import pound as run_one
 from experiments.provenance import stamp
 
@@ -66,6 +66,8 @@ def pound(
         thesis_law(name, parameters, masses=masses, tension=tension)
         for name in (FIVE_LAWS if law == "all" else [law])
     ]
+    gaps_m = [1e-3 * value for value in gap]
+    rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
     runs = []
     with Progress(console=progress_console(), transient=True) as progress:
         for chosen in laws:
@@ -75,7 +77,7 @@ def pound(
                     *pair,
                     shaken,
                     chosen,
-                    [1e-3 * value for value in gap],
+                    gaps_m,
                     floors=floors,
                     progress=lambda time_s, bar=bar: progress.update(bar, completed=time_s),
                 )

@@ -17,7 +17,7 @@ import pandas as pd
 
 from contact.parameters import STIFFNESS_SETS, viscoelastic_of
 from experiments import plots_contact
-from experiments.campaign import RECORDS, Test, chapter_5, run_all, shaking
+from experiments.campaign import RECORDS, Trial, chapter_5, run_all, shaking
 from experiments.campaign_tables import case
 from experiments.command import options
 from experiments.command.output import emit, table
@@ -57,7 +57,7 @@ def study(
     *,
     kept: Path | None = None,
     workers: int | None = None,
-    tests: list[Test] | None = None,
+    tests: list[Trial] | None = None,
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
     """Return the stamped result and its tables by name.
 

@@ -15,7 +15,7 @@ from typing import Any
 import cyclopts
 import pandas as pd
 
-from experiments.campaign import LAWS, Test, chapter_6, frame_of, run_all, run_apart, shaking
+from experiments.campaign import LAWS, Trial, chapter_6, frame_of, run_all, run_apart, shaking
 from experiments.campaign_tables import (
     KEY,
     agreement,
@@ -68,7 +68,7 @@ def study(
     kept: Path | None = None,
     workers: int | None = None,
     with_bands: bool = True,
-    tests: list[Test] | None = None,
+    tests: list[Trial] | None = None,
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
     """Return the stamped result and its tables by name.
 
@@ -128,7 +128,7 @@ def study(
 
 
 def _tables(
-    tests: list[Test], runs: dict[str, pd.DataFrame], apart: pd.DataFrame, folder: str | None
+    tests: list[Trial], runs: dict[str, pd.DataFrame], apart: pd.DataFrame, folder: str | None
 ) -> dict[str, pd.DataFrame]:
     viscoelastic = runs["own"][runs["own"]["law"] == DEFAULT_LAW]
     hertz = first_impact_dissimilarity(runs["own"], runs["formula"])

@@ -52,7 +52,7 @@ def test_one_touch_is_one_impact_with_its_numbers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("apart_s", "expected"), [(0.5 * MERGING_S, [2]), (MERGING_S - 1e-4, [2]), (MERGING_S + 2e-3, [1, 1])]
+    ("apart_s", "expected"), [(0.5 * MERGING_S, [2]), (MERGING_S - 3e-4, [2]), (MERGING_S + 2e-3, [1, 1])]
 )
 def test_touches_that_follow_closely_are_one_impact(apart_s: float, expected: list[int]) -> None:
     assert [impact.touches for impact in impacts(bounce([0.5, 0.5 + HALF + apart_s]))] == expected
