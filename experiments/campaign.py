@@ -119,10 +119,13 @@ def run_case(
         smallest gap left; negative: the deepest overlap), `energy_error`, `wall_s`, `model_s`, `impacts` and
         `peaks` as JSON text, and `first_force` (sample,) [N], the first impact at 10,000 samples a second.
     """
-    pair = [_changed(built(name), frame_stiffness, frame_damping) for name in (left, right)]
-    chosen = _law(law, contact, floor_masses(*pair), tension)
+    first_frame, second_frame = (
+        _changed(built(name), frame_stiffness, frame_damping) for name in (left, right)
+    )
+    chosen = _law(law, contact, floor_masses(first_frame, second_frame), tension)
     chosen = dataclasses.replace(chosen, stiffness=contact_stiffness * chosen.stiffness)
-    found = pound(*pair, shaking(record, folder or None, flip=flip), chosen, 1e-3 * gap_mm)
+    shaken = shaking(record, folder or None, flip=flip)
+    found = pound(first_frame, second_frame, shaken, chosen, 1e-3 * gap_mm)
     first = found.impacts[0] if found.impacts else None
     return {
         "count": len(found.impacts),
@@ -226,8 +229,7 @@ def _first_force(found: Pounding) -> xr.DataArray:
     if found.impacts:
         history = found.motion.contacts[0]
         times = found.impacts[0].time_s - 1e-3 + samples / SAMPLE_RATE_HZ
-        times = np.clip(times, history.time_s[0], history.time_s[-1])
-        force = history.at(times)[2]
+        force = history.at(np.clip(times, history.time_s[0], history.time_s[-1]))[2].astype(np.float64)
     return xr.DataArray(force, {"sample": samples}, ("sample",))
 
 

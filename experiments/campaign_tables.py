@@ -38,7 +38,7 @@ def band_cases(test: Trial, gap_mm: float) -> list[dict[str, Any]]:
     cases = []
     for changes in BANDS.values():
         for change in changes:
-            own = dict(change)
+            own: dict[str, Any] = dict(change)
             gap = max(0.0, gap_mm + own.pop("gap_mm", 0.0))
             cases.append(case(test, gap, **own))
     return cases
@@ -135,7 +135,7 @@ def effect(runs: pd.DataFrame, apart: pd.DataFrame) -> pd.DataFrame:
 def effect_summary(ratios: pd.DataFrame) -> pd.DataFrame:
     """Return, for each case and side, the smallest and largest ratio over the floors and the roof's."""
     rows = {}
-    for (name, side), floors in ratios.groupby(level=["case", "side"], sort=False):  # type: ignore[misc]
+    for (name, side), floors in ratios.groupby(level=["case", "side"], sort=False):
         rows[f"{name} {side}"] = {
             "displacement_lowest": floors["displacement"].min(),
             "displacement_highest": floors["displacement"].max(),

@@ -66,9 +66,9 @@ def force_histories(
             start = run.impacts[0].time_s
             near = np.linspace(start - 0.1 * window_s, start + window_s, 1500)
             close.plot(1e3 * (near - start), history.at(near)[2], color=colour)
-    times = [impact.time_s for run in runs for impact in run.impacts]
-    margin = 0.03 + 0.1 * (max(times) - min(times))
-    whole.set_xlim(max(0.0, min(times) - margin), max(times) + margin)
+    touches = [impact.time_s for run in runs for impact in run.impacts]
+    margin = 0.03 + 0.1 * (max(touches) - min(touches))
+    whole.set_xlim(max(0.0, min(touches) - margin), max(touches) + margin)
     first, (left, right) = runs[0], runs[0].motion.frames
     gap = f"gap {1e3 * first.motion.contacts[0].gap_m:g} mm"
     whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)

@@ -184,7 +184,7 @@ class Rig:
             return self._collect(bodies, table, wall)
         finally:
             # The engine and what it calls refer to each other across the languages: else no run is freed.
-            mbs.SetPreStepUserFunction(0)
+            mbs.SetPreStepUserFunction(0)  # type: ignore[arg-type]
             container.Reset()
 
     def _connect(self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact) -> Any:

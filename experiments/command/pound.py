@@ -109,7 +109,10 @@ def pound(
 def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> list[str]:
     with Progress(console=progress_console(), transient=True) as progress:
         bar = progress.add_task("film" if film else "writing", total=1.0)
-        told = lambda share: progress.update(bar, completed=share)  # noqa: E731
+
+        def told(share: float) -> None:
+            progress.update(bar, completed=share)
+
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
