@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
-from rich.progress import Progress
+from rich.progress import Progress, TaskID
 
 from contact.parameters import PRINTED, thesis_law
 from experiments import collision_files
@@ -79,7 +80,7 @@ def pound(
                     chosen,
                     gaps_m,
                     floors=floors,
-                    progress=lambda time_s, bar=bar: progress.update(bar, completed=time_s),
+                    progress=partial(_tell, progress, bar),
                 )
             )
     asked = {
@@ -104,6 +105,10 @@ def pound(
     elif film:
         warn("--film needs a folder: nothing is written without --out")
     emit(result, as_json=json, show=lambda: _show(result))
+
+
+def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
+    progress.update(bar, completed=time_s)
 
 
 def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> list[str]:
