@@ -12,6 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from diagnosis.errors import CaseError
+from diagnosis.hidden.contact_effects import CONTACT
 from diagnosis.hidden.effects import CATALOGUE
 from diagnosis.hidden.outsiders import OUTSIDE
 
@@ -21,6 +22,7 @@ NULLS, OUTSIDERS, DOUBLES = 0.2, 0.1, 0.1
 """Shares of the cases without an effect, with one outside the catalogue, and with two; the rest have one."""
 
 SINGLE_FRAMES = (("5A",), ("5B",), ("10",), ("15B",))
+PAIRS = (("15B", "5B"), ("10", "5B"))
 
 
 @dataclass(frozen=True)
@@ -33,12 +35,15 @@ class Drawn:
     seed: int
 
 
-def draw_set(count: int, seed: int) -> list[Drawn]:
-    """Draw a set of cases on single frames.
+def draw_set(count: int, seed: int, *, pairs: bool = False) -> list[Drawn]:
+    """Draw a set of cases on single frames, or on pairs that may touch.
+
+    On pairs every second effect is one of the contact's.
 
     Args:
         count: Number of cases.
         seed: Of the set; the same gives the same cases, and a longer set does not begin with a shorter one.
+        pairs: Whether two frames stand side by side.
 
     Raises:
         CaseError: There is no case in it.
@@ -48,11 +53,13 @@ def draw_set(count: int, seed: int) -> list[Drawn]:
     rng = np.random.default_rng([seed, count])
     nulls, outsiders, doubles = (round(share * count) for share in (NULLS, OUTSIDERS, DOUBLES))
     catalogue, outside = _dealt(rng, list(CATALOGUE)), _dealt(rng, list(OUTSIDE))
+    if pairs:
+        catalogue = _in_turn(_dealt(rng, list(CONTACT)), catalogue)
     hidden: list[tuple[str, ...]] = [()] * nulls
     hidden += [(next(outside),) for _ in range(outsiders)]
     hidden += [_pair(catalogue) for _ in range(doubles)]
     hidden += [(next(catalogue),) for _ in range(count - len(hidden))]
-    frames = _dealt(rng, list(SINGLE_FRAMES))
+    frames = _dealt(rng, list(PAIRS if pairs else SINGLE_FRAMES))
     order = rng.permutation(count)
     seeds = rng.integers(2**31, size=count)
     return [Drawn(i, hidden[at], next(frames), int(seeds[i])) for i, at in enumerate(order)]
@@ -62,6 +69,12 @@ def _dealt(rng: np.random.Generator, cards: list[Card]) -> Iterator[Card]:
     """Deal all cards once before any comes again, in a new order each time."""
     while True:
         yield from (cards[i] for i in rng.permutation(len(cards)))
+
+
+def _in_turn(one: Iterator[str], other: Iterator[str]) -> Iterator[str]:
+    while True:
+        yield next(one)
+        yield next(other)
 
 
 def _pair(catalogue: Iterator[str]) -> tuple[str, str]:

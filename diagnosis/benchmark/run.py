@@ -47,7 +47,7 @@ def method(name: str) -> Method:
     raise CaseError(f"no method {name!r} to judge; use one of {', '.join(METHODS)}")
 
 
-def one_case(index: int, count: int, seed: int, way: str, motions: str) -> dict[str, Any]:
+def one_case(index: int, count: int, seed: int, way: str, motions: str, pairs: bool) -> dict[str, Any]:
     """Hide, diagnose and only then open the truth of one case of a set.
 
     Args:
@@ -56,11 +56,12 @@ def one_case(index: int, count: int, seed: int, way: str, motions: str) -> dict[
         seed: Of the set.
         way: One of `METHODS`.
         motions: ``records``, ``artificial`` or ``mixed``.
+        pairs: Whether the set is one of pairs.
 
     Returns:
         ``truth`` and ``report`` as JSON texts, ``seconds`` [s] and ``memory_mb``, the largest so far [MB].
     """
-    drawn = draw_set(count, seed)[index]
+    drawn = draw_set(count, seed, pairs=pairs)[index]
     hidden = hide(drawn.effects, drawn.frames, seed=drawn.seed, source=motions, title=f"case {index}")
     with tempfile.TemporaryDirectory(prefix="pounding-") as folder:
         case = Path(folder) / "case"
@@ -83,6 +84,7 @@ def run_benchmark(
     *,
     way: str = "diagnosis",
     motions: str = "mixed",
+    pairs: bool = False,
     folder: Path | None = None,
     workers: int | None = None,
     console: Console | None = None,
@@ -94,6 +96,7 @@ def run_benchmark(
         seed: Of the set.
         way: One of `METHODS`.
         motions: Where the table's motions come from: ``records``, ``artificial`` or ``mixed``.
+        pairs: Two frames side by side instead of one.
         folder: Where finished cases are kept, so that an interrupted benchmark goes on; None keeps nothing.
         workers: Processes; one a core when None, 0 runs in this process.
         console: Where progress is shown.
@@ -106,8 +109,8 @@ def run_benchmark(
         CaseError: An unknown method, a set without cases, or not one that could be finished.
     """
     method(way)
-    cases = [{"index": drawn.index} for drawn in draw_set(count, seed)]
-    settings = {"count": count, "seed": seed, "way": way, "motions": motions}
+    cases = [{"index": drawn.index} for drawn in draw_set(count, seed, pairs=pairs)]
+    settings = {"count": count, "seed": seed, "way": way, "motions": motions, "pairs": pairs}
     done = sweep(
         one_case,
         cases,

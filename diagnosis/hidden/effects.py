@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 from diagnosis.hidden import laws
 from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.contacts import Touch
 from diagnosis.hidden.modes import storey_stiffness
 from diagnosis.hidden.reference import Typical
 from diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
@@ -24,7 +25,9 @@ from diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
 class Setting:
     """Where an effect is put: the scenario so far, the frame's typical sizes, and the place.
 
-    `storey` and `floor` count from 1; `channel` is a name, with its root mean square in SI.
+    `storey` and `floor` count from 1; `channel` is a name, with its root mean square in SI. `believed_touch`
+    is the contact as the case states it, `nearness` how near the frames' `floor`s come to each other over
+    how near those of the stated contact come, if nothing stops them.
     """
 
     scenario: Scenario
@@ -35,6 +38,8 @@ class Setting:
     channel: str = ""
     channel_rms: float = 0.0
     channel_to_si: float = 1.0
+    believed_touch: Touch | None = None
+    nearness: float = 0.0
 
     @property
     def beams(self) -> Beams:

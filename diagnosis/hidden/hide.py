@@ -9,25 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.case import Case, CaseFrame, Channel
+from diagnosis.case import Case, CaseFrame, Contact
 from diagnosis.errors import CaseError
 from diagnosis.hidden import motions
-from diagnosis.hidden.belief import believed
-from diagnosis.hidden.effects import CATALOGUE, Parameters, Setting
-from diagnosis.hidden.instruments import Logger, logger, place, recorded, sampled
-from diagnosis.hidden.motions import Motion
+from diagnosis.hidden.contact_effects import CONTACT
+from diagnosis.hidden.effects import Parameters, Setting
+from diagnosis.hidden.instruments import recorded
+from diagnosis.hidden.outsiders import OUTSIDE
 from diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
-from diagnosis.hidden.reference import Typical, typical
-from diagnosis.hidden.scatter import built, set_up
-from diagnosis.hidden.scenario import Scenario, happen, observed
+from diagnosis.hidden.reference import typical
+from diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
+from diagnosis.hidden.scenario import Scenario, happen
 from diagnosis.hidden.visibility import Eye
 
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
 
 TRIALS = 7
-DURATION_S = (6.0, 8.0)
-RUNS = 3
+SMALLEST_CONTACT = 0.05
+"""Least size of a contact's effect over its largest; drawn log-uniform from there."""
 
 
 @dataclass(frozen=True)
@@ -36,31 +36,6 @@ class Hidden:
 
     case: Case
     truth: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Rig:
-    """All that is drawn before any effect is put in."""
-
-    bare: Scenario
-    channels: tuple[Channel, ...]
-    log: Logger
-    shakings: tuple[Motion, ...]
-
-    def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
-        """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
-
-        Coarsely, the motion is taken at that rate too: good for the difference of two linear scenarios.
-        """
-        shaking, finer = self.shakings[run], self.log.finer
-        if coarsely:
-            shaking = Motion(shaking.source, shaking.step_s * finer, shaking.acceleration[::finer])
-        truth = observed(scenario, happen(scenario, shaking, run), self.channels)
-        return truth if coarsely else truth[::finer]
-
-    def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
-        """Return what the real sensors and the logger make of it, still without noise."""
-        return sampled(observed(scenario, happen(scenario, self.shakings[run], run), self.channels), self.log)
 
 
 def hide(
@@ -82,7 +57,7 @@ def hide(
         visibility: How far each effect stands above the noise (see `visibility.Eye`); drawn from
             `VISIBILITY` when None.
         source: Of the motions: ``records``, ``artificial`` or ``mixed``.
-        duration_s: Length of each run [s]; drawn from `DURATION_S` when None.
+        duration_s: Length of each run [s]; drawn when None.
         title: Title of the case; says nothing of the truth by default.
 
     Raises:
@@ -96,9 +71,9 @@ def hide(
     if duration_s is not None and not 0.5 <= duration_s <= 60.0:
         raise CaseError(f"duration is {duration_s:g} s; give 0.5 to 60")
     rng = np.random.default_rng(seed)
-    rig = _rig(rng, frames, source, duration_s or float(rng.uniform(*DURATION_S)))
-    noise = rig.log.noise_of(rig.channels, rig.clean(rig.bare, 0))
-    eye = Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), rig.bare, noise)
+    damped = any(want.name == "contact_damping" for want in wants)
+    rig = draw_rig(rng, frames, source, duration_s, damped=damped)
+    eye = _eye(rig)
     scenario, stated = rig.bare, []
     for want in wants:
         target = visibility or float(np.exp(rng.uniform(*np.log(VISIBILITY))))
@@ -109,16 +84,9 @@ def hide(
         for run in range(RUNS)
     )
     known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
-    case = Case(title or f"hidden {seed}", Path(), known, runs, rig.channels)
+    contacts = tuple(Contact(**vars(touch)) for touch in rig.believed)
+    case = Case(title or f"hidden {seed}", Path(), known, runs, rig.channels, contacts)
     return Hidden(case, _truth(rig, seed, source, stated))
-
-
-def _rig(rng: np.random.Generator, names: Sequence[str], source: str, duration_s: float) -> Rig:
-    frames = {name: built(rng, believed(name)) for name in names}
-    channels = place(rng, frames)
-    log = logger(rng, channels)
-    shakings = motions.draw(rng, RUNS, duration_s, log.fine_step_s, source)
-    return Rig(set_up(rng, frames, channels), channels, log, tuple(shakings))
 
 
 def _put(
@@ -136,9 +104,16 @@ def _put(
     def sees(size: float) -> tuple[float, float]:
         alone, _ = effect.put(setting, sign * size, np.random.default_rng(chance))
         with np.errstate(over="ignore", invalid="ignore"):
-            return eye.sees(rig.clean(alone, 0))
+            if want.name in CONTACT:
+                return _raw(rig, alone)
+            return eye.sees(rig.clean(replace(alone, touches=()), 0))
 
-    size, (raw, left) = _sized(sees, limit, target)
+    if want.name in CONTACT:
+        # Impacts are chaotic: what is seen does not follow from what is changed, so the change is drawn.
+        size = limit * float(np.exp(rng.uniform(np.log(SMALLEST_CONTACT), 0.0)))
+        raw, left = sees(size)
+    else:
+        size, (raw, left) = _sized(sees, limit, target)
     whole, parameters = effect.put(
         replace(setting, scenario=scenario), sign * size, np.random.default_rng(chance)
     )
@@ -150,6 +125,22 @@ def _put(
         "visibility_raw": raw,
         "visibility_wanted": target,
     }
+
+
+def _eye(rig: Rig) -> Eye:
+    """Return what looks at the strongest run; frames that can touch are looked at apart."""
+    apart = replace(rig.bare, touches=())
+    noise = rig.log.noise_of(rig.channels, rig.clean(apart, 0))
+    noise[noise == 0] = np.inf
+    return Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), apart, noise)
+
+
+def _raw(rig: Rig, scenario: Scenario) -> tuple[float, float]:
+    """Return how far a contact's effect stands above the noise, twice: nothing ordinary is refitted."""
+    bare, seen = rig.clean(rig.bare, 0), rig.clean(scenario, 0)
+    noise = rig.log.noise_of(rig.channels, bare)
+    largest = float(np.sqrt(np.mean(((seen - bare) / np.where(noise > 0, noise, np.inf)) ** 2, axis=0)).max())
+    return largest, largest
 
 
 def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, float]]:
@@ -186,18 +177,26 @@ def _sign(rng: np.random.Generator, largest: float, smallest: float) -> float:
 
 def _setting(rig: Rig, where: Place) -> Setting:
     frame = where.frame or next(iter(rig.bare.frames))
-    sizes = _typical(rig, frame)
+    apart = replace(rig.bare, touches=())
+    motion = rig.shakings[0]
+    free = happen(apart, motion, 0)
+    setting = Setting(
+        rig.bare, typical(apart, frame, free, motion.velocity), frame, where.storey or 0, where.floor or 0
+    )
+    if where.left and where.right and where.floor:
+        near, listed = (
+            approach(rig.bare, free, where.left, where.right, floor)
+            for floor in (where.floor, rig.believed[0].floor)
+        )
+        setting = replace(setting, nearness=near / listed)
+    if rig.believed:
+        setting = replace(setting, believed_touch=rig.believed[0])
     if where.channel is None:
-        return Setting(rig.bare, sizes, frame, where.storey or 0, where.floor or 0)
+        return setting
     column = [channel.name for channel in rig.channels].index(where.channel)
     rms = float(rig.clean(rig.bare, 0)[:, column].std())
     to_si = rig.channels[column].to_si
-    return Setting(rig.bare, sizes, frame, channel=where.channel, channel_rms=rms, channel_to_si=to_si)
-
-
-def _typical(rig: Rig, frame: str) -> Typical:
-    motion = rig.shakings[0]
-    return typical(rig.bare, frame, happen(rig.bare, motion, 0), motion.velocity)
+    return replace(setting, channel=where.channel, channel_rms=rms, channel_to_si=to_si)
 
 
 def _stated(parameters: Parameters, rig: Rig, where: Place) -> list[dict[str, Any]]:
@@ -210,7 +209,7 @@ def _stated(parameters: Parameters, rig: Rig, where: Place) -> list[dict[str, An
 
 def _truth(rig: Rig, seed: int, source: str, stated: list[dict[str, Any]]) -> dict[str, Any]:
     """Return all that is true of a case, for whoever judges a diagnosis of it."""
-    outside = any(effect["effect"] not in CATALOGUE for effect in stated)
+    outside = any(effect["effect"] in OUTSIDE for effect in stated)
     kinds = {0: "nothing", 1: "single", 2: "double"}
     return {
         "schema": 1,
@@ -230,4 +229,5 @@ def _truth(rig: Rig, seed: int, source: str, stated: list[dict[str, Any]]) -> di
         "table_noise": rig.log.table_noise,
         "table_gain": rig.bare.table_gain,
         "table_delay_ms": 1e3 * rig.bare.table_delay_s,
+        "contacts": [vars(touch) for touch in rig.bare.touches],
     }

@@ -16,6 +16,13 @@ FINE_HZ = 3600.0
 """Least rate at which the truth is computed [Hz]."""
 
 RATES_HZ = (500.0, 512.0, 600.0, 800.0, 1000.0, 1024.0)
+PAIR_RATES_HZ = (1000.0, 1024.0, 2000.0)
+PAIR_FINE_HZ = 8000.0
+"""The same for frames that touch: an impact takes about a millisecond."""
+
+FORCE_CELLS = 0.75
+"""Share of the pairs whose contact force is measured."""
+
 ACCELEROMETERS = 6
 """Most accelerometers on a frame."""
 
@@ -30,6 +37,7 @@ class Logger:
         noise: Standard deviation over root mean square of each response channel.
         table_noise: The same of the table channel.
         sensor_hz: Natural frequency of each channel's sensor [Hz].
+        sensor_ratio: Its damping ratio; a force cell rings.
         start_s: Time of the first sample [s].
     """
 
@@ -38,6 +46,7 @@ class Logger:
     noise: np.ndarray
     table_noise: float
     sensor_hz: np.ndarray
+    sensor_ratio: np.ndarray
     start_s: float
 
     @property
@@ -66,6 +75,8 @@ def place(rng: np.random.Generator, frames: Mapping[str, Beams]) -> tuple[Channe
         if rng.random() < 0.15:
             floor = int(rng.integers(1, beams.storeys + 1))
             channels.append(_channel(rng, f"{name}_v{floor}", "relative_velocity", name, floor))
+    if len(frames) > 1 and rng.random() < FORCE_CELLS:
+        channels.append(Channel("force_1", "contact_force", str(rng.choice(["N", "kN"])), contact=1))
     return tuple(channels)
 
 
@@ -79,9 +90,10 @@ def _channel(
     return Channel(name, quantity, unit, frame=frame, floor=floor)
 
 
-def logger(rng: np.random.Generator, channels: tuple[Channel, ...]) -> Logger:
+def logger(rng: np.random.Generator, channels: tuple[Channel, ...], *, pair: bool = False) -> Logger:
     """Draw rate, noise and sensors of a case."""
-    rate = float(rng.choice(RATES_HZ))
+    touching = any(channel.quantity == "contact_force" for channel in channels) or pair
+    rate = float(rng.choice(PAIR_RATES_HZ if touching else RATES_HZ))
     noise = np.exp(rng.uniform(np.log(0.01), np.log(0.04))) * rng.uniform(0.7, 1.4, len(channels))
     # One kind of accelerometer for table and floors; displacement sensors are as quick, but not the same.
     common = rng.uniform(1000.0, 2500.0)
@@ -90,10 +102,11 @@ def logger(rng: np.random.Generator, channels: tuple[Channel, ...]) -> Logger:
     ]
     return Logger(
         rate,
-        int(np.ceil(FINE_HZ / rate)),
+        int(np.ceil((PAIR_FINE_HZ if touching else FINE_HZ) / rate)),
         noise,
         float(rng.uniform(0.005, 0.01)),
         common * np.array(own) * rng.normal(1.0, 0.03, len(channels)),
+        np.array([rng.uniform(0.1, 0.4) if c.quantity == "contact_force" else 0.7 for c in channels]),
         float(rng.choice([0.0, 1 / rate, 2.5])),
     )
 
@@ -102,9 +115,9 @@ def sampled(truth: np.ndarray, log: Logger) -> np.ndarray:
     """Return the truth (fine samples, channels) behind sensors and anti-alias filter at the logger's rate."""
     fine_hz = log.rate_hz * log.finer
     seen = np.empty_like(truth)
-    for column, natural_hz in enumerate(log.sensor_hz):
+    for column, (natural_hz, ratio) in enumerate(zip(log.sensor_hz, log.sensor_ratio, strict=True)):
         circular = 2 * np.pi * natural_hz
-        numerator, denominator = bilinear([circular**2], [1.0, 1.4 * circular, circular**2], fine_hz)
+        numerator, denominator = bilinear([circular**2], [1.0, 2 * ratio * circular, circular**2], fine_hz)
         seen[:, column] = lfilter(numerator, denominator, truth[:, column])
     sections = butter(4, 0.4 * log.rate_hz, fs=fine_hz, output="sos")
     return np.asarray(sosfilt(sections, seen, axis=0)[:: log.finer])

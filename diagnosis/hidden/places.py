@@ -10,10 +10,11 @@ import numpy as np
 from diagnosis.case import Channel
 from diagnosis.errors import CaseError
 from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.contact_effects import CONTACT
 from diagnosis.hidden.effects import CATALOGUE, Effect
 from diagnosis.hidden.outsiders import OUTSIDE
 
-EFFECTS: dict[str, Effect] = {**CATALOGUE, **OUTSIDE}
+EFFECTS: dict[str, Effect] = {**CATALOGUE, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""
 
 NOTHING = "nothing"
@@ -51,6 +52,9 @@ class Place:
     storey: int | None = None
     floor: int | None = None
     channel: str | None = None
+    contact: int | None = None
+    left: str | None = None
+    right: str | None = None
 
 
 def locate(
@@ -73,6 +77,10 @@ def locate(
         if want.place and want.place not in names:
             raise CaseError(f"{want.name}: no channel {want.place!r}; this case has {', '.join(names)}")
         return Place(channel=want.place or drawn)
+    if kind in ("contact", "between"):
+        if len(frames) < 2:
+            raise CaseError(f"{want.name}: nothing touches on a single frame; name two frames")
+        return _where_they_touch(rng, want, frames, kind)
     storeys = frames[frame].storeys
     number = int(rng.integers(1, storeys + 1))
     if want.place:
@@ -80,3 +88,16 @@ def locate(
             raise CaseError(f"{want.name}: {kind} {want.place!r} is not on {frame}; give 1 to {storeys}")
         number = int(want.place)
     return Place(frame, storey=number) if kind == "storey" else Place(frame, floor=number)
+
+
+def _where_they_touch(rng: np.random.Generator, want: Wanted, frames: dict[str, Beams], kind: str) -> Place:
+    if kind == "contact":
+        return Place(contact=1)
+    left, right = frames
+    listed = min(beams.storeys for beams in frames.values())
+    floor = int(rng.integers(1, listed))
+    if want.place:
+        if not (want.place.isdigit() and 1 <= int(want.place) < listed):
+            raise CaseError(f"{want.name}: floor {want.place!r} is not free on both; give 1 to {listed - 1}")
+        floor = int(want.place)
+    return Place(floor=floor, left=left, right=right)

@@ -9,6 +9,7 @@ import numpy as np
 
 from diagnosis.case import Channel
 from diagnosis.hidden.beams import Beams
+from diagnosis.hidden.contacts import Contact, Touch
 from diagnosis.hidden.modes import Modes, joined, modes
 from diagnosis.hidden.motions import Motion
 from diagnosis.hidden.stepping import Law, Local, Response, integrate
@@ -47,6 +48,7 @@ class Scenario:
     Attributes:
         frames: Frames by name, in the case's order.
         springs: Local laws.
+        touches: Contacts between the frames, those of the case first.
         loads: Forces that nobody measured.
         table_gain: What shook the frames over what the table channel says, minus 1.
         table_delay_s: How much later the frames were shaken than the channel says [s].
@@ -58,6 +60,7 @@ class Scenario:
 
     frames: Mapping[str, Beams]
     springs: tuple[Spring, ...] = ()
+    touches: tuple[Touch, ...] = ()
     loads: tuple[Load, ...] = ()
     table_gain: float = 0.0
     table_delay_s: float = 0.0
@@ -86,6 +89,7 @@ class Happened:
         displacement: Of every floor relative to the table [m], shape (floors, samples).
         velocity: Of every floor relative to the table [m/s], shape (floors, samples).
         acceleration: Of every floor in the room [m/s^2], shape (floors, samples).
+        contact_force: Of every contact, mean over the step before [N], shape (contacts, samples).
     """
 
     motion: Motion
@@ -93,6 +97,7 @@ class Happened:
     displacement: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
+    contact_force: np.ndarray
 
 
 def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
@@ -113,8 +118,10 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     for load in scenario.loads:
         drive += np.outer(whole.floors[scenario.row(load.frame, load.floor)], load.history(run, time))
     velocity = Motion(motion.source, step, table).velocity
-    locals_ = [_local(scenario, spring, whole, velocity, time[-1]) for spring in scenario.springs]
-    return _floors(scenario, whole, integrate(whole, drive, step, locals_), motion, table, pitch, pitching)
+    contacts = [_contact(scenario, touch, whole) for touch in scenario.touches]
+    springs = [_local(scenario, spring, whole, velocity, time[-1]) for spring in scenario.springs]
+    response = integrate(whole, drive, step, contacts + springs)
+    return _floors(scenario, whole, response, motion, table, pitch, pitching)
 
 
 def _local(
@@ -124,6 +131,12 @@ def _local(
     if spring.lower and not spring.absolute:
         row -= whole.floors[scenario.row(spring.frame, spring.lower)]
     return Local(spring.make(duration_s), row, velocity if spring.absolute else None)
+
+
+def _contact(scenario: Scenario, touch: Touch, whole: Modes) -> Local:
+    sides = [whole.floors[scenario.row(frame, touch.floor)] for frame in (touch.left, touch.right)]
+    masses = [scenario.frames[frame].floor_mass[touch.floor - 1] for frame in (touch.left, touch.right)]
+    return Local(Contact(touch, float(1 / sum(1 / mass for mass in masses))), sides[0] - sides[1])
 
 
 def _floors(
@@ -143,6 +156,7 @@ def _floors(
         whole.floors @ response.q + np.outer(height, pitch),
         whole.floors @ response.rate + np.outer(height, rate),
         whole.floors @ response.acceleration + table + np.outer(height, pitching),
+        response.forces[: len(scenario.touches)],
     )
 
 
@@ -171,6 +185,10 @@ def _true(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarra
         return happened.motion.acceleration
     if channel.quantity == "table_displacement":
         return happened.motion.displacement
+    if channel.quantity == "contact_force":
+        number = int(channel.contact or 1) - 1
+        apart = number >= len(happened.contact_force)
+        return np.zeros_like(happened.table) if apart else happened.contact_force[number]
     row = scenario.row(str(channel.frame), int(channel.floor or 0))
     if channel.quantity == "absolute_acceleration":
         return happened.acceleration[row]

@@ -21,6 +21,12 @@ from diagnosis.hidden.modes import Modes
 CORRECTIONS = 3
 """Most fixed-point iterations of the local forces in each step."""
 
+FINER = 8
+"""Parts of a step in which a contact may be closed."""
+
+NEAR_M = 2e-5
+"""Distance from which a contact counts as near [m]."""
+
 SETTLED = 1e-9
 """Relative change of a force that ends them."""
 
@@ -73,13 +79,11 @@ def integrate(modes: Modes, drive: np.ndarray, step_s: float, locals_: Sequence[
     system = np.block([[np.zeros((count, count)), np.eye(count)], [-np.diag(modes.omega**2), -modes.damping]])
     flow, early, late = _propagators(system, count, step_s)
     rows = np.array([local.row for local in locals_]).reshape(len(locals_), count)
-    driven = early @ drive[:, :-1] + late @ drive[:, 1:]
     forces = np.zeros((len(locals_), drive.shape[1]))
     if locals_:
-        states = np.zeros((2 * count, drive.shape[1]))
-        _march(flow, driven, -early @ rows.T, -late @ rows.T, rows, locals_, step_s, states, forces)
+        states = _march(system, drive, rows, locals_, step_s, forces)
     else:
-        states = _filtered(flow, driven)
+        states = _filtered(flow, early @ drive[:, :-1] + late @ drive[:, 1:])
     q, rate = states[:count], states[count:]
     acceleration = drive - modes.omega[:, None] ** 2 * q - modes.damping @ rate - rows.T @ forces
     return Response(q, rate, acceleration, forces)
@@ -110,54 +114,111 @@ def _propagators(system: np.ndarray, count: int, step_s: float) -> tuple[np.ndar
     return powers[:size, :size], powers[:size, size : size + count] - late, late
 
 
+class _Stepper:
+    """One length of step: the flow of the states, and what forces at its two ends do."""
+
+    def __init__(self, system: np.ndarray, rows: np.ndarray, step_s: float) -> None:
+        kinds, count = rows.shape
+        self.step_s = step_s
+        self.flow, early, late = _propagators(system, count, step_s)
+        self.drive_early, self.drive_late = early, late
+        self.early, self.late = -early @ rows.T, -late @ rows.T
+        self.observe = np.zeros((2 * kinds, 2 * count))
+        self.observe[:kinds, :count] = rows
+        self.observe[kinds:, count:] = rows
+        self.seen_late = [[float(entry) for entry in line] for line in self.observe @ self.late]
+
+    def free(self, state: np.ndarray, push: np.ndarray, force: list[float], carried: list[float]) -> Free:
+        """Return the state without the forces at the step's end, and its deformations and rates."""
+        free = self.flow @ state + push + self.early @ force
+        seen = (self.observe @ free).tolist()
+        for i, rate in enumerate(carried):
+            seen[len(carried) + i] += rate
+        return free, seen
+
+    def settle(
+        self, laws: Sequence[Law], time: float, free: Free, force: list[float]
+    ) -> tuple[np.ndarray, list[float]]:
+        """Return the state and the forces at the end of the step."""
+        state, seen = free
+        kinds = len(laws)
+        for _ in range(CORRECTIONS):
+            now = [seen[j] + _dot(self.seen_late[j], force) for j in range(2 * kinds)]
+            last, force = (
+                force,
+                [law.force(time, now[i], now[kinds + i], self.step_s) for i, law in enumerate(laws)],
+            )
+            if all(abs(one - other) <= SETTLED * abs(one) for one, other in zip(force, last, strict=True)):
+                break
+        for i, law in enumerate(laws):
+            law.accept(time, now[i], now[kinds + i], self.step_s)
+        return state + self.late @ force, force
+
+
+Free = tuple[np.ndarray, list[float]]
+
+
 def _march(
-    flow: np.ndarray,
-    driven: np.ndarray,
-    early: np.ndarray,
-    late: np.ndarray,
+    system: np.ndarray,
+    drive: np.ndarray,
     rows: np.ndarray,
     locals_: Sequence[Local],
     step_s: float,
-    states: np.ndarray,
     forces: np.ndarray,
-) -> None:
-    """Fill `states` and `forces` step by step."""
+) -> np.ndarray:
+    """Return the states, (2 modes, samples), and fill `forces`, both step by step.
+
+    A step in which a contact may be closed is taken in `FINER` parts; its force is then the mean over them.
+    """
     laws = [local.law for local in locals_]
-    count, kinds = rows.shape[1], len(laws)
-    observe = np.zeros((2 * kinds, 2 * count))
-    observe[:kinds, :count] = rows
-    observe[kinds:, count:] = rows
-    carried = np.array([
-        np.zeros(states.shape[1]) if local.carried is None else local.carried for local in locals_
-    ])  # fmt: skip
-    seen_late = [[float(entry) for entry in line] for line in observe @ late]
-    # Column by column in memory, because the loop walks through time.
-    states_in_time = np.zeros((states.shape[1], states.shape[0]))
-    pushes = np.ascontiguousarray(driven.T)
-    state = np.zeros(2 * count)
-    force = [law.force(0.0, 0.0, float(carried[i, 0]), step_s) for i, law in enumerate(laws)]
+    gaps = [(i, law.closes_at) for i, law in enumerate(laws) if hasattr(law, "closes_at")]
+    coarse = _Stepper(system, rows, step_s)
+    fine = _Stepper(system, rows, step_s / FINER) if gaps else coarse
+    samples = drive.shape[1]
+    carried = np.zeros((samples, len(laws)))
+    for i, local in enumerate(locals_):
+        if local.carried is not None:
+            carried[:, i] = local.carried
+    pushes = np.ascontiguousarray((coarse.drive_early @ drive[:, :-1] + coarse.drive_late @ drive[:, 1:]).T)
+    states = np.zeros((samples, len(system)))
+    state = states[0]
+    force = [law.force(0.0, 0.0, float(carried[0, i]), step_s) for i, law in enumerate(laws)]
     forces[:, 0] = force
-    numbers = range(kinds)
     for index, push in enumerate(pushes):
-        free = flow @ state + push + early @ force
-        seen = (observe @ free).tolist()
-        time = (index + 1) * step_s
-        for i in numbers:
-            seen[kinds + i] += carried[i, index + 1]
-        for _ in range(CORRECTIONS):
-            now = [seen[j] + _dot(seen_late[j], force) for j in range(2 * kinds)]
-            last, force = (
-                force,
-                [law.force(time, now[i], now[kinds + i], step_s) for i, law in enumerate(laws)],
+        free = coarse.free(state, push, force, carried[index + 1].tolist())
+        # Near enough to meet within the step, or still together at its start.
+        if any(free[1][i] > gap - NEAR_M or force[i] > 0.0 for i, gap in gaps):
+            ends = drive[:, index], drive[:, index + 1]
+            state, force, mean = _in_parts(
+                fine, laws, index * step_s, state, force, ends, carried[index + 1].tolist()
             )
-            if all(abs(force[i] - last[i]) <= SETTLED * abs(force[i]) for i in numbers):
-                break
-        for i in numbers:
-            laws[i].accept(time, now[i], now[kinds + i], step_s)
-        state = free + late @ force
-        states_in_time[index + 1] = state
-        forces[:, index + 1] = force
-    states[:] = states_in_time.T
+        else:
+            state, force = coarse.settle(laws, (index + 1) * step_s, free, force)
+            mean = force
+        states[index + 1] = state
+        forces[:, index + 1] = mean
+    return states.T
+
+
+def _in_parts(
+    fine: _Stepper,
+    laws: Sequence[Law],
+    time: float,
+    state: np.ndarray,
+    force: list[float],
+    ends: tuple[np.ndarray, np.ndarray],
+    carried: list[float],
+) -> tuple[np.ndarray, list[float], list[float]]:
+    """Return state, forces and mean forces after a step taken in parts."""
+    total = np.zeros(len(laws))
+    for part in range(FINER):
+        early = ends[0] + (ends[1] - ends[0]) * part / FINER
+        late = ends[0] + (ends[1] - ends[0]) * (part + 1) / FINER
+        push = fine.drive_early @ early + fine.drive_late @ late
+        free = fine.free(state, push, force, carried)
+        state, force = fine.settle(laws, time + (part + 1) * fine.step_s, free, force)
+        total += force
+    return state, force, (total / FINER).tolist()
 
 
 def _dot(one: list[float], other: list[float]) -> float:

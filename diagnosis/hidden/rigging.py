@@ -1,0 +1,120 @@
+"""The rig of a hidden case, drawn before any effect is put in: frames, contacts, sensors, shakings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.case import Channel
+from diagnosis.errors import CaseError
+from diagnosis.hidden import motions
+from diagnosis.hidden.belief import believed
+from diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
+from diagnosis.hidden.instruments import Logger, logger, place, sampled
+from diagnosis.hidden.motions import Motion
+from diagnosis.hidden.scatter import built, set_up
+from diagnosis.hidden.scenario import Happened, Scenario, happen, observed
+
+DURATION_S = (6.0, 8.0)
+PAIR_DURATION_S = (4.0, 5.5)
+RUNS = 3
+
+GAPS = (0.25, 0.6)
+"""Range of the gap over how near the floors would come to each other in the strongest run."""
+
+
+@dataclass(frozen=True)
+class Rig:
+    """All that is drawn before any effect is put in."""
+
+    bare: Scenario
+    believed: tuple[Touch, ...]
+    channels: tuple[Channel, ...]
+    log: Logger
+    shakings: tuple[Motion, ...]
+
+    def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
+        """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
+
+        Coarsely, the motion is taken at that rate too: good for the difference of two linear scenarios.
+        """
+        shaking, finer = self.shakings[run], self.log.finer
+        if coarsely:
+            shaking = Motion(shaking.source, shaking.step_s * finer, shaking.acceleration[::finer])
+        truth = observed(scenario, happen(scenario, shaking, run), self.channels)
+        return truth if coarsely else truth[::finer]
+
+    def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
+        """Return what the real sensors and the logger make of it, still without noise."""
+        return sampled(observed(scenario, happen(scenario, self.shakings[run], run), self.channels), self.log)
+
+
+def draw_rig(
+    rng: np.random.Generator,
+    names: Sequence[str],
+    source: str,
+    duration_s: float | None = None,
+    *,
+    damped: bool = False,
+) -> Rig:
+    """Draw a rig.
+
+    Args:
+        rng: Source of chance.
+        names: One frame, or two that may touch at the roof of the lower one, the left one first.
+        source: Of the motions (see `motions.draw`).
+        duration_s: Length of each run [s]; drawn when None.
+        damped: Whether the contact's law has to be one with damping.
+
+    Raises:
+        CaseError: More than two frames, or the same twice.
+    """
+    if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
+        raise CaseError(f"frames {', '.join(names)}: give one, or two different ones that stand side by side")
+    frames = {name: built(rng, believed(name)) for name in names}
+    pair = len(frames) == 2
+    channels = place(rng, frames)
+    log = logger(rng, channels, pair=pair)
+    duration = duration_s or float(rng.uniform(*(PAIR_DURATION_S if pair else DURATION_S)))
+    shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
+    bare = set_up(rng, frames, channels)
+    if not pair:
+        return Rig(bare, (), channels, log, shakings)
+    stated = _believed_touch(rng, bare, shakings[0], DAMPED if damped else tuple(STIFFNESS))
+    return Rig(replace(bare, touches=(_built(rng, stated),)), (stated,), channels, log, shakings)
+
+
+def approach(scenario: Scenario, happened: Happened, left: str, right: str, floor: int) -> float:
+    """Return how near two floors come to each other [m], from where they stand at rest."""
+    nearer = (
+        happened.displacement[scenario.row(left, floor)] - happened.displacement[scenario.row(right, floor)]
+    )
+    return float(nearer.max())
+
+
+def _believed_touch(rng: np.random.Generator, bare: Scenario, motion: Motion, laws: Sequence[str]) -> Touch:
+    left, right = bare.frames
+    floor = min(beams.storeys for beams in bare.frames.values())
+    gap = rng.uniform(*GAPS) * approach(bare, happen(bare, motion, 0), left, right, floor)
+    law = str(rng.choice(laws))
+    restitution = float(rng.uniform(0.6, 0.85)) if law in DAMPED else None
+    damping = None
+    if law == "linear_viscoelastic" and rng.random() < 0.5:
+        restitution, damping = None, float(rng.uniform(800.0, 2500.0))
+    # As on a drawing: to a tenth of a millimetre.
+    gap_m = 1e-4 * round(1e4 * gap)
+    return Touch(left, right, floor, gap_m, law, STIFFNESS[law] * rng.uniform(0.7, 1.4), damping, restitution)
+
+
+def _built(rng: np.random.Generator, stated: Touch) -> Touch:
+    """Return a contact as it may have been set up."""
+    scatter = rng.normal(0.0, 1.0, 3)
+    return replace(
+        stated,
+        gap_m=stated.gap_m + 2e-5 * scatter[0],
+        stiffness=stated.stiffness * (1 + 0.02 * scatter[1]),
+        damping=None if stated.damping is None else stated.damping * (1 + 0.03 * scatter[2]),
+        restitution=None if stated.restitution is None else stated.restitution + 0.005 * scatter[2],
+    )
