@@ -43,7 +43,8 @@ class Judged:
         in_class: Every hidden effect is in one of the stated classes (exact verdicts are too).
         confidence: The stated one.
         gap_closed: Share of the explainable held-out gap that was closed; NaN where nothing was explainable.
-        parameter_errors: Relative error of each parameter of the effects that were exact.
+        parameter_errors: Relative error of each parameter of the effects that were exact; from the
+            nearest where a parameter has more than one definition in use.
         seconds: What the diagnosis took [s].
     """
 
@@ -130,5 +131,6 @@ def _parameter_errors(
         for parameter in effect["parameters"]:
             value = found.get(parameter["name"])
             if isinstance(value, int | float) and isinstance(parameter["value"], int | float):
-                errors.append(abs(value / parameter["value"] - 1))
+                stated = [parameter["value"], *parameter.get("also", ())]
+                errors.append(min(abs(value / one - 1) for one in stated))
     return tuple(errors)

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from diagnosis.hidden import laws
 from diagnosis.hidden.beams import Beams
 from diagnosis.hidden.contacts import Touch
-from diagnosis.hidden.modes import storey_stiffness
+from diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
 from diagnosis.hidden.reference import Typical
 from diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
 
@@ -61,8 +61,12 @@ class Setting:
         return replace(self.scenario, springs=(*self.scenario.springs, spring))
 
 
-Parameters = dict[str, tuple[float | str, str]]
-"""Value and unit by name, as the truth states them."""
+Parameters = dict[str, tuple[Any, ...]]
+"""Value and unit by name, as the truth states them.
+
+After these come the values by other definitions in use: in a frame whose joints turn, a storey's stiffness is
+its shear over drift under lateral load, or its shear for a drift of it alone, or that of its columns.
+"""
 
 Put = Callable[[Setting, float, np.random.Generator], tuple[Scenario, Parameters]]
 
@@ -97,7 +101,10 @@ def stiffness_change(setting: Setting, size: float, rng: np.random.Generator) ->
         return setting.at(storey_stiffness(replace(setting.beams, bending=bent(log)))) / before - 1 - size
 
     log = brentq(missing, -3.0, 3.0)
-    return setting.with_beams(bending=bent(log)), {"relative_change": (size, "-")}
+    scenario = setting.with_beams(bending=bent(log))
+    changed = setting.at(lone_storey_stiffness(scenario.frames[setting.frame]))
+    lone = changed / setting.at(lone_storey_stiffness(setting.beams)) - 1
+    return scenario, {"relative_change": (size, "-", lone, float(np.exp(log)) - 1)}
 
 
 def joint_flexibility(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
@@ -191,7 +198,8 @@ def loosening(setting: Setting, size: float, rng: np.random.Generator) -> tuple[
     """Let a storey lose stiffness over each run."""
     stiffness = setting.at(storey_stiffness(setting.beams))
     scenario = setting.with_storey_law(lambda duration: laws.fading(stiffness, size, duration))
-    return scenario, {"final_relative_change": (size, "-")}
+    lone = size * stiffness / setting.at(lone_storey_stiffness(setting.beams))
+    return scenario, {"final_relative_change": (size, "-", lone)}
 
 
 def bumper(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:

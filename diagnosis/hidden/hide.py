@@ -13,6 +13,7 @@ from diagnosis.case import Case, CaseFrame, Contact
 from diagnosis.errors import CaseError
 from diagnosis.hidden import motions
 from diagnosis.hidden.contact_effects import CONTACT
+from diagnosis.hidden.contacts import Touch
 from diagnosis.hidden.effects import Parameters, Setting
 from diagnosis.hidden.instruments import recorded
 from diagnosis.hidden.outsiders import OUTSIDE
@@ -86,7 +87,7 @@ def hide(
     known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
     contacts = tuple(Contact(**vars(touch)) for touch in rig.believed)
     case = Case(title or f"hidden {seed}", Path(), known, runs, rig.channels, contacts)
-    return Hidden(case, _truth(rig, seed, source, stated))
+    return Hidden(case, _truth(rig, seed, source, stated, scenario.touches))
 
 
 def _put(
@@ -202,12 +203,14 @@ def _setting(rig: Rig, where: Place) -> Setting:
 def _stated(parameters: Parameters, rig: Rig, where: Place) -> list[dict[str, Any]]:
     unit = next((channel.unit for channel in rig.channels if channel.name == where.channel), "")
     return [
-        {"name": name, "value": value, "unit": unit if given == "channel" else given}
-        for name, (value, given) in parameters.items()
+        {"name": name, "value": value, "unit": unit if given == "channel" else given, "also": also}
+        for name, (value, given, *also) in parameters.items()
     ]
 
 
-def _truth(rig: Rig, seed: int, source: str, stated: list[dict[str, Any]]) -> dict[str, Any]:
+def _truth(
+    rig: Rig, seed: int, source: str, stated: list[dict[str, Any]], touches: Sequence[Touch]
+) -> dict[str, Any]:
     """Return all that is true of a case, for whoever judges a diagnosis of it."""
     outside = any(effect["effect"] in OUTSIDE for effect in stated)
     kinds = {0: "nothing", 1: "single", 2: "double"}
@@ -229,5 +232,5 @@ def _truth(rig: Rig, seed: int, source: str, stated: list[dict[str, Any]]) -> di
         "table_noise": rig.log.table_noise,
         "table_gain": rig.bare.table_gain,
         "table_delay_ms": 1e3 * rig.bare.table_delay_s,
-        "contacts": [vars(touch) for touch in rig.bare.touches],
+        "touches": [vars(touch) for touch in touches],
     }

@@ -84,3 +84,11 @@ def storey_stiffness(beams: Beams) -> np.ndarray:
         matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T @ load), prepend=0.0
     )
     return np.cumsum(load[::-1])[::-1] / drift
+
+
+def lone_storey_stiffness(beams: Beams) -> np.ndarray:
+    """Return the shear for a unit drift of one storey alone, the floors above it moving along [N/m]."""
+    matrices = assemble(beams)
+    floors = np.linalg.inv(matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T))
+    above = np.tril(np.ones((beams.storeys, beams.storeys)))
+    return np.einsum("is,ij,js->s", above, floors, above)

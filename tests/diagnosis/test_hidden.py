@@ -13,14 +13,17 @@ from scipy.integrate import solve_ivp
 import frames
 from diagnosis.case import read_case
 from diagnosis.errors import CaseError
-from diagnosis.hidden import laws
+from diagnosis.hidden import laws, stepping
 from diagnosis.hidden.beams import Appendage
 from diagnosis.hidden.belief import believed
+from diagnosis.hidden.contact_effects import CONTACT
+from diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
 from diagnosis.hidden.effects import CATALOGUE
 from diagnosis.hidden.hide import VISIBILITY, hide
-from diagnosis.hidden.modes import frequencies_hz, modes, storey_stiffness
+from diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
 from diagnosis.hidden.motions import Motion, draw
 from diagnosis.hidden.outsiders import OUTSIDE
+from diagnosis.hidden.rigging import draw_rig
 from diagnosis.hidden.scenario import Scenario, Spring, happen
 from diagnosis.hidden.writing import write_hidden
 
@@ -237,3 +240,77 @@ def test_bad_wishes(effects: list[str], options: dict, said: str) -> None:
     options = {"source": "artificial", **options}
     with pytest.raises((CaseError, frames.FrameError), match=said):
         hide(effects, **options)
+
+
+def restitution(touch: Touch, speed: float, mass: float) -> float:
+    """Let a mass [kg] hit with a speed [m/s]; return the ratio of the speeds after and before."""
+    law = Contact(touch, mass)
+    x, v, dt = 0.0, speed, 1e-7
+    while x >= 0.0:
+        force = law.force(0.0, x, v, dt)
+        law.accept(0.0, x, v, dt)
+        v -= force / mass * dt
+        x += v * dt
+    return -v / speed
+
+
+@pytest.mark.parametrize(
+    ("law", "tolerance"),
+    [("linear_viscoelastic", 0.03), ("nonlinear_viscoelastic", 0.03), ("hertz_damp", 0.05)],
+)
+def test_a_contact_gives_back_what_its_restitution_says(law: str, tolerance: float) -> None:
+    """Within what published damping ratios reach; the linear law is cut where it would pull."""
+    touch = Touch("a", "b", 1, 0.0, law, STIFFNESS[law], restitution=0.7)
+    assert restitution(touch, 0.3, 3.2) == pytest.approx(0.7, abs=tolerance)
+
+
+@pytest.mark.parametrize("law", ["linear_spring", "hertz"])
+def test_an_undamped_contact_gives_everything_back(law: str) -> None:
+    assert restitution(Touch("a", "b", 1, 0.0, law, STIFFNESS[law]), 0.3, 3.2) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_first_impact_of_a_pair_is_resolved(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = draw_rig(np.random.default_rng(5), ["10", "5B"], "artificial", 1.5)
+    peaks = []
+    for parts in (8, 32):
+        monkeypatch.setattr(stepping, "FINER", parts)
+        force = happen(rig.bare, rig.shakings[0], 0).contact_force[0]
+        start = int(np.flatnonzero(force > 0)[0])
+        peaks.append(force[start : start + 40].max())
+    assert peaks[0] > 50.0
+    assert peaks[0] == pytest.approx(peaks[1], rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("effect", [*CONTACT, "coulomb_friction", "hidden_appendage"])
+def test_effects_of_a_pair(effect: str, tmp_path: Path) -> None:
+    hidden = hide([effect], ["10", "5B"], seed=4, source="artificial", duration_s=1.5)
+    (truth,) = hidden.truth["effects"]
+    assert hidden.truth["kind"] == ("outside" if effect in OUTSIDE else "single")
+    write_hidden(hidden, tmp_path / "case")
+    case = read_case(tmp_path / "case")
+    assert (case.contacts[0].left, case.contacts[0].right, case.contacts[0].floor) == ("10", "5B", 5)
+    if effect == "second_contact":
+        assert (truth["left"], truth["right"]) == ("10", "5B")
+        assert 1 <= truth["floor"] <= 4
+        assert truth["parameters"][0]["value"] < 1e3 * case.contacts[0].gap_m
+    elif effect in CONTACT:
+        assert truth["contact"] == 1
+    if effect == "gap_offset":
+        # The truth of the effect is against what the case states.
+        offset = 1e-3 * truth["parameters"][0]["value"]
+        assert hidden.truth["touches"][0]["gap_m"] == pytest.approx(case.contacts[0].gap_m + offset, abs=1e-9)
+
+
+def test_storey_stiffness_by_two_definitions_agrees_where_joints_do_not_turn() -> None:
+    frame = believed("5A")
+    rigid = replace(frame, joint=np.full(6, 1e9), axial=np.zeros(5))
+    assert lone_storey_stiffness(rigid) == pytest.approx(storey_stiffness(rigid), rel=1e-4)
+    assert (lone_storey_stiffness(frame) > storey_stiffness(frame)).all()
+
+
+def test_a_contact_effect_needs_a_pair() -> None:
+    with pytest.raises(CaseError, match="nothing touches on a single frame"):
+        hide(["gap_offset"], ["5A"], source="artificial", duration_s=1.0)
+    with pytest.raises(CaseError, match="give one, or two different ones"):
+        hide([], ["5A", "5A"], source="artificial", duration_s=1.0)
