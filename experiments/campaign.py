@@ -21,6 +21,7 @@ from contact.laws import Law
 from contact.parameters import PRINTED, STIFFNESS_SETS, thesis_law, viscoelastic_of
 from experiments import published
 from experiments.errors import ExperimentError
+from experiments.impacts import all_impacts
 from experiments.pounding import Pounding, built, floor_masses, pound, shaking
 from experiments.rig import Rig
 from experiments.separation.required_gap import pair_gap
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 
 LAWS = tuple(PRINTED)
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
+OTHER_MERGING_MS = (5, 10, 50)
+"""Merging times to show how much the counts depend on it [ms]."""
+
 WINDOW_S = 0.03
 SAMPLE_RATE_HZ = 10_000.0
 
@@ -115,9 +119,10 @@ def run_case(
         folder: Folder of records; the usual places when empty.
 
     Returns:
-        `count`, `peak_force_n`, `first_peak_n`, `first_time_s` (NaN without an impact), `closest_mm` (the
-        smallest gap left; negative: the deepest overlap), `energy_error`, `wall_s`, `model_s`, `impacts` and
-        `peaks` as JSON text, and `first_force` (sample,) [N], the first impact at 10,000 samples a second.
+        `count` and `touches`; `merged_5_ms` and its like, counts at other merging times; `peak_force_n`,
+        `first_peak_n`, `first_time_s` (NaN without an impact); `closest_mm`, the smallest gap left (negative:
+        the deepest overlap); `energy_error`, `wall_s`, `model_s`; `impacts` and `peaks` as JSON text; and
+        `first_force` (sample,) [N], the first impact at 10,000 samples a second.
     """
     first_frame, second_frame = (
         _changed(built(name), frame_stiffness, frame_damping) for name in (left, right)
@@ -130,6 +135,7 @@ def run_case(
     return {
         "count": len(found.impacts),
         "touches": sum(impact.touches for impact in found.impacts),
+        **{f"merged_{ms}_ms": len(all_impacts(found.motion, merging_s=1e-3 * ms)) for ms in OTHER_MERGING_MS},
         "peak_force_n": max((impact.peak_force_n for impact in found.impacts), default=0.0),
         "first_peak_n": first.peak_force_n if first else np.nan,
         "first_time_s": first.time_s if first else np.nan,

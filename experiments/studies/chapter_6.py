@@ -15,7 +15,16 @@ from typing import Any
 import cyclopts
 import pandas as pd
 
-from experiments.campaign import LAWS, Trial, chapter_6, frame_of, run_all, run_apart, shaking
+from experiments.campaign import (
+    LAWS,
+    OTHER_MERGING_MS,
+    Trial,
+    chapter_6,
+    frame_of,
+    run_all,
+    run_apart,
+    shaking,
+)
 from experiments.campaign_tables import (
     KEY,
     agreement,
@@ -138,6 +147,7 @@ def _tables(
         "impacts_at_laboratory_gap": _beside(by_law(runs["laboratory"], "count")),
         "impacts_at_same_fraction": _beside(by_law(runs["own"], "count")),
         "impacts_flipped": _beside(by_law(runs["laboratory_flipped"], "count")),
+        "impacts_by_merging_time": _merging(runs["laboratory"]),
         "peak_force_at_laboratory_gap": by_law(runs["laboratory"], "peak_force_n"),
         "peak_force_at_same_fraction": by_law(runs["own"], "peak_force_n"),
         "agreement_of_laws": agreement(runs["own"]),
@@ -163,6 +173,15 @@ def _beside(counts: pd.DataFrame) -> pd.DataFrame:
     table = counts.astype(int)
     table.insert(0, "counted", counted().reindex(table.index).astype(int))
     return pd.concat([table, table.sum().to_frame("all").T]).rename_axis("case")
+
+
+def _merging(runs: pd.DataFrame) -> pd.DataFrame:
+    """Return how the counts of the linear viscoelastic law depend on the time that merges touches."""
+    chosen = runs[runs["law"] == DEFAULT_LAW]
+    columns = {f"{ms} ms": by_law(chosen, f"merged_{ms}_ms")[DEFAULT_LAW] for ms in OTHER_MERGING_MS}
+    columns[f"{1e3 * MERGING_S:g} ms"] = by_law(chosen, "count")[DEFAULT_LAW]
+    ordered = {name: columns[name] for name in sorted(columns, key=lambda name: float(name.split()[0]))}
+    return _beside(pd.DataFrame(ordered))
 
 
 def _disagreeing() -> pd.DataFrame:

@@ -1,0 +1,63 @@
+"""How long the campaign takes: 32 tests with five laws at the laboratory's gaps, 160 runs through the sweep.
+
+Run it with ``python -m experiments.studies.campaign_speed`` on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import cyclopts
+
+from experiments.campaign import LAWS, chapter_5, chapter_6, run_all, shaking
+from experiments.campaign_tables import case
+from experiments.command import options
+from experiments.command.output import emit
+from experiments.provenance import stamp
+from experiments.studies.shared import Kept, Workers
+
+
+def main(
+    *,
+    records: options.Records = None,
+    kept: Kept = None,
+    workers: Workers = 2,
+    json: options.Json = False,
+) -> None:
+    """Wall time of the 160 runs on two cores."""
+    result = study(records, kept=kept, workers=workers)
+    emit(result, as_json=json, show=lambda: [_sentence(result)])
+
+
+def study(
+    records: Path | None = None, *, kept: Path | None = None, workers: int | None = 2
+) -> dict[str, Any]:
+    """Return the stamped result: runs, model, wall and integration time, largest energy error."""
+    tests = chapter_5() + chapter_6()
+    cases = [case(test, test.gap_mm, law) for test in tests for law in LAWS]
+    started = time.perf_counter()
+    runs = run_all(cases, folder=records, kept=kept, workers=workers)
+    wall_s = time.perf_counter() - started
+    folder = None if records is None else str(records)
+    shaken = [shaking(name, folder) for name in dict.fromkeys(test.record for test in tests)]
+    return stamp({"workers": workers}, shaken) | {
+        "runs": len(runs),
+        "model_s": float(runs["model_s"].sum()),
+        "wall_s": wall_s,
+        "integration_s": float(runs["wall_s"].sum()),
+        "energy_error": float(runs["energy_error"].max()),
+    }
+
+
+def _sentence(result: dict[str, Any]) -> str:
+    return (
+        f"{result['runs']} runs, {result['model_s']:.0f} model seconds in {result['wall_s']:.0f} s "
+        f"(integration alone {result['integration_s']:.0f} s, summed over the workers); "
+        f"energy closes to {result['energy_error']:.1e}"
+    )
+
+
+if __name__ == "__main__":
+    cyclopts.run(main)
