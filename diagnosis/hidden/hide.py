@@ -21,7 +21,7 @@ from diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
 from diagnosis.hidden.reference import typical
 from diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
 from diagnosis.hidden.scenario import Scenario, happen
-from diagnosis.hidden.visibility import Eye
+from diagnosis.hidden.visibility import LEAST, Eye
 
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
@@ -99,13 +99,15 @@ def _put(
     setting = _setting(rig, where)
     sign = _sign(rng, effect.largest, effect.smallest)
     limit = effect.largest if sign > 0 else -effect.smallest
+    quantities = {channel.name: channel.quantity for channel in rig.channels}
+    on_a_force_cell = quantities.get(where.channel or "") == "contact_force"
     # The same chance at every trial, so that only the size changes.
     chance = int(rng.integers(2**32))
 
     def sees(size: float) -> tuple[float, float]:
         alone, _ = effect.put(setting, sign * size, np.random.default_rng(chance))
         with np.errstate(over="ignore", invalid="ignore"):
-            if want.name in CONTACT:
+            if want.name in CONTACT or on_a_force_cell:
                 return _raw(rig, alone)
             return eye.sees(rig.clean(replace(alone, touches=()), 0))
 
@@ -141,7 +143,7 @@ def _raw(rig: Rig, scenario: Scenario) -> tuple[float, float]:
     bare, seen = rig.clean(rig.bare, 0), rig.clean(scenario, 0)
     noise = rig.log.noise_of(rig.channels, bare)
     largest = float(np.sqrt(np.mean(((seen - bare) / np.where(noise > 0, noise, np.inf)) ** 2, axis=0)).max())
-    return largest, largest
+    return largest, max(largest, LEAST)
 
 
 def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, float]]:

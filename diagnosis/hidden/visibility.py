@@ -17,6 +17,9 @@ Clean = Callable[[Scenario, bool], np.ndarray]
 REACH = 2.5
 """How far an ordinary parameter may go to imitate an effect, in prior standard deviations."""
 
+LEAST = 1e-6
+"""Visibility of what changes no channel at all."""
+
 NUDGE = 0.05
 REFITS = 10
 ENOUGH = 0.1
@@ -91,7 +94,7 @@ class Eye:
 
 
 def _largest(change: np.ndarray) -> float:
-    return float(np.sqrt(np.mean(change**2, axis=0)).max())
+    return max(float(np.sqrt(np.mean(change**2, axis=0)).max()), LEAST)
 
 
 def ordinary_parameters(scenario: Scenario) -> int:

@@ -18,10 +18,12 @@ from diagnosis.benchmark.scoring import judge
 from diagnosis.benchmark.summary import share, summarise
 from diagnosis.benchmark.tables import tables
 from diagnosis.case import read_case
+from diagnosis.diagnose import diagnose_case
 from diagnosis.errors import CaseError
 from diagnosis.hidden.effects import CATALOGUE
 from diagnosis.hidden.hide import hide
 from diagnosis.hidden.outsiders import OUTSIDE
+from diagnosis.hidden.writing import write_hidden
 
 PLACE = dict.fromkeys(("frame", "storey", "floor", "channel", "contact", "left", "right"))
 FRICTION = {**PLACE, "effect": "coulomb_friction", "frame": "5A", "storey": 3}
@@ -170,3 +172,22 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
     monkeypatch.setattr(run, "_version", lambda: "two")
     run.run_benchmark(3, 3, **options)
     assert len(seen) == 6
+
+
+@pytest.mark.slow
+def test_a_small_seeded_set_is_diagnosed_as_well_as_before(tmp_path: Path) -> None:
+    """Five plain cases: nothing, friction, a cubic spring, a sensor's gain, an appendage."""
+    judged = {}
+    for words in ([], ["coulomb_friction:2"], ["cubic_stiffness:3"], ["sensor_gain"], ["hidden_appendage"]):
+        hidden = hide(words, ["5A"], seed=31, visibility=5.0, source="artificial", duration_s=4.0)
+        folder = tmp_path / "-".join(["case", *words]).replace(":", "")
+        write_hidden(hidden, folder)
+        judged[folder.name] = judge(hidden.truth, diagnose_case(folder))
+    wrong = {name: case.called for name, case in judged.items() if not case.exact}
+    assert not wrong
+    closed = [
+        case.gap_closed for case in judged.values() if case.kind == "single" and np.isfinite(case.gap_closed)
+    ]
+    assert np.median(closed) > 0.9
+    errors = [error for case in judged.values() for error in case.parameter_errors]
+    assert np.median(errors) < 0.05
