@@ -46,6 +46,9 @@ def main(
     kept: Kept = None,
     workers: Workers = None,
     duration_s: Annotated[float, Parameter(help="Model time of each run [s].")] = 6.0,
+    only: Annotated[
+        list[str] | None, Parameter(help="A case as in the tables, repeatable; all if none.")
+    ] = None,
     json: options.Json = False,
 ) -> None:
     """Accuracy of colliding runs, in step and in the number of modes kept.
@@ -53,7 +56,7 @@ def main(
     Args:
         out: Folder for the tables as CSV.
     """
-    result, tables = study(records, kept=kept, workers=workers, duration_s=duration_s)
+    result, tables = study(records, kept=kept, workers=workers, duration_s=duration_s, only=only)
     if out is not None:
         write_tables(tables, out)
     emit(result, as_json=json, show=lambda: show(tables))
