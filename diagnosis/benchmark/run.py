@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import resource
 import tempfile
 import time
@@ -17,14 +18,19 @@ from rich.console import Console
 from diagnosis.benchmark.drawing import draw_set
 from diagnosis.benchmark.scoring import judge
 from diagnosis.benchmark.summary import summarise
+from diagnosis.benchmark.tables import tables
 from diagnosis.errors import CaseError
 from diagnosis.hidden.hide import hide
 from diagnosis.hidden.motions import available
 from diagnosis.hidden.writing import write_hidden
+from experiments.provenance import stamp
 from experiments.sweep import sweep
 from experiments.sweep_store import code_version
+from frames.files import write_whole
 
 Method = Callable[[Path], Mapping[str, Any]]
+
+__all__ = ["METHODS", "run_benchmark", "tables"]
 
 METHODS = ("diagnosis", "refit", "sparse", "sparse-pysindy")
 """The workflow itself and what people would do instead (see `competitors`)."""
@@ -85,7 +91,7 @@ def run_benchmark(
     way: str = "diagnosis",
     motions: str = "mixed",
     pairs: bool = False,
-    folder: Path | None = None,
+    out: Path | None = None,
     workers: int | None = None,
     console: Console | None = None,
 ) -> dict[str, Any]:
@@ -97,13 +103,14 @@ def run_benchmark(
         way: One of `METHODS`.
         motions: Where the table's motions come from: ``records``, ``artificial`` or ``mixed``.
         pairs: Two frames side by side instead of one.
-        folder: Where finished cases are kept, so that an interrupted benchmark goes on; None keeps nothing.
+        out: Folder for `benchmark.json` and the finished cases, so that an interrupted benchmark goes on;
+            None keeps nothing.
         workers: Processes; one a core when None, 0 runs in this process.
         console: Where progress is shown.
 
     Returns:
-        The figures of `summarise`, and ``count``, ``seed``, ``method``, ``motions``, ``records``,
-        ``failures``, ``memory_mb`` and ``judged``: truth and verdict of each case in short.
+        The figures of `summarise`, and ``parameters``, ``method``, ``motion_records``, ``failures``,
+        ``memory_mb`` and ``judged``: truth and verdict of each case in short.
 
     Raises:
         CaseError: An unknown method, a set without cases, or not one that could be finished.
@@ -115,7 +122,7 @@ def run_benchmark(
         one_case,
         cases,
         settings=settings,
-        folder=folder,
+        folder=None if out is None else out / "cases",
         workers=workers,
         version=_version(),
         console=console,
@@ -125,10 +132,10 @@ def run_benchmark(
     texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
     finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
     judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
-    return {
-        **settings,
+    result = {
+        **stamp(settings),
         "method": way,
-        "records": available() if motions != "artificial" else [],
+        "motion_records": available() if motions != "artificial" else [],
         **summarise(judged),
         "failures": [str(reason) for reason in done["failure"].values if reason],
         "memory_mb": float(done["memory_mb"].max()),
@@ -137,6 +144,9 @@ def run_benchmark(
             for case, (truth, report, _) in zip(judged, finished, strict=True)
         ],
     }
+    if out is not None:
+        write_whole(out / "benchmark.json", json.dumps(_finite(result), indent=2).encode())
+    return result
 
 
 def _version() -> str:
@@ -147,3 +157,12 @@ def _version() -> str:
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _finite(value: Any) -> Any:
+    """Return a result as JSON has it: null for NaN, lists for tuples."""
+    if isinstance(value, Mapping):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -161,8 +161,13 @@ def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, 
         low, high = (max(low, size), high) if weak else (low, min(high, size))
         step = size * float(np.clip(target / seen[1], 0.03, 30.0)) if size in tried else 0.5 * size
         # A proportional step, unless it leaves what is known to be too weak and too strong.
-        size = step if low < step < high else (high if high == limit else 0.5 * (low + high))
-        if size in tried:
+        if step >= high == limit and limit not in tried:
+            size = limit
+        elif low < step < high:
+            size = step
+        else:
+            size = float(np.sqrt(low * high)) if low else 0.3 * high
+        if weak and low == limit:
             break
     if not tried:
         raise CaseError(

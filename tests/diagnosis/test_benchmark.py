@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from collections import Counter
 from functools import partial
 from pathlib import Path
@@ -159,13 +160,14 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
     monkeypatch.setattr(run, "hide", partial(hide, duration_s=0.6))
     # Finished cases belong to the source that made them.
     monkeypatch.setattr(run, "_version", lambda: "one")
-    options: dict[str, Any] = {"folder": tmp_path, "workers": 0, "motions": "artificial"}
+    options: dict[str, Any] = {"out": tmp_path, "workers": 0, "motions": "artificial"}
     result = run.run_benchmark(3, 3, **options)
     assert len(seen) == 3
     assert set(map(tuple, seen)) == {("case.toml", "run1.csv", "run2.csv", "run3.csv")}
     assert result["false_alarms"]["share"] == 0.0
     assert result["cases"] == 3
     assert result["failures"] == []
+    assert json.loads((tmp_path / "benchmark.json").read_text())["cases"] == 3
     again = run.run_benchmark(3, 3, **options)
     assert len(seen) == 3
     assert [case["seed"] for case in again["judged"]] == [case["seed"] for case in result["judged"]]
