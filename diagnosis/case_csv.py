@@ -169,6 +169,8 @@ def _oddity(path: Path, channel: Channel, values: np.ndarray) -> str:
         return f"{here}: no sample was recorded"
     if seen.size < values.size:
         return f"{here}: {values.size - seen.size} of {values.size} samples dropped out"
+    if not seen.any() and channel.quantity == "contact_force":
+        return f"{here}: reads 0 throughout; the contact never closed, or the sensor is dead"
     if np.ptp(seen) == 0:
         return f"{here}: reads {seen[0] / channel.to_si:g} {channel.unit} throughout; the sensor may be dead"
     return ""

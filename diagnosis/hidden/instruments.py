@@ -20,6 +20,9 @@ PAIR_RATES_HZ = (1000.0, 1024.0, 2000.0)
 PAIR_FINE_HZ = 8000.0
 """The same for frames that touch: an impact takes about a millisecond."""
 
+FORCE_NOISE_N = 0.5
+"""A force cell's noise where nothing touches [N]."""
+
 FORCE_CELLS = 0.75
 """Share of the pairs whose contact force is measured."""
 
@@ -57,7 +60,9 @@ class Logger:
     def noise_of(self, channels: tuple[Channel, ...], clean: np.ndarray) -> np.ndarray:
         """Return the standard deviation of each channel's noise in a run, shape (channels,)."""
         level = np.where([channel.is_table for channel in channels], self.table_noise, self.noise)
-        return level * np.sqrt(np.mean((clean - clean.mean(axis=0)) ** 2, axis=0))
+        noise = level * np.sqrt(np.mean((clean - clean.mean(axis=0)) ** 2, axis=0))
+        cells = np.array([channel.quantity == "contact_force" for channel in channels])
+        return np.where(cells, np.maximum(noise, FORCE_NOISE_N), noise)
 
 
 def place(rng: np.random.Generator, frames: Mapping[str, Beams]) -> tuple[Channel, ...]:

@@ -120,6 +120,13 @@ def test_a_channel_without_samples_and_a_dead_one_are_said(folder: Path) -> None
     assert "'force': no sample was recorded" in said[1]
 
 
+def test_a_contact_that_never_closes_is_no_dead_sensor(folder: Path) -> None:
+    rows = [row.rpartition(",")[0] for row in samples(0.002).splitlines()[1:]]
+    (folder / "run1.csv").write_text("\n".join(["time_s,table,d2,force", *(f"{row},0" for row in rows)]))
+    (said,) = read_case(folder).warnings
+    assert "'force': reads 0 throughout; the contact never closed" in said
+
+
 def test_ten_seconds_of_zeros_are_said(folder: Path) -> None:
     text = "\n".join(["time_s,table,d2,force", *(f"{0.002 * i:.3f},0,0,0" for i in range(5000))])
     (folder / "run1.csv").write_text(text)

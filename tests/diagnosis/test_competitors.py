@@ -54,7 +54,7 @@ def test_pysindy_agrees_where_it_is_installed(regression: tuple[np.ndarray, np.n
 def plain_cubic(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("case")
     hidden = hide(
-        ["cubic_stiffness:3"], ["5A"], seed=21, visibility=12.0, source="artificial", duration_s=5.0
+        ["cubic_stiffness:3"], ["5A"], seed=22, visibility=12.0, source="artificial", duration_s=5.0
     )
     write_hidden(hidden, folder)
     return folder
