@@ -48,9 +48,9 @@ class Assembly:
     channel_offset: np.ndarray
     laws: list[tuple[int, np.ndarray, tuple[float, ...], tuple[int, int]]] = field(default_factory=list)
     """Kind, row of floors that gives the drift, SI parameters, floor range (drag)."""
-    extensions: list[Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]] = (
-        field(default_factory=list)
-    )
+    extensions: list[
+        Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    ] = field(default_factory=list)
     """Each turns mass, stiffness and damping matrices into larger ones: coordinates that the floors do not have."""
     influence: list[float] = field(default_factory=list)
     """Motion of each such coordinate when the table moves by one."""
@@ -81,7 +81,9 @@ class Believed:
         self.observed = observed
         self.parameters = _parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
-        self._splines = [CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs]
+        self._splines = [
+            CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
+        ]
         self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
 
     def table_slope(self, run: RunData) -> np.ndarray:
@@ -186,7 +188,9 @@ class Believed:
         )
         if gain is None:
             for channel in np.flatnonzero(assembly.channel_delay_s):
-                outputs[:, channel] = shift(outputs[:, channel], run.step_s, -assembly.channel_delay_s[channel])
+                outputs[:, channel] = shift(
+                    outputs[:, channel], run.step_s, -assembly.channel_delay_s[channel]
+                )
         factor = 1.0 + assembly.channel_gain
         return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
 
@@ -220,7 +224,9 @@ class Believed:
         if len(delayed):
             measured = measured.copy()
             for channel in delayed:
-                measured[:, channel] = self._shift(number, int(channel), float(assembly.channel_delay_s[channel]))
+                measured[:, channel] = self._shift(
+                    number, int(channel), float(assembly.channel_delay_s[channel])
+                )
         return (measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added
 
     def _shift(self, number: int, channel: int, delay_s: float) -> np.ndarray:
@@ -245,7 +251,9 @@ def shift(series: np.ndarray, step_s: float, delay_s: float) -> np.ndarray:
     index = np.arange(len(series))
     filled = np.interp(index, index[good], series[good])
     pad = min(256, len(series) - 1)
-    padded = np.concatenate([2 * filled[0] - filled[pad:0:-1], filled, 2 * filled[-1] - filled[-2 : -pad - 2 : -1]])
+    padded = np.concatenate(
+        [2 * filled[0] - filled[pad:0:-1], filled, 2 * filled[-1] - filled[-2 : -pad - 2 : -1]]
+    )
     length = next_fast_len(len(padded), real=True)
     ramp = np.linspace(padded[-1], padded[0], length - len(padded) + 2)[1:-1]
     frequency = np.fft.rfftfreq(length, step_s)
@@ -344,11 +352,14 @@ def _steps(modes: Modes, step: float) -> np.ndarray:
     a11 = cosine + ratio * omega / damped * sine
     a12 = sine / damped
     return np.stack(
-        [a11, a12, -(omega**2) * a12, cosine - ratio * omega / damped * sine, (1 - a11) / omega**2, a12], axis=1
+        [a11, a12, -(omega**2) * a12, cosine - ratio * omega / damped * sine, (1 - a11) / omega**2, a12],
+        axis=1,
     )
 
 
-def _laws(assembly: Assembly, modes: Modes, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _laws(
+    assembly: Assembly, modes: Modes, end: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     count = len(assembly.laws)
     rows = np.zeros((count, len(modes.omega)))
     parameters = np.zeros((count, 5))

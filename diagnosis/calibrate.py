@@ -14,7 +14,6 @@ from diagnosis.predictor import ACCELERATION
 from diagnosis.sensitivity import Term, signatures
 from diagnosis.storeys import Modes
 
-
 BOX = 3.0
 """Prior standard deviations that an ordinary parameter may move: what lies beyond is not ordinary."""
 
@@ -101,7 +100,10 @@ def design(
 
 
 def log_likelihood(
-    believed: Believed, innovations: Sequence[np.ndarray], filters: Sequence[SteadyFilter], runs: Sequence[int]
+    believed: Believed,
+    innovations: Sequence[np.ndarray],
+    filters: Sequence[SteadyFilter],
+    runs: Sequence[int],
 ) -> float:
     """Return the Gaussian log likelihood of the innovations [nats], missing samples left out."""
     total = 0.0
@@ -137,7 +139,9 @@ def motions(believed: Believed, baseline: Baseline) -> list[Motion]:
     return found
 
 
-def _motion(believed: Believed, modes: Modes, states: np.ndarray, run: RunData, outputs: np.ndarray) -> Motion:
+def _motion(
+    believed: Believed, modes: Modes, states: np.ndarray, run: RunData, outputs: np.ndarray
+) -> Motion:
     n = len(modes.omega)
     eta, rate = states[:, :n], states[:, n : 2 * n]
     floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
@@ -185,7 +189,8 @@ def force_term(motion: Motion, series: Callable[[Motion], np.ndarray], force: np
 def ordinary_terms(believed: Believed, modes: Modes, motion: Motion) -> list[list[Term]]:
     """Return for each ordinary parameter the terms that a unit of it adds."""
     return [
-        _ordinary(believed, modes, motion, parameter.kind, parameter.place) for parameter in believed.parameters
+        _ordinary(believed, modes, motion, parameter.kind, parameter.place)
+        for parameter in believed.parameters
     ]
 
 

@@ -21,13 +21,12 @@ from diagnosis.calibrate import Motion
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
 
-
 CHANNEL_UNIT = "unit of the channel"
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A parameter of an effect: name, unit as reported, how many of that unit an SI unit is; some are refined but not told."""
+    """A parameter of an effect: name, unit as reported, how many of that unit an SI unit is; some are not reported."""
 
     name: str
     unit: str

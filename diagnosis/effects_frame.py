@@ -93,7 +93,9 @@ class BaseRocking(FrameEffect):
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Add the base's flexibility."""
         frame, span = self.storeys(believed), self.span(believed)
-        flexibility = np.linalg.inv(frame.stiffness) + np.outer(frame.height_m, frame.height_m) / abs(float(values[0]))
+        flexibility = np.linalg.inv(frame.stiffness) + np.outer(frame.height_m, frame.height_m) / abs(
+            float(values[0])
+        )
         assembly.stiffness[span, span] += np.linalg.inv(flexibility) - frame.stiffness
 
     def logarithmic(self) -> tuple[bool, ...]:
@@ -221,7 +223,9 @@ class TorsionalEccentricity(FrameEffect):
         for mode in range(span.start, span.stop):
             omega, ratio = float(modes.omega[mode]), float(modes.ratio[mode])
 
-            def turning(m: Motion, mode: int = mode, omega: float = omega, ratio: float = ratio) -> np.ndarray:
+            def turning(
+                m: Motion, mode: int = mode, omega: float = omega, ratio: float = ratio
+            ) -> np.ndarray:
                 moved = -(omega**2) * m.eta[:, mode] - 2 * ratio * omega * m.eta_rate[:, mode]
                 own = shape[0] * omega
                 driven = oscillator(moved, own, ratio, motion.run.step_s)

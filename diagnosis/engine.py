@@ -72,7 +72,9 @@ def simulate_engine(
             found.append(_run(believed, assembly, number, values, effects))
         except ExperimentError as error:
             name = believed.observed.runs[number].name
-            raise CaseError(f"{name}: the exudyn model with the effect in it did not finish: {error}") from error
+            raise CaseError(
+                f"{name}: the exudyn model with the effect in it did not finish: {error}"
+            ) from error
     return found
 
 
@@ -191,7 +193,9 @@ class _Addition:
             else:
                 kept.append(self._plain(mbs, body, one))
         if self.loads is not None:
-            kept += [self._load(mbs, body, floor) for floor in np.flatnonzero(np.any(self.loads != 0, axis=0))]
+            kept += [
+                self._load(mbs, body, int(floor)) for floor in np.flatnonzero(np.any(self.loads != 0, axis=0))
+            ]
         return kept
 
     def _ends(self, body: Any, row: np.ndarray) -> tuple[int, int]:

@@ -70,7 +70,8 @@ def scales(believed: Believed, baseline: Baseline) -> Scales:
         acceleration=root_mean_square(acceleration),
         rate=root_mean_square(np.concatenate([m.floor_rate + m.table_rate[:, None] for m in found])),
         output=np.nan_to_num(
-            root_mean_square(np.concatenate([believed.observed.runs[run].measured for run in baseline.runs])), nan=1.0
+            root_mean_square(np.concatenate([believed.observed.runs[run].measured for run in baseline.runs])),
+            nan=1.0,
         ),
         omega=tuple(
             baseline.modes.omega[believed.structure.span(frame)]
@@ -120,9 +121,7 @@ def score(
         signature = signature.astype(float) * np.concatenate([believed.std, width])
         if present:
             ordinary = len(believed.std)
-            signature = np.hstack(
-                [signature[:, :ordinary], present[number], signature[:, ordinary:]]
-            )
+            signature = np.hstack([signature[:, :ordinary], present[number], signature[:, ordinary:]])
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
     slope[: len(believed.std)] -= baseline.values / believed.std
@@ -151,7 +150,9 @@ def _rank(
             shape=shape,
             amplitude=float(amplitude[column] * width[column]),
             std=float(width[column] / np.sqrt(1 + information[column])),
-            nats=float(nats[column]) if allowed else float(min(nats[column], -0.5 * np.log1p(information[column]))),
+            nats=float(nats[column])
+            if allowed
+            else float(min(nats[column], -0.5 * np.log1p(information[column]))),
             column=column,
         )
         key = id(effect)

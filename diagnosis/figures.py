@@ -56,7 +56,9 @@ def _before_after(found: Findings) -> Figure:
         upper.plot(data.time_s, simulated, color=colour, lw=0.8, label=f"simulated, {name}")
         difference = levelled(believed, output - data.measured)[:, channel] / scale
         lower.plot(data.time_s, difference, color=colour, lw=0.8, label=f"{name}: simulated − measured")
-    upper.set_title(f"{believed.observed.names[channel]}, {data.name}: the channel with the largest gap before")
+    upper.set_title(
+        f"{believed.observed.names[channel]}, {data.name}: the channel with the largest gap before"
+    )
     middle = data.time_s[int(np.argmax(np.abs(np.nan_to_num(measured))))]
     upper.set_xlim(max(data.time_s[0], middle - 1.5), min(data.time_s[-1], middle + 1.5))
     for axes in (upper, lower):

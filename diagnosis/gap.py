@@ -18,7 +18,10 @@ def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequen
     """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
     measured = np.concatenate([believed.observed.runs[run].measured for run in runs])
     difference = np.concatenate(
-        [levelled(believed, one - believed.observed.runs[run].measured) for one, run in zip(outputs, runs, strict=True)]
+        [
+            levelled(believed, one - believed.observed.runs[run].measured)
+            for one, run in zip(outputs, runs, strict=True)
+        ]
     )
     rms = root_mean_square(measured)
     return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
@@ -68,7 +71,9 @@ def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.nd
         total = total + len(run.table) * rms**2
         count += len(run.table)
     del count
-    return np.sqrt(np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0))
+    return np.sqrt(
+        np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
+    )
 
 
 def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:

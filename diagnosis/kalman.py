@@ -44,7 +44,8 @@ class Noise:
 class LinearSystem:
     """Continuous system x' = A x + B force, y = C x + D force over modes, latent forces, table noise, table motion.
 
-    `rate` (states, states), `force` (states, modes + 1: the table's acceleration last), `output` (channels, states), `direct` (channels, modes).
+    `rate` (states, states), `force` (states, modes + 1: the table's acceleration last), `output` (channels, states),
+    `direct` (channels, modes).
     """
 
     rate: np.ndarray
@@ -154,9 +155,7 @@ def discretise(rate: np.ndarray, density: np.ndarray, step_s: float) -> tuple[np
     return step, (covariance + covariance.T) / 2
 
 
-def _first_order_hold(
-    rate: np.ndarray, force: np.ndarray, step_s: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _first_order_hold(rate: np.ndarray, force: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the responses to a force at the start and at the end of a step, linear in between."""
     n, m = force.shape
     block = np.zeros((n + 2 * m, n + 2 * m))

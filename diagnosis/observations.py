@@ -108,7 +108,9 @@ def observe(case: Case, structure: Structure) -> Observations:
             frame = structure.index(str(channel.frame))
             floor.append(structure.first(frame) + int(channel.floor or 1) - 1)
     if all(kind == TABLE_DISPLACEMENT for kind in quantity):
-        raise CaseError(f"{case.folder / 'case.toml'}: no channel measures a frame; add at least one floor's motion")
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: no channel measures a frame; add at least one floor's motion"
+        )
     forces = [i for i, channel in enumerate(case.channels) if channel.quantity == "contact_force"]
     pairs = tuple(_contact_floors(case, structure, int(case.channels[i].contact or 1)) for i in forces)
     runs = tuple(_run(case, run, columns, forces, warnings) for run in case.runs)

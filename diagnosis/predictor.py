@@ -76,13 +76,13 @@ def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: f
 
 @njit(cache=True)
 def _remember(kind: int, p: np.ndarray, state: np.ndarray, d: float) -> None:
-    if kind == FRICTION or kind == HYSTERESIS:
+    if kind == FRICTION or kind == HYSTERESIS:  # noqa: SIM109, numba compiles this one
         state[0] = _elastoplastic(p[1], p[0], state, d)
         state[1] = d
 
 
 @njit(cache=True)
-def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, table_rate, time, keep, force):  # type: ignore[no-untyped-def]
+def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, table_rate, time, keep, force):
     """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
     modes = eta.size
     for j in range(kinds.size):
@@ -108,14 +108,14 @@ def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, tab
 
 
 @njit(cache=True)
-def _advance(steps, eta, rate, force, new_eta, new_rate):  # type: ignore[no-untyped-def]
+def _advance(steps, eta, rate, force, new_eta, new_rate):
     for m in range(eta.size):
         new_eta[m] = steps[m, 0] * eta[m] + steps[m, 1] * rate[m] + steps[m, 4] * force[m]
         new_rate[m] = steps[m, 2] * eta[m] + steps[m, 3] * rate[m] + steps[m, 5] * force[m]
 
 
 @njit(cache=True)
-def predict(  # type: ignore[no-untyped-def]
+def predict(
     modes,
     half,
     full,

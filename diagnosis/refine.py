@@ -25,6 +25,8 @@ DAMPINGS = (0.0, 0.1, 1.0, 10.0)
 PATTERN = (0.1, 0.03, 0.01)
 PATTERN_BELOW = 20.0
 """Damping of the Gauss-Newton step; strides of the search along single parameters, and the gain below which it runs."""
+WORSE = 5.0
+"""Loss of likelihood [nats] at which a step is taken back."""
 LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
 LEAST_LATENT = 1e-4
@@ -63,9 +65,13 @@ class Coordinates:
     logarithmic: np.ndarray
 
     @classmethod
-    def of(cls, effects: Sequence[Effect], values: Sequence[np.ndarray], widths: Sequence[np.ndarray]) -> Coordinates:
+    def of(
+        cls, effects: Sequence[Effect], values: Sequence[np.ndarray], widths: Sequence[np.ndarray]
+    ) -> Coordinates:
         """Return coordinates that are zero at `values`."""
-        logarithmic = np.concatenate([np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)])
+        logarithmic = np.concatenate(
+            [np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)]
+        )
         start = np.concatenate([np.asarray(v, float) for v in values] or [np.zeros(0)])
         width = np.concatenate([np.asarray(w, float) for w in widths] or [np.zeros(0)])
         return cls(tuple(effects), start, np.where(logarithmic, LOG_WIDTH, width), logarithmic)
@@ -119,7 +125,9 @@ def refine(
     while current.noise[0].latent.max() > LEAST_LATENT:
         noise = tuple(replace(one, latent=LATENT_STEP * one.latent) for one in current.noise)
         trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
-        trial = run_baseline(believed, current.values, matched_noise(believed, trial), trial.runs, trial.effects)
+        trial = run_baseline(
+            believed, current.values, matched_noise(believed, trial), trial.runs, trial.effects
+        )
         trial, moved = _descend(believed, trial, coordinates, x, iterations)
         if trial.log_likelihood < current.log_likelihood + 1.0:
             break
@@ -187,8 +195,11 @@ def _descend(
             moved, after = _pattern(believed, baseline, coordinates, moved, ordinary, min(after, before))
         if after >= before:
             break
-        x = moved
-        baseline = _at(believed, baseline, coordinates, x, ordinary)
+        trial = _at(believed, baseline, coordinates, moved, ordinary)
+        if trial.log_likelihood < baseline.log_likelihood - WORSE:
+            # The gain that fits the new parameters likes them less than the old gain did.
+            break
+        baseline, x = trial, moved
         if before - after < 0.2:
             break
     return baseline, x
@@ -219,7 +230,8 @@ def _pattern(
 def _ordinary_columns(believed: Believed, baseline: Baseline) -> list[np.ndarray]:
     groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
     return [
-        columns * believed.std.astype(columns.dtype) for columns in grouped_signatures(believed, baseline, groups)
+        columns * believed.std.astype(columns.dtype)
+        for columns in grouped_signatures(believed, baseline, groups)
     ]
 
 
@@ -231,7 +243,11 @@ def effect_columns(
     found = [np.zeros((series.size, len(x)), np.float32) for series in baseline.prediction.innovations]
     for j in range(len(x)):
         moved = x.copy()
-        delta = 1e-3 if coordinates.logarithmic[j] else 1e-3 * max(1.0, abs(x[j] + coordinates.start[j] / coordinates.width[j]))
+        delta = (
+            1e-3
+            if coordinates.logarithmic[j]
+            else 1e-3 * max(1.0, abs(x[j] + coordinates.start[j] / coordinates.width[j]))
+        )
         moved[j] += delta
         acting = tuple(zip(coordinates.effects, coordinates.values(moved), strict=True))
         prediction = believed.predict(baseline.values, gains, acting, baseline.runs)
@@ -279,7 +295,9 @@ def _misfit(
     believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, ordinary: np.ndarray
 ) -> float:
     acting = tuple(zip(coordinates.effects, coordinates.values(x), strict=True))
-    prediction = believed.predict(ordinary, [steady.gain for steady in baseline.filters], acting, baseline.runs)
+    prediction = believed.predict(
+        ordinary, [steady.gain for steady in baseline.filters], acting, baseline.runs
+    )
     total = 0.5 * float(np.sum((ordinary / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
     for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
         good = np.isfinite(believed.observed.runs[run].measured)
@@ -289,9 +307,13 @@ def _misfit(
 
 def _finished(believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray) -> Fit:
     columns = effect_columns(believed, baseline, coordinates, x)
-    gram, _ = _normal(_ordinary_columns(believed, baseline), columns, whitened_innovations(believed, baseline))
+    gram, _ = _normal(
+        _ordinary_columns(believed, baseline), columns, whitened_innovations(believed, baseline)
+    )
     precision = gram + np.eye(len(gram))
-    log_prior = -0.5 * float(np.sum((baseline.values / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
+    log_prior = -0.5 * float(
+        np.sum((baseline.values / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2)
+    )
     posterior = baseline.log_likelihood + log_prior - 0.5 * float(np.linalg.slogdet(precision)[1])
     spread = np.sqrt(np.diag(np.linalg.inv(precision)))[len(believed.std) :] * np.abs(coordinates.slopes(x))
     ends = np.cumsum([len(effect.quantities) for effect in coordinates.effects])

@@ -85,7 +85,9 @@ def number(value: float | str | None) -> str:
 def place(entry: dict[str, Any]) -> str:
     """Return where an effect is, in words."""
     words = [str(entry["frame"])] if entry["frame"] else []
-    words += [f"{key} {entry[key]}" for key in ("storey", "floor", "channel", "contact") if entry[key] is not None]
+    words += [
+        f"{key} {entry[key]}" for key in ("storey", "floor", "channel", "contact") if entry[key] is not None
+    ]
     if entry["left"]:
         words.insert(0, f"{entry['left']}–{entry['right']}")
     return ", ".join(words) or "the table"
@@ -94,8 +96,12 @@ def place(entry: dict[str, Any]) -> str:
 def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
     """Return the findings for the terminal."""
     yield sentence(report)
-    gaps = Table("gap", "before", "after", "noise floor", title="Gap: rms(simulated - measured) / rms(measured)")
-    gaps.add_row("training", *(number(report["gap"]["training"][k]) for k in ("before", "after", "noise_floor")))
+    gaps = Table(
+        "gap", "before", "after", "noise floor", title="Gap: rms(simulated - measured) / rms(measured)"
+    )
+    gaps.add_row(
+        "training", *(number(report["gap"]["training"][k]) for k in ("before", "after", "noise_floor"))
+    )
     held_out = report["gap"]["held_out"]
     if held_out:
         label = f"held out ({held_out['run']})"

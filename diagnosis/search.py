@@ -21,10 +21,12 @@ WORTH = 2.0
 """Candidates refined at most, those of them refined to the end, and the least evidence [nats] for which one is."""
 UNEXPLAINED = 1.5
 """Gap over noise floor above which the search goes on: larger amplitudes, second effects."""
+START_FACTORS = (0.5, 2.0)
+"""Sizes tried beside the scored one before a refinement."""
 RESCUE_LEVEL = 0.01
-RESCUE_FACTORS = (0.5, 1.5, 4.0)
+RESCUE_FACTORS = (0.5, 1.5, 4.0, 12.0)
 RESCUED = 50.0
-RESCUES = 2
+RESCUES = 3
 RESCUED_STOREYS = 6
 """Where nothing fits: latent force, sizes tried, evidence [nats] that is worth a refinement, how many, and where."""
 SECOND = 12.0
@@ -133,7 +135,10 @@ def _channel_gaps(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> np.nda
 def _floor(found: Findings, fit: Fit) -> np.ndarray:
     nothing = np.full(len(found.believed.observed.names), np.nan)
     return np.array(
-        [floors(found.believed, fit.baseline, runs) if runs else nothing for runs in (found.training, found.held_out)]
+        [
+            floors(found.believed, fit.baseline, runs) if runs else nothing
+            for runs in (found.training, found.held_out)
+        ]
     )
 
 
@@ -184,7 +189,32 @@ def _refined(
         )
     if start is not None:
         baseline, values = start.baseline, start.values[0]
+    else:
+        values = _better_start(found, baseline, one)
     return refine(believed, baseline, (effect,), (values,), (width,), thorough=thorough)
+
+
+def _better_start(found: Findings, baseline: Baseline, one: Score) -> np.ndarray:
+    """Return the parameters from which to refine: what was scored, or another shape or size that predicts better.
+
+    The score is linear in the amplitude and knows the shape on a coarse grid only.
+    """
+    believed, effect = found.believed, one.effect
+    shapes = effect.grid(found.sizes)
+    starts = [effect.values(one.amplitude, one.shape)]
+    if len(shapes) > 1:
+        near = sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))[1:3]
+        starts += [effect.values(one.amplitude, shape) for shape in near]
+    starts += [effect.values(factor * one.amplitude, one.shape) for factor in START_FACTORS]
+
+    def likely(values: np.ndarray) -> float:
+        with np.errstate(over="ignore", invalid="ignore"):
+            found_there = run_baseline(
+                believed, baseline.values, baseline.noise, baseline.runs, [(effect, values)]
+            ).log_likelihood
+        return found_there if np.isfinite(found_there) else -np.inf
+
+    return max(starts, key=likely)
 
 
 def unexplained(found: Findings, judged: Judged) -> bool:
@@ -243,7 +273,11 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
         if effect.where == "storey" and effect.index not in storeys:
             storeys.append(effect.index)
     inside = storeys[:RESCUED_STOREYS]
-    return [e for e in effects if (e.where == "storey" and e.index in inside) or (e.where in ("frame", "") and not e.foil)]
+    return [
+        e
+        for e in effects
+        if (e.where == "storey" and e.index in inside) or (e.where in ("frame", "") and not e.foil)
+    ]
 
 
 def _second(found: Findings, effects: Sequence[Effect]) -> None:

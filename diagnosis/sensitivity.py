@@ -80,7 +80,7 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
 
 
 @njit(cache=True)
-def _filter(closed, output, start, back, end, direct, series, at_end, column, result):  # type: ignore[no-untyped-def]
+def _filter(closed, output, start, back, end, direct, series, at_end, column, result):
     samples, terms = series.shape
     states = closed.shape[0]
     channels = output.shape[0]

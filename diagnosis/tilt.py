@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.fft import next_fast_len
 
@@ -24,7 +26,7 @@ def smooth_derivatives(table: np.ndarray, step_s: float) -> tuple[np.ndarray, np
     return np.fft.irfft(spectrum, length)[:n], np.fft.irfft(second, length)[:n]
 
 
-def tilt_series(believed, modes: Modes, run: RunData):  # type: ignore[no-untyped-def]
+def tilt_series(believed: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...]:
     """Return pitch and pitching of a unit tilt, their modal directions, and what the channels see of both.
 
     Returns:
@@ -45,7 +47,17 @@ def tilt_series(believed, modes: Modes, run: RunData):  # type: ignore[no-untype
     return pitch, pitching, inertia, weight, seen
 
 
-def tilt_inputs(believed, assembly, modes, number, middle, at, known_mid, known_at, added):  # type: ignore[no-untyped-def]
+def tilt_inputs(
+    believed: Any,
+    assembly: Any,
+    modes: Modes,
+    number: int,
+    middle: np.ndarray,
+    at: np.ndarray,
+    known_mid: np.ndarray,
+    known_at: np.ndarray,
+    added: np.ndarray,
+) -> None:
     """Add an assembly's tilt to the known modal forces at midpoints and to what the channels see.
 
     The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
@@ -55,7 +67,8 @@ def tilt_inputs(believed, assembly, modes, number, middle, at, known_mid, known_
     pitch, pitching, inertia, weight, seen = tilt_series(believed, modes, run)
     size = assembly.table_tilt
     known_mid += size * (
-        np.interp(middle, at, pitch)[..., None] * weight - np.interp(middle, at, pitching)[..., None] * inertia
+        np.interp(middle, at, pitch)[..., None] * weight
+        - np.interp(middle, at, pitching)[..., None] * inertia
     )
     known_at += size * pitch[:, None] * weight
     added += size * pitch[:, None] * seen

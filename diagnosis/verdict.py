@@ -166,7 +166,12 @@ def parameters(
         if effect.name == "joint_flexibility":
             factor = found.believed.structure.frames[effect.index].joint_stiffness
         shown.append(
-            {"name": quantity.name, "value": float(value) * factor, "std": float(spread) * factor, "unit": unit}
+            {
+                "name": quantity.name,
+                "value": float(value) * factor,
+                "std": float(spread) * factor,
+                "unit": unit,
+            }
         )
     return shown
 

@@ -41,7 +41,9 @@ class Leftover:
     drift_rate: np.ndarray
 
 
-def where(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Sequence[int]) -> list[dict[str, Any]]:
+def where(
+    believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Sequence[int]
+) -> list[dict[str, Any]]:
     """Return the largest disagreements of a fit, largest first, as the report lists them.
 
     `gap` is the rms of the difference in a window and band over the rms of the channel in the whole run.
@@ -55,7 +57,7 @@ def where(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Seque
     highest = 1.3 * float(np.sort(baseline.modes.omega)[min(4, len(baseline.modes.omega) - 1)]) / (2 * np.pi)
     edges = np.geomspace(0.5 * float(baseline.modes.omega.min()) / (2 * np.pi), highest, BANDS)
     edges = np.concatenate([[0.0], edges])
-    found = []
+    found: list[dict[str, Any]] = []
     for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
         data = believed.observed.runs[run]
         difference = np.nan_to_num(levelled(believed, output - data.measured))

@@ -12,13 +12,21 @@ def sentence(report: dict[str, Any]) -> str:
     """Return the verdict in one sentence."""
     gap = report["gap"]["held_out"] or report["gap"]["training"]
     run = f"on {gap['run']}, which was not used" if report["gap"]["held_out"] else "on the runs used"
-    change = f"the gap {run}, goes from {gap['before']:.2%} to {gap['after']:.2%} (noise {gap['noise_floor']:.2%})"
+    change = (
+        f"the gap {run}, goes from {gap['before']:.2%} to {gap['after']:.2%} (noise {gap['noise_floor']:.2%})"
+    )
     sure = f"{report['confidence']:.0%} sure"
     verdict = report["verdict"]
     if verdict == "nothing_missing":
-        return f"Nothing is missing that this data could show: the gap is {gap['before']:.2%}, the noise {gap['noise_floor']:.2%} ({sure})."
+        return (
+            f"Nothing is missing that this data could show: the gap is {gap['before']:.2%}, "
+            f"the noise {gap['noise_floor']:.2%} ({sure})."
+        )
     if verdict == "unknown_effect":
-        return f"Something is missing, and nothing in the catalogue fits it: the gap {run}, is {gap['before']:.2%}, the noise {gap['noise_floor']:.2%} ({sure})."
+        return (
+            f"Something is missing, and nothing in the catalogue fits it: the gap {run}, is {gap['before']:.2%}, "
+            f"the noise {gap['noise_floor']:.2%} ({sure})."
+        )
     names = " and ".join(_named(effect) for effect in report["effects"])
     if verdict == "effect_class":
         others = len(report["effects"][0]["class"]) - 1
@@ -33,7 +41,9 @@ def _named(effect: dict[str, Any]) -> str:
             words += f" in {key} {effect[key]}" if key != "channel" else f" of {effect[key]}"
     if effect["frame"]:
         words += f" of {effect['frame']}"
-    values = ", ".join(f"{p['name'].replace('_', ' ')} {p['value']:.4g} {p['unit']}" for p in effect["parameters"])
+    values = ", ".join(
+        f"{p['name'].replace('_', ' ')} {p['value']:.4g} {p['unit']}" for p in effect["parameters"]
+    )
     return f"{words} ({values})" if values else words
 
 
@@ -41,14 +51,18 @@ def advice(found: Findings, report: dict[str, Any]) -> list[str]:
     """Return what would tell more."""
     said = []
     if not found.held_out:
-        said.append("A second run would allow a judgement on data that was not used; there is no held-out run here.")
+        said.append(
+            "A second run would allow a judgement on data that was not used; there is no held-out run here."
+        )
     if report["verdict"] == "effect_class":
         said.append(
             "Runs of other amplitude tell nonlinear from linear effects; an accelerometer on each floor beside the "
             "storey in question tells places apart; an added mass of known size tells stiffness from mass."
         )
     if report["verdict"] == "unknown_effect":
-        said.append("Look at the leftover force: which storey, and whether it follows drift, velocity or time.")
+        said.append(
+            "Look at the leftover force: which storey, and whether it follows drift, velocity or time."
+        )
     return said
 
 

@@ -95,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _leave("interrupted; what was finished is kept, the same command goes on from there", INTERRUPTED)
 
 
-def _warned(message: Warning | str, category: type[Warning], *_place: Any) -> None:
+def _warned(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
     """Show our own warnings as sentences; a library's are for its developers, not for a user."""
     if issubclass(category, UserWarning):
         Console(stderr=True, highlight=False, soft_wrap=True).print(f"warning: {message}", markup=False)

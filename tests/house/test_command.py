@@ -49,7 +49,7 @@ def test_list_as_json() -> None:
         (["modal", "5A", "--joints", "soft"], "soft"),
         (["modal", "5A", "--damping", "much"], "much"),
         (["shake", "5A", "--record", "elcentre"], "elcentr"),
-        (["shake", "5A", "--record", "elcentro-chopra", "--pga", "-1"], "pga"),
+        (["shake", "5A", "--record", "elcentro-chopra", "--pga", "-1"], "peak"),
         (["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"], "gap"),
         (["study", "table-3-2"], "table-3-2"),
     ],
