@@ -99,7 +99,7 @@ def cubic(coefficient: float) -> Memoryless:
 
 
 def drag(coefficient: float, creep: float = 1e-3) -> Memoryless:
-    """Return quadratic drag c v |v| [N s^2/m^2] that is linear below `creep` [m/s]."""
+    """Return quadratic drag c v abs(v) [N s^2/m^2] that is linear below `creep` [m/s]."""
     return Memoryless(lambda time, d, v: coefficient * v * math.sqrt(v * v + creep * creep))
 
 

@@ -147,7 +147,7 @@ def coulomb_friction(body: Storeys, values: Real) -> Force:
 
 
 def air_drag(body: Storeys, values: Real) -> Force:
-    """Return drag c w |w| of `values` [N s^2/m^2] on every floor."""
+    """Return drag c w abs(w) of `values` [N s^2/m^2] on every floor."""
 
     def force(_u: Real, _v: Real, w: Real) -> Real:
         return -values[:, None] * w * np.abs(w)
@@ -156,7 +156,7 @@ def air_drag(body: Storeys, values: Real) -> Force:
 
 
 def quadratic_damping(body: Storeys, values: Real) -> Force:
-    """Return drag q v |v| of `values` [N s^2/m^2] in every storey, v its drift rate."""
+    """Return drag q v abs(v) of `values` [N s^2/m^2] in every storey, v its drift rate."""
 
     def force(_u: Real, v: Real, _w: Real) -> Real:
         rate = drifts(v)

@@ -1,7 +1,7 @@
 """What is missing in Table 4.1? Single changes of the model, fitted on two records, judged on two others.
 
 Each change has one physically named parameter, the same for all five frames or one value a frame. It is
-fitted to the peaks of two records by the mean of |ours - measured| / measured and judged by the same number
+fitted to the peaks of two records by the mean of abs(ours - measured) / measured and judged by the same number
 on the other two, for all six ways to split four records. Contested peaks are left out of both. Run it with
 ``pounding study table-4-1-missing``.
 """
@@ -70,7 +70,7 @@ class Verdict:
     """How near a change brings the model to records it was not fitted on.
 
     Attributes:
-        held_out: Mean |ours - measured| / measured on the two other records, mean over the splits [-].
+        held_out: Mean abs(ours - measured) / measured on the two other records, mean over the splits [-].
         neutral: The same for the believed model [-].
         fitted: Fitted value of each split (splits,) for one value for all frames; (splits, frames) else.
         all_four: The mean error of one fit to all four records, which flatters [-].
@@ -86,7 +86,7 @@ def judge(errors: xr.DataArray, values: Real, each: bool) -> Verdict:
     """Return the verdict on one change.
 
     Args:
-        errors: |ours - measured| / measured over value, place, record and side, NaN where contested; the
+        errors: abs(ours - measured) / measured over value, place, record and side, NaN where contested; the
             first value is the neutral one.
         values: The tried values (values,).
         each: One value a frame instead of one for all.
