@@ -306,7 +306,7 @@ def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: _Guard) -> flo
             finished = mbs.SolveDynamic(
                 _settings(end_s, accuracy), solverType=exudyn.DynamicSolverType.DOPRI5
             )
-    except ValueError as error:
+    except (ValueError, exudyn.SolverError) as error:
         raise ExperimentError(
             f"the engine stopped at {guard.time_s:.4f} s ({str(error).splitlines()[0]}); lower the shaking "
             "or the contact's stiffness, or loosen the tolerances"

@@ -60,6 +60,9 @@ STUDIES = {
     "chapter-5": "experiments.studies.chapter_5:main",
     "chapter-6": "experiments.studies.chapter_6:main",
     "chapter-7": "experiments.studies.chapter_7:main",
+    "contact-laws": "experiments.studies.contact_laws:main",
+    "contact-accuracy": "experiments.studies.contact_accuracy:main",
+    "campaign-speed": "experiments.studies.campaign_speed:main",
 }
 """The studies by name, each a function that `python -m` and the tests call too."""
 
