@@ -301,7 +301,9 @@ def _misfit(
     total = 0.5 * float(np.sum((ordinary / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
     for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
         good = np.isfinite(believed.observed.runs[run].measured)
-        total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
+        # A trial step may well blow up: its misfit is then infinite, and the step is not taken.
+        with np.errstate(over="ignore", invalid="ignore"):
+            total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
     return total if np.isfinite(total) else float("inf")
 
 
