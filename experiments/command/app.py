@@ -54,6 +54,7 @@ STUDIES = {
     "table-3-1": "experiments.studies.table_3_1:main",
     "laboratory": "experiments.studies.laboratory:main",
     "engine-accuracy": "experiments.studies.engine_accuracy:main",
+    "figure-4-11": "experiments.studies.figure_4_11:main",
     "table-4-1": "experiments.studies.table_4_1:main",
     "table-4-1-missing": "experiments.studies.table_4_1_missing:main",
     "chapter-4": "experiments.studies.chapter_4:main",

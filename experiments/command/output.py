@@ -27,7 +27,8 @@ def emit(
         json.dump(plain(result), sys.stdout, indent=2, allow_nan=False)
         sys.stdout.write("\n")
         return
-    console = Console(highlight=False)
+    # Units stand in [brackets], which rich would take for markup.
+    console = Console(highlight=False, markup=False)
     for item in show():
         console.print(item)
 
