@@ -18,6 +18,7 @@ from scipy.linalg import eigh
 
 import frames
 from diagnosis.believed import Acting, Assembly, Believed
+from diagnosis.calling import called
 from diagnosis.errors import CaseError
 from diagnosis.predictor import (
     ABSOLUTE_DISPLACEMENT,
@@ -26,6 +27,7 @@ from diagnosis.predictor import (
     FRICTION,
     HYSTERESIS,
     TABLE_DISPLACEMENT,
+    USER,
     VELOCITY,
     law,
 )
@@ -208,6 +210,8 @@ class _Addition:
         memory = np.zeros(4)
 
         def force(_mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
+            if one.kind == USER:
+                return float(called(one.span[0], one.parameters, d, v, t))
             return float(law(one.kind, one.parameters, memory, d, v, t))
 
         return self._connector(mbs, self._ends(body, one.row), force)

@@ -11,6 +11,8 @@ import math
 import numpy as np
 from numba import njit
 
+from diagnosis.calling import called
+
 # What a channel measures.
 ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT = range(5)
 
@@ -28,7 +30,8 @@ ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT 
     QUADRATIC_DAMPER,
     CONTACT,
     HERTZ_DAMP,
-) = range(12)
+    USER,
+) = range(13)
 
 LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
@@ -100,7 +103,10 @@ def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, tab
         for m in range(modes):
             d += rows[j, m] * eta[m]
             v += rows[j, m] * rate[m]
-        pull = -law(kinds[j], parameters[j], memory[j], d, v, time)
+        if kinds[j] == USER:  # a function of the user's, whose address stands where drag has its floors
+            pull = -called(drag[j, 0], parameters[j], d, v, time)
+        else:
+            pull = -law(kinds[j], parameters[j], memory[j], d, v, time)
         if keep:
             _remember(kinds[j], parameters[j], memory[j], d)
         for m in range(modes):
