@@ -48,3 +48,10 @@ def history(x):
     if x == 2:
         raise RuntimeError("no motion")
     return {"displacement": data, "peak_m": float(data.max())}
+
+
+def bulky(x, log):
+    """Return some 40 kB, and leave one line for each case that was run."""
+    with Path(log).open("a") as file:
+        file.write(f"{x}\n")
+    return {"numbers": xr.DataArray(x + np.arange(2000) / 7.0, dims="sample")}

@@ -1,0 +1,192 @@
+"""Sweeps on a disk that is really full, and on a cluster whose scheduler dies on the way."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.errors import ExperimentError
+from experiments.sweep import sweep
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+import sweep_cases as cases  # noqa: E402
+
+
+@pytest.fixture(autouse=True)
+def _workers_find_the_cases(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")]))
+
+
+@pytest.fixture
+def _may_mount():
+    """Skip where a sandbox lets nobody mount; test_sweep.py has a full disk without a file system of its own."""
+    probe = ["unshare", "--mount", "--map-root-user", "mount", "-t", "tmpfs", "tmpfs", "/mnt"]
+    if subprocess.run(probe, capture_output=True).returncode:
+        pytest.skip("this machine does not let us mount a file system of our own")
+
+
+def kept(folder):
+    return len(list(folder.glob("[0-9a-f]*.json")))
+
+
+# Runs a sweep, or a verb of the command, on a file system of its own: in a mount namespace (of root, or of a
+# user who may have one), so that nothing outside of it is mounted or can be forgotten.
+ON_A_SMALL_DISK = """
+set -e
+mkdir -p "$1"
+mount -t tmpfs -o size="$2" tmpfs "$1"
+shift 2
+exec "$@"
+"""
+
+SWEEP = """
+import sys
+from pathlib import Path
+sys.path.insert(0, sys.argv[1])
+import subprocess
+import sweep_cases
+from experiments.errors import ExperimentError
+from experiments.sweep import sweep
+
+def run():
+    return sweep(sweep_cases.bulky, {"x": range(20)}, settings={"log": sys.argv[3]}, folder=folder,
+                 workers=int(sys.argv[4]), version="1")
+
+if __name__ == "__main__":
+    folder = Path(sys.argv[2])
+    try:
+        run()
+    except ExperimentError as error:
+        print(error)
+    names = sorted(path.name for path in folder.iterdir())
+    print(len(names), sum(name.endswith(".json") and not name.startswith(".") for name in names))
+    subprocess.run(["mount", "-o", "remount,size=4m", str(folder)], check=True)
+    data = run()
+    print(int((data.failure == "").sum()), float(data.numbers.sel(x=19)[7]))
+"""
+
+
+def on_a_small_disk(folder, size, *command):
+    """Run a command that finds a file system of `size` at a folder; return what it printed, and its status."""
+    words = [
+        "unshare",
+        "--mount",
+        "--map-root-user",
+        "sh",
+        "-c",
+        ON_A_SMALL_DISK,
+        "sh",
+        str(folder),
+        size,
+        *command,
+    ]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=120)
+    return " ".join(done.stdout.split("\n")).strip(), " ".join(done.stderr.split()), done.returncode
+
+
+@pytest.mark.usefixtures("_may_mount")
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_file_system_that_is_full_keeps_what_is_finished_and_goes_on_when_there_is_room(tmp_path, workers):
+    script, log, disk = tmp_path / "script.py", tmp_path / "log", tmp_path / "disk"
+    script.write_text(SWEEP)
+    arguments = [sys.executable, str(script), str(HERE), str(disk), str(log), str(workers)]
+    printed, errors, status = on_a_small_disk(disk, "300k", *arguments)
+    assert status == 0, errors
+    assert "No space left on device" in printed
+    assert "what is finished is kept: make room and start again to go on" in printed
+    _, _, numbers = printed.partition("to go on")
+    files, whole, good, value = numbers.split()
+    # 300 kB hold some of the 20 cases of 40 kB; nothing half-written lies beside them
+    assert 1 <= int(whole) == int(files) < 15
+    assert int(good) == 20
+    assert float(value) == 19 + 1
+    # what was kept was not run again: only cases that found the disk full were
+    assert len(log.read_text().split()) <= 20 + 1 + 2 * workers
+
+
+@pytest.mark.usefixtures("_may_mount")
+def test_the_command_on_a_full_file_system_leaves_no_half_file(tmp_path, test_records):
+    # 200 kB hold a plot and not the histories: one sentence, status 2, and every file there is a whole one
+    disk = tmp_path / "disk"
+    command = [sys.executable, "-m", "experiments.command", "shake", "5A", "--record", "elcentro",
+               "--records", str(test_records), "--out", str(disk / "run")]  # fmt: skip
+    shown = [sys.executable, "-c", LISTED, str(disk), *command]
+    printed, errors, status = on_a_small_disk(disk, "200k", *shown)
+    assert status == 2
+    assert "No space left on device" in errors
+    assert "Traceback" not in errors
+    assert ".part" not in printed
+
+
+LISTED = """
+import subprocess, sys
+from pathlib import Path
+status = subprocess.run(sys.argv[2:]).returncode
+print(*(path.name for path in Path(sys.argv[1]).rglob("*")))
+sys.exit(status)
+"""
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
+
+
+def started(*words):
+    """Start a scheduler or a worker of dask.distributed as a process of its own."""
+    command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def wait_for(address, seconds=60.0):
+    host, _, port = address.removeprefix("tcp://").partition(":")
+    end = time.monotonic() + seconds
+    while True:
+        try:
+            socket.create_connection((host, int(port)), timeout=1.0).close()
+            return
+        except OSError:
+            assert time.monotonic() < end, "the scheduler did not start"
+            time.sleep(0.05)
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_dies_on_the_way_is_one_sentence_and_costs_nothing_that_is_finished(tmp_path):
+    address, folder, log = f"tcp://127.0.0.1:{free_port()}", tmp_path / "s", tmp_path / "log"
+    settings = {"log": str(log), "pause_s": 0.05}
+    scheduler = started("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+    worker = started("worker", address, "--nthreads", "1")
+
+    def kill():
+        while kept(folder) < 3:
+            time.sleep(0.01)
+        scheduler.send_signal(signal.SIGKILL)
+
+    killer = threading.Thread(target=kill, daemon=True)
+    killer.start()
+    try:
+        wait_for(address)
+        with pytest.raises(ExperimentError, match=f"scheduler {address} was lost; what is finished is kept"):
+            sweep(
+                cases.noted, {"x": range(60)}, settings=settings, folder=folder, scheduler=address,
+                version="1", timeout_s=30.0,
+            )  # fmt: skip
+    finally:
+        for process in (scheduler, worker):
+            process.terminate()
+            process.wait(timeout=30)
+    already = kept(folder)
+    assert 3 <= already < 60
+    before = log.read_text().split()
+    data = sweep(cases.noted, {"x": range(60)}, settings=settings, folder=folder, workers=0, version="1")
+    np.testing.assert_array_equal(data.twice, 2.0 * np.arange(60))
+    assert len(log.read_text().split()) - len(before) == 60 - already
