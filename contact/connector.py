@@ -1,8 +1,9 @@
 """A law as a connector of exudyn between two coordinates.
 
-The law's own definition is recorded symbolically, so that the engine evaluates it without calling Python.
-Laws that refer to the velocity at first touch, and laws that the recording cannot take, are called as
-Python functions.
+The law's own definition is recorded symbolically, so that the engine evaluates it without calling Python. The
+engine cannot remember the velocity at first touch, to which some laws refer: a `Latch` that is called before
+each step gives it to the recorded law as a parameter. Without such calls, and for points across a floor, the
+law is a Python function that remembers by itself.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ from contact.laws import FloatOperations, Law
 symbolic: Any = exudyn.symbolic  # type: ignore[attr-defined]
 Real = NDArray[np.float64]
 Force = Callable[[float, float], float]
+DISPLACEMENT = exudyn.OutputVariableType.Displacement
+VELOCITY = exudyn.OutputVariableType.Velocity
 
 
 class SymbolicOperations:
@@ -64,13 +67,54 @@ def force_function(law: Law) -> Force:
             apart = (deformation, rate)
             return 0.0
         if apart is not None and rate > 0.0:
-            part = apart[0] / (apart[0] - deformation)
-            # From rest against each other, only the velocity now is known.
-            approach = apart[1] + part * (rate - apart[1]) if apart[0] < 0.0 else rate
+            approach = _at_touch(apart, deformation, rate)
             apart = None
         return law.force(deformation, rate, approach, FloatOperations)
 
     return force
+
+
+NEAR_M = 2e-3
+"""Distance [m] below which a latch looks at the velocity; the rig's longest step covers it at 4 m/s."""
+
+
+class Latch:
+    """Keeps a connector's velocity at first touch where its recorded law reads it.
+
+    Call it before each step. While the bodies are apart but near, it sets the velocity at the step's start;
+    at the first step that starts in touch, that of the straight line between the two, as `force_function`
+    does. So only the step in which they meet, which error control makes short, has the former.
+
+    Args:
+        item: The connector; its parameter "stiffness" is what the recorded law reads.
+        gap_m: Gap at rest [m].
+    """
+
+    def __init__(self, item: int, gap_m: float) -> None:
+        self._item, self._gap_m = item, gap_m
+        self._apart: tuple[float, float] | None = (0.0, 0.0)
+
+    def __call__(self, mbs: Any) -> None:
+        """Look at the connector and set its velocity at first touch [m/s] where that changes."""
+        deformation = mbs.GetObjectOutput(self._item, DISPLACEMENT) - self._gap_m
+        if deformation <= -NEAR_M:
+            self._apart = (0.0, 0.0)
+        elif deformation <= 0.0 or self._apart is not None:
+            rate = mbs.GetObjectOutput(self._item, VELOCITY)
+            approach = rate
+            if deformation <= 0.0:
+                self._apart = (deformation, rate)
+            elif rate > 0.0:
+                approach = _at_touch(self._apart, deformation, rate)
+                self._apart = None
+            mbs.SetObjectParameter(self._item, "stiffness", approach)
+
+
+def _at_touch(apart: tuple[float, float] | None, deformation: float, rate: float) -> float:
+    """Return the rate [m/s] at no deformation, on the straight line from the last (deformation, rate) apart."""
+    if apart is None or apart[0] >= 0.0:  # from rest against each other, only the velocity now is known
+        return rate
+    return apart[1] + apart[0] / (apart[0] - deformation) * (rate - apart[1])
 
 
 def checked_gap(gap_m: float) -> float:
@@ -92,27 +136,39 @@ class ContactConnector:
         left: Marker of the coordinate that moves in +x towards the other.
         right: Marker of the other coordinate.
         record: Record the law symbolically where that is possible.
+        stepped: Will `latch`, where there is one, be called before each step? Then a law that refers to the
+            velocity at first touch is recorded too.
 
     Attributes:
         item: Number of the connector in the system.
         recorded: Is the law evaluated by the engine itself?
+        latch: To be called with the system before each step; None where there is no need.
 
     Raises:
         ContactError: A negative gap.
     """
 
     def __init__(
-        self, mbs: Any, law: Law, gap_m: float, left: int, right: int, *, record: bool = True
+        self,
+        mbs: Any,
+        law: Law,
+        gap_m: float,
+        left: int,
+        right: int,
+        *,
+        record: bool = True,
+        stepped: bool = False,
     ) -> None:
         self.law, self.gap_m = law, checked_gap(gap_m)
-        self.recorded = record and not law.latches
+        self.recorded = record and (stepped or not law.latches)
         # exudyn keeps no reference to a user function: the connector must, and its owner the connector.
         self._function = self._symbolic(mbs) if self.recorded else self._python()
         self.item = mbs.AddObject(
             items.ObjectConnectorCoordinateSpringDamper(
-                markerNumbers=[right, left], stiffness=1.0, springForceUserFunction=self._function
+                markerNumbers=[right, left], stiffness=0.0, springForceUserFunction=self._function
             )
         )
+        self.latch = Latch(self.item, self.gap_m) if self.recorded and law.latches else None
 
     def _python(self) -> Any:
         force, gap = force_function(self.law), self.gap_m
@@ -122,7 +178,8 @@ class ContactConnector:
         law, gap = self.law, self.gap_m
 
         def force(mbs: Any, t: Any, itemNumber: Any, u: Any, v: Any, k: Any, d: Any, offset: Any) -> Any:
-            return law.force(u - gap, v, 0.0, SymbolicOperations)
+            # The spring's stiffness has no other use here: it carries the velocity at first touch.
+            return law.force(u - gap, v, k, SymbolicOperations)
 
         return CreateSymbolicUserFunction(
             mbs, force, "springForceUserFunction", itemTypeName="ObjectConnectorCoordinateSpringDamper"
@@ -146,7 +203,7 @@ class PointContact:
         ContactError: A negative gap.
     """
 
-    recorded = False
+    recorded, latch = False, None
 
     def __init__(
         self, mbs: Any, law: Law, gap_m: float, left: tuple[int, Real], right: tuple[int, Real]

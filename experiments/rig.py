@@ -22,6 +22,7 @@ from contact.connector import ContactConnector, PointContact, checked_gap
 from contact.laws import Law
 from experiments.energy import balance
 from experiments.errors import ExperimentError
+from experiments.guard import Guard
 from experiments.motion import ContactHistory, FrameMotion, Motion, floor_coordinate
 from experiments.records import Record
 from frames.body import FrameBody, Table
@@ -33,13 +34,6 @@ Real = NDArray[np.float64]
 
 LEVEL_TOLERANCE_M = 5e-3
 """Floors whose heights differ by more than a plate's thickness do not meet edge to edge [m]."""
-
-CHECK_EVERY = 64
-"""Steps between two looks at whether the motion is still bounded."""
-
-STUCK_CHECKS = 64
-STUCK_S = 1e-6
-"""Shortest time that 64 times 64 steps must cover [s]."""
 
 
 @dataclass(frozen=True)
@@ -175,9 +169,11 @@ class Rig:
             table = Table(mbs, acceleration, step)
             bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
             # The engine keeps no reference to what it calls: these have to live until it has finished.
-            kept = [self._connect(mbs, bodies, contact) for contact in self.contacts]
+            connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
+            kept: list[Any] = list(connectors)
             kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
-            guard = _Guard(self.frames, bodies, progress)
+            latches = [one.latch for one in connectors if one.latch is not None]
+            guard = Guard(self.frames, bodies, latches, progress)
             mbs.SetPreStepUserFunction(guard)
             end = table.duration_s if duration_s is None else float(duration_s)
             wall = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
@@ -187,11 +183,14 @@ class Rig:
             mbs.SetPreStepUserFunction(0)  # type: ignore[arg-type]
             container.Reset()
 
-    def _connect(self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact) -> Any:
+    def _connect(
+        self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact
+    ) -> ContactConnector | PointContact:
         left, right = bodies[contact.pair], bodies[contact.pair + 1]
         first, second = contact.floors
         if contact.y_m == 0.0:
-            return ContactConnector(mbs, contact.law, contact.gap_m, left.marker(first), right.marker(second))
+            markers = left.marker(first), right.marker(second)
+            return ContactConnector(mbs, contact.law, contact.gap_m, *markers, stepped=True)
         rows = _rows(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, rows[0]), (right.node, rows[1]))
 
@@ -222,57 +221,6 @@ class Rig:
         )  # fmt: skip
 
 
-class _Guard:
-    """Looks at the motion every few steps: stops a run that grows without bound or stands still.
-
-    Attributes:
-        reason: Why it stopped the run, in words; empty if it did not.
-        time_s: Time of the last step begun [s].
-    """
-
-    def __init__(
-        self,
-        frames: Sequence[ReducedFrame],
-        bodies: Sequence[FrameBody],
-        progress: Callable[[float], None] | None,
-    ) -> None:
-        heights = [float(np.max(frame.heights_m)) for frame in frames]
-        self._watched = list(zip(frames, bodies, heights, strict=True))
-        self._progress, self._count, self._milestone = progress, 0, 0.0
-        self.reason, self.time_s = "", 0.0
-
-    def __call__(self, mbs: Any, t: float) -> bool:
-        self.time_s = t
-        self._count += 1
-        if self._count % CHECK_EVERY:
-            return True
-        self.reason = self._unbounded(mbs) or self._stuck(t)
-        if self._progress is not None:
-            self._progress(t)
-        return not self.reason
-
-    def _unbounded(self, mbs: Any) -> str:
-        for frame, body, height in self._watched:
-            moved = np.abs(mbs.GetNodeOutput(body.node, exudyn.OutputVariableType.Coordinates)[frame.floor_x])
-            if not moved.max() < height:
-                return (
-                    f"floor {int(moved.argmax()) + 1} of {frame.name} has moved by more than its height "
-                    f"of {height:g} m; lower the shaking, or check the frame's stiffness and damping"
-                )
-        return ""
-
-    def _stuck(self, t: float) -> str:
-        if self._count % (CHECK_EVERY * STUCK_CHECKS):
-            return ""
-        gone, self._milestone = t - self._milestone, t
-        if gone > STUCK_S:
-            return ""
-        return (
-            f"{CHECK_EVERY * STUCK_CHECKS} steps have covered {gone:.1g} s only; lower the contact's "
-            "stiffness or damping, or loosen the relative and absolute tolerance"
-        )
-
-
 def _history(shaking: Record | ArrayLike, step_s: float | None) -> tuple[Real, float]:
     if isinstance(shaking, Record):
         return shaking.acceleration_m_s2, shaking.step_s
@@ -297,7 +245,7 @@ def _rows(frames: Sequence[ReducedFrame], contact: Contact) -> tuple[Real, Real]
     return left, right
 
 
-def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: _Guard) -> float:
+def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> float:
     """Run the system to `end_s` and return the wall time [s]."""
     mbs.Assemble()
     started = time.perf_counter()

@@ -32,15 +32,17 @@ def two_masses(
     return container, mbs, nodes, markers
 
 
-@pytest.mark.parametrize("record", [True, False])
-def test_force_equals_the_plain_function(law: Law, record: bool) -> None:
-    """Over random deformations and rates, with and without tension, to 1e-12."""
+@pytest.mark.parametrize("how", [{}, {"stepped": True}, {"record": False}], ids=str)
+def test_force_equals_the_plain_function(law: Law, how: dict[str, bool]) -> None:
+    """Over random deformations and rates, with and without tension, recorded or called, to 1e-12."""
     draw = np.random.default_rng(20240607)
     for _ in range(40):
         deformation, rate = draw.uniform(-1e-3, 3e-3), draw.uniform(-2.0, 2.0)
         container, mbs, _, markers = two_masses((1.0, 1.0), (deformation + GAP, 0.0), (rate, 0.0))
-        contact = ContactConnector(mbs, law, GAP, *markers, record=record)
+        contact = ContactConnector(mbs, law, GAP, *markers, **how)
         mbs.Assemble()
+        if contact.latch:
+            contact.latch(mbs)
         # The engine subtracts the gap from the coordinates, which rounds: so does the plain function.
         expected = float(law.force((deformation + GAP) - GAP, rate, max(rate, 0.0)))
         found = float(mbs.GetObjectOutput(contact.item, FORCE))
@@ -51,19 +53,25 @@ def test_force_equals_the_plain_function(law: Law, record: bool) -> None:
 def test_laws_are_recorded_where_they_can_be(law: Law) -> None:
     container, mbs, _, markers = two_masses((1.0, 1.0), (0.0, 0.0), (0.0, 0.0))
     assert ContactConnector(mbs, law, GAP, *markers).recorded is (law.name != "hertz_damp")
+    stepped = ContactConnector(mbs, law, GAP, *markers, stepped=True)
+    assert stepped.recorded
+    assert (stepped.latch is not None) is (law.name == "hertz_damp")
     del container
 
 
 @pytest.mark.parametrize("ratio", [1.0, 100.0])
-@pytest.mark.parametrize("points", [False, True])
-def test_free_bodies_collide_in_the_engine(law: Law, ratio: float, points: bool) -> None:
+@pytest.mark.parametrize("way", ["connector", "stepped", "points"])
+def test_free_bodies_collide_in_the_engine(law: Law, ratio: float, way: str) -> None:
     """Momentum to 1e-9, and the same velocities as the collision integrated by scipy."""
     masses, speed = (6.2, 6.2 / ratio), 0.3
     container, mbs, nodes, markers = two_masses(masses, (0.0, 0.0), (speed, 0.0))
-    if points:
+    if way == "points":
         kept: Any = PointContact(mbs, law, GAP, (nodes[0], np.ones(1)), (nodes[1], np.ones(1)))
     else:
-        kept = ContactConnector(mbs, law, GAP, *markers)
+        kept = ContactConnector(mbs, law, GAP, *markers, stepped=way == "stepped")
+    latch = kept.latch
+    if latch is not None:
+        mbs.SetPreStepUserFunction(lambda system, _t: latch(system) or True)
     mbs.Assemble()
     chosen = exudyn.SimulationSettings()
     chosen.timeIntegration.endTime = 5e-3
@@ -79,6 +87,33 @@ def test_free_bodies_collide_in_the_engine(law: Law, ratio: float, points: bool)
     assert np.dot(masses, after) == pytest.approx(masses[0] * speed, rel=1e-9)
     np.testing.assert_allclose(after, expected.after_m_s, atol=2e-5 * speed)
     assert kept.law is law
+    del container
+
+
+def test_a_latch_gives_a_recorded_law_its_velocity_at_first_touch(law_with: Any) -> None:
+    """On the straight line between the last moment apart and the first in touch, once a touch."""
+    law = law_with("hertz_damp")
+    container, mbs, _, markers = two_masses((1.0, 1.0), (GAP, 0.0), (0.0, 0.0))
+    contact = ContactConnector(mbs, law, GAP, *markers, stepped=True)
+    mbs.Assemble()
+
+    def force(deformation: float, rate: float) -> float:
+        mbs.systemData.SetODE2Coordinates([deformation + GAP, 0.0])
+        mbs.systemData.SetODE2Coordinates_t([rate, 0.0])
+        assert contact.latch is not None
+        contact.latch(mbs)
+        return float(mbs.GetObjectOutput(contact.item, FORCE))
+
+    def plain(deformation: float, rate: float, approach: float) -> float:
+        return float(law.force((deformation + GAP) - GAP, rate, approach))
+
+    force(-1.0, 0.5)
+    force(-1e-4, 0.3)
+    assert force(1e-4, 0.31) == pytest.approx(plain(1e-4, 0.31, 0.305), rel=1e-9)
+    assert force(2e-4, -0.1) == pytest.approx(plain(2e-4, -0.1, 0.305), rel=1e-9)
+    force(-1e-4, -0.2)
+    force(-1e-4, 0.1)
+    assert force(1e-4, 0.1) == pytest.approx(plain(1e-4, 0.1, 0.1), rel=1e-9)
     del container
 
 

@@ -19,7 +19,13 @@ ALLOWED = {
 COMMAND = "experiments/command/"
 
 TOUCHED_ONLY_IN = {
-    "exudyn": {"frames/body.py", "contact/connector.py", "experiments/rig.py", "diagnosis/engine.py"},
+    "exudyn": {
+        "frames/body.py",
+        "contact/connector.py",
+        "experiments/rig.py",
+        "experiments/guard.py",
+        "diagnosis/engine.py",
+    },
     "pyfe3d": {"frames/shells.py"},
     "pyvista": {"frames/pictures.py", "experiments/scenes.py"},
 }
