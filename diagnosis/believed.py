@@ -79,6 +79,7 @@ class Believed:
     def __init__(self, structure: Structure, observed: Observations, prior: Prior) -> None:
         self.structure = structure
         self.observed = observed
+        self.prior = prior
         self.parameters = _parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
         self._splines = [

@@ -75,9 +75,11 @@ class Effect:
     name: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
     where: ClassVar[str] = ""
-    """``storey``, ``floor``, ``frame``, ``channel`` or nothing."""
+    """``storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
     sign: ClassVar[int] = 0
     """+1 or -1 where only one sign of the amplitude makes sense, else 0."""
+    linear: ClassVar[bool] = False
+    """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
     foil: ClassVar[bool] = False
     """Whether this is outside the catalogue and stands for 'something else'."""
 
@@ -94,6 +96,10 @@ class Effect:
             if value is not None and key not in ("effect", "frame")
         ]
         return ", ".join([self.name.replace("_", " ")] + ([str(self.frame)] if self.frame else []) + where)
+
+    def entries(self) -> list[dict[str, object]]:
+        """Return the places under which the effect is reported; more than one if it stands for several."""
+        return [self.place()]
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return the values of what is not an amplitude at which the effect is scored."""
@@ -167,4 +173,26 @@ def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
         return [kind(index=i, frame=frame.name) for i, frame in enumerate(structure.frames)]
     if where == "channel":
         return [kind(index=i, channel=name) for i, name in enumerate(observed.names)]
+    if where == "logger":
+        return [_logger(kind, believed, members) for members in loggers(believed)]
     return [kind()]
+
+
+def loggers(believed: Believed) -> list[tuple[int, ...]]:
+    """Return groups of channels that may sit on a logger of their own: one kind of quantity, or one frame."""
+    observed, structure = believed.observed, believed.structure
+    everything = tuple(range(len(observed.names)))
+    groups = [
+        tuple(int(c) for c in np.flatnonzero(observed.quantity == kind)) for kind in np.unique(observed.quantity)
+    ]
+    for frame in range(len(structure.frames)):
+        span = structure.span(frame)
+        groups.append(
+            tuple(int(c) for c in np.flatnonzero((observed.floor >= span.start) & (observed.floor < span.stop)))
+        )
+    return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]
+
+
+def _logger(kind: type[Effect], believed: Believed, members: tuple[int, ...]) -> Effect:
+    names = tuple(believed.observed.names[c] for c in members)
+    return kind(index=members[0], channel=names[0], members=members, channels=names)  # type: ignore[call-arg]

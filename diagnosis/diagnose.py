@@ -12,6 +12,7 @@ from diagnosis.case import Case, read_case
 from diagnosis.catalogue import candidates
 from diagnosis.observations import observe
 from diagnosis.search import Findings, search
+from diagnosis.sensors import screened, usable
 from diagnosis.storeys import Structure
 from diagnosis.verdict import report_of
 
@@ -51,7 +52,7 @@ def diagnose_case(
 def find(case: Case, progress: Progress) -> Findings:
     """Return what the search finds in a case."""
     structure = Structure(believed_frames(case))
-    observed = observe(case, structure)
+    observed = screened(observe(case, structure))
     believed = Believed(structure, observed, case.prior)
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}
@@ -60,10 +61,8 @@ def find(case: Case, progress: Progress) -> Findings:
         for effect in candidates(believed)
         if effect.name != "joint_flexibility" or structure.frames[effect.index].joint_derivative is not None
     ]
-    return search(
-        believed,
-        effects,
-        [numbers[run.file] for run in training],
-        [numbers[run.file] for run in held_out],
-        progress,
-    )
+    used = usable(observed, [numbers[run.file] for run in training])
+    unseen = usable(observed, [numbers[run.file] for run in held_out])
+    if not used:
+        used, unseen = unseen, []
+    return search(believed, effects, used, unseen, progress)

@@ -109,6 +109,7 @@ class PDelta(FrameEffect):
     """Geometric stiffness of weight_factor times the frame's weight beyond what the model has."""
 
     name = "p_delta"
+    linear = True
     quantities = (Quantity("weight_factor", "1"),)
     sign = 1
 
@@ -137,6 +138,7 @@ class AddedMass(FrameEffect):
     """Mass on a floor beyond the believed."""
 
     name = "added_mass"
+    linear = True
     where = "floor"
     quantities = (Quantity("mass", "kg"),)
 

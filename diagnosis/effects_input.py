@@ -20,6 +20,7 @@ class TableGain(Effect):
     """What shook the frame is (1 + x) times the table channel."""
 
     name = "table_gain"
+    linear = True
     quantities = (Quantity("relative_change", "1"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -41,6 +42,7 @@ class TableDelay(Effect):
     """The frame was shaken later than the channel says."""
 
     name = "table_delay"
+    linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -62,6 +64,7 @@ class TableTilt(Effect):
     """The table pitches by tilt times its acceleration: floors are moved by their height, and weight leans."""
 
     name = "table_tilt"
+    linear = True
     quantities = (Quantity("tilt", "rad s^2/m"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -96,6 +99,7 @@ class SensorGain(ChannelEffect):
     """The channel reads (1 + x) times the truth."""
 
     name = "sensor_gain"
+    linear = True
     quantities = (Quantity("relative_change", "1"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -117,6 +121,7 @@ class SensorDelay(ChannelEffect):
     """The channel reads later than the truth."""
 
     name = "sensor_delay"
+    linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -134,10 +139,46 @@ class SensorDelay(ChannelEffect):
 
 @CATALOGUE.add
 @dataclass(frozen=True)
+class LoggerDelay(ChannelEffect):
+    """Several channels read late by the same time, as on a second logger: a sensor delay of each of them.
+
+    Never early: that would be the other logger's delay, told by a table that is late too.
+    """
+
+    name = "sensor_delay"
+    linear = True
+    quantities = (Quantity("delay", "ms", 1000.0),)
+    where = "logger"
+    sign = 1
+    members: tuple[int, ...] = ()
+    channels: tuple[str, ...] = ()
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 6 ms."""
+        return 0.006
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the rates of the channels."""
+        return [
+            channel_term(believed, channel, -motion.output_rate[:, channel]) for channel in self.members
+        ]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Delay the channels."""
+        assembly.channel_delay_s[list(self.members)] += float(values[0])
+
+    def entries(self) -> list[dict[str, object]]:
+        """Return a sensor delay of each channel."""
+        return [self.place() | {"channel": channel} for channel in self.channels]
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
 class SensorOffset(ChannelEffect):
     """The channel reads a constant more than the truth."""
 
     name = "sensor_offset"
+    linear = True
     quantities = (Quantity("offset", CHANNEL_UNIT),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:

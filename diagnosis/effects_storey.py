@@ -67,6 +67,7 @@ class StiffnessChange(StoreyEffect):
     """The storey's stiffness times (1 + x) at all times: the force x k d."""
 
     name = "stiffness_change"
+    linear = True
     quantities = (Quantity("relative_change", "1"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -88,6 +89,7 @@ class DampingChange(StoreyEffect):
     """A viscous damper: c v, negative where the frame has less than believed."""
 
     name = "damping_change"
+    linear = True
     quantities = (Quantity("damping", "N s/m"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -119,7 +121,7 @@ class CoulombFriction(StoreyEffect):
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return drifts at which the joint begins to slide [m], standing for its stiffness against its force."""
-        return [(float(scales.drift[self.index]) * share,) for share in (0.02, 0.1, 0.3)]
+        return [(float(scales.drift[self.index]) * share,) for share in (0.005, 0.02, 0.1, 0.3)]
 
     def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the sign of the velocity, as a stiff joint that slides."""

@@ -29,6 +29,8 @@ WORSE = 5.0
 """Loss of likelihood [nats] at which a step is taken back."""
 LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
+LARGEST_SLOPE = 1e12
+"""Whitened derivative from which on the simulation has blown up."""
 LEAST_LATENT = 1e-4
 """[N] below which a latent force is none."""
 LATENT_STEP = 0.3
@@ -136,7 +138,7 @@ def refine(
     noise = matched_noise(believed, current)
     trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
     current = max(current, trial, key=lambda one: one.log_likelihood)
-    current, x = _descend(believed, current, coordinates, x, iterations)
+    current, x = _descend(believed, current, coordinates, x, 2 * iterations)
     return _finished(believed, current, coordinates, x)
 
 
@@ -239,22 +241,46 @@ def effect_columns(
     believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray
 ) -> list[np.ndarray]:
     """Return for each run the whitened derivative of the prediction with respect to the effects' coordinates."""
-    gains = [steady.gain for steady in baseline.filters]
     found = [np.zeros((series.size, len(x)), np.float32) for series in baseline.prediction.innovations]
-    for j in range(len(x)):
-        moved = x.copy()
-        delta = (
-            1e-3
-            if coordinates.logarithmic[j]
-            else 1e-3 * max(1.0, abs(x[j] + coordinates.start[j] / coordinates.width[j]))
-        )
-        moved[j] += delta
-        acting = tuple(zip(coordinates.effects, coordinates.values(moved), strict=True))
-        prediction = believed.predict(baseline.values, gains, acting, baseline.runs)
-        for number, run in enumerate(baseline.runs):
-            change = baseline.prediction.innovations[number] - prediction.innovations[number]
-            good = np.isfinite(believed.observed.runs[run].measured)
-            found[number][:, j] = whitened(change / delta, baseline.filters[number], good).ravel()
+    slopes = coordinates.slopes(x)
+    first = 0
+    for effect in coordinates.effects:
+        if effect.linear:
+            # As the ordinary parameters' columns are made: two that mean the same must not differ by an approximation.
+            groups = [
+                [effect.terms(believed, baseline.modes, motion, ())] for motion in motions(believed, baseline)
+            ]
+            for store, column in zip(found, grouped_signatures(believed, baseline, groups), strict=True):
+                store[:, first] = column[:, 0] * slopes[first]
+        else:
+            for j in range(first, first + len(effect.quantities)):
+                for store, column in zip(
+                    found, _difference(believed, baseline, coordinates, x, j), strict=True
+                ):
+                    store[:, j] = column
+        first += len(effect.quantities)
+    return found
+
+
+def _difference(
+    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, j: int
+) -> list[np.ndarray]:
+    """Return for each run the whitened derivative with respect to one coordinate, by a small change."""
+    moved = x.copy()
+    size = abs(x[j] + coordinates.start[j] / coordinates.width[j])
+    delta = 1e-3 if coordinates.logarithmic[j] else 1e-3 * max(1.0, size)
+    moved[j] += delta
+    acting = tuple(zip(coordinates.effects, coordinates.values(moved), strict=True))
+    gains = [steady.gain for steady in baseline.filters]
+    prediction = believed.predict(baseline.values, gains, acting, baseline.runs)
+    found = []
+    for number, run in enumerate(baseline.runs):
+        change = baseline.prediction.innovations[number] - prediction.innovations[number]
+        good = np.isfinite(believed.observed.runs[run].measured)
+        with np.errstate(over="ignore", invalid="ignore"):
+            column = whitened(change / delta, baseline.filters[number], good).ravel()
+        # A model that blows up at the small change has no slope there.
+        found.append(column if np.all(np.abs(column) < LARGEST_SLOPE) else np.zeros_like(column))
     return found
 
 

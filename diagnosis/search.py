@@ -13,7 +13,9 @@ from diagnosis.calibrate import Baseline, log_likelihood, run_baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.gap import channel_gaps, floors, simulate
+from diagnosis.quantities import STANDARD_GRAVITY
 from diagnosis.refine import Fit, refine
+from diagnosis.sensors import SWAPPED_NATS, exchange, exchanged
 
 REFINED = 8
 THOROUGH = 3
@@ -29,6 +31,10 @@ RESCUED = 50.0
 RESCUES = 3
 RESCUED_STOREYS = 6
 """Where nothing fits: latent force, sizes tried, evidence [nats] that is worth a refinement, how many, and where."""
+SWAPPED_GAP = 0.6
+"""Largest gap of two exchanged channels, as a share of that before, at which the exchange is believed."""
+GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
+"""Relative changes tried for a sensor's gain: a wrong polarity, a unit typed wrong."""
 SECOND = 12.0
 """Evidence [nats] that a second effect needs."""
 
@@ -92,6 +98,7 @@ def search(
     progress("calibrating the believed model", 0.05)
     start = calibrated(believed, training)
     null = refine(believed, start, (), (), ())
+    believed, null = _unswapped(believed, null, training)
     progress("scoring the catalogue", 0.25)
     sizes = scales(believed, null.baseline)
     scores = score(believed, null.baseline, effects, sizes)
@@ -114,6 +121,25 @@ def search(
         _second(found, effects)
     found.floor = _floor(found, best(found).fit)
     return found
+
+
+def _unswapped(believed: Believed, null: Fit, training: Sequence[int]) -> tuple[Believed, Fit]:
+    """Return model and fit with two channels exchanged where that is plainly what was measured."""
+    pair = exchange(believed, null.baseline)
+    if pair is None:
+        return believed, null
+    observed = exchanged(believed.observed, *pair)
+    again = Believed(believed.structure, observed, believed.prior)
+    fit = refine(again, calibrated(again, training), (), (), ())
+    runs = tuple(training)
+    before, after = (_channel_gaps(*one, runs)[list(pair)].max() for one in ((believed, null), (again, fit)))
+    if fit.log_posterior < null.log_posterior + SWAPPED_NATS or after > SWAPPED_GAP * before:
+        return believed, null
+    one, other = (observed.names[channel] for channel in pair)
+    observed.warnings.append(
+        f"channels {one} and {other} are swapped: the model fits far better with the two exchanged, and so it was done"
+    )
+    return again, fit
 
 
 def judge(
@@ -233,15 +259,10 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
     start = run_baseline(believed, ordinary, noise, found.training)
     gains = [steady.gain for steady in start.filters]
     for effect in _suspects(found, effects):
-        grid = effect.grid(found.sizes)
-        for shape in grid[:: max(1, len(grid) // 4)]:
-            size = (effect.sign or 1) * effect.size(believed, found.sizes, shape)
-            for factor in RESCUE_FACTORS:
-                values = effect.values(factor * size, shape)
-                acting = [(effect, values)]
-                likely = _likely(found, start, gains, acting)
-                if np.isfinite(likely) and likely > start.log_likelihood + RESCUED:
-                    tried.append((likely, effect, values))
+        for values in _sizes(found, effect):
+            likely = _likely(found, start, gains, [(effect, values)])
+            if np.isfinite(likely) and likely > start.log_likelihood + RESCUED:
+                tried.append((likely, effect, values))
     tried.sort(key=lambda entry: -entry[0])
     seen: list[Effect] = []
     for _, effect, values in tried:
@@ -253,13 +274,25 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
         _keep(found, refine(believed, baseline, (effect,), (values,), (width,)))
 
 
+def _sizes(found: Findings, effect: Effect) -> list[np.ndarray]:
+    """Return the parameters of an effect that a rescue tries."""
+    if effect.name == "sensor_gain":
+        return [effect.values(change, ()) for change in GAINS]
+    grid = effect.grid(found.sizes)
+    tried = []
+    for shape in grid[:: max(1, len(grid) // 4)]:
+        size = (effect.sign or 1) * effect.size(found.believed, found.sizes, shape)
+        tried += [effect.values(factor * size, shape) for factor in RESCUE_FACTORS]
+    return tried
+
+
 def _likely(
     found: Findings, start: Baseline, gains: Sequence[np.ndarray], acting: list[tuple[Effect, np.ndarray]]
 ) -> float:
     """Return the log likelihood of an effect at a size; one that changes no matrix can keep the filter's gain."""
     believed = found.believed
     with np.errstate(over="ignore", invalid="ignore"):
-        if acting[0][0].where != "storey":
+        if acting[0][0].where not in ("storey", "channel"):
             return run_baseline(believed, start.values, start.noise, start.runs, acting).log_likelihood
         prediction = believed.predict(start.values, gains, acting, start.runs)
         return log_likelihood(believed, prediction.innovations, start.filters, start.runs)
@@ -276,7 +309,9 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
     return [
         e
         for e in effects
-        if (e.where == "storey" and e.index in inside) or (e.where in ("frame", "") and not e.foil)
+        if (e.where == "storey" and e.index in inside)
+        or (e.where in ("frame", "") and not e.foil)
+        or e.name == "sensor_gain"
     ]
 
 

@@ -14,8 +14,8 @@ from diagnosis.gap import gap
 from diagnosis.search import Findings, Judged
 from diagnosis.where import where
 
-DETECTED_NATS = 15.0
-DETECTED_SIZE = 0.3
+DETECTED_NATS = 30.0
+DETECTED_SIZE = 0.2
 """Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
 CLASS_NATS = 5.0
 """Refined candidates within this of the best cannot be told from it."""
@@ -23,6 +23,7 @@ EXPLAINED = 0.6
 """Share of the explainable gap that effects must close on the held-out run, or else something else is missing."""
 SECOND_SHARE = 0.3
 """Share of what a single effect leaves unexplained that a second one must explain."""
+SECOND_SHARE_SAME_STOREY = 0.8
 LEFT = 1.6
 """Gap over noise floor below which nothing is left to explain."""
 
@@ -84,7 +85,10 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     which = 1 if found.held_out else 0
     floor = found.floor[which]
     left = [np.nansum(np.maximum((one.channel_gap[which] / floor) ** 2 - 1, 0.0)) for one in (single, double)]
-    return double.nats > single.nats + DETECTED_NATS and left[1] < (1 - SECOND_SHARE) * left[0]
+    places = {(effect.frame, effect.storey) for effect in double.effects}
+    # In the same storey it is more likely that the first one's law is not quite the catalogue's.
+    share = SECOND_SHARE if len(places) > 1 else SECOND_SHARE_SAME_STOREY
+    return double.nats > single.nats + DETECTED_NATS and left[1] < (1 - share) * left[0]
 
 
 def _sure(margin: float) -> float:
@@ -140,14 +144,15 @@ def _effects(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     for number, effect in enumerate(fit.effects):
         if effect.foil:
             continue
-        shown.append(
-            effect.place()
-            | {
-                "parameters": parameters(case, found, effect, fit.values[number], fit.std[number]),
-                "log_evidence": decision.judged.nats,
-                "class": [effect.place(), *(other.effects[0].place() for other in decision.alike)],
-            }
-        )
+        for entry in effect.entries():
+            shown.append(
+                entry
+                | {
+                    "parameters": parameters(case, found, effect, fit.values[number], fit.std[number]),
+                    "log_evidence": decision.judged.nats,
+                    "class": [entry, *(other.effects[0].place() for other in decision.alike)],
+                }
+            )
     return shown
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from pathlib import Path
 
@@ -277,9 +276,9 @@ def test_written_and_read_again(folder: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["open-null", "open-cubic", "open-friction"])
-def test_open_cases(name: str, tmp_path: Path) -> None:
+def test_open_cases(name: str, tmp_path: Path, open_cases: Path) -> None:
     """Cases of another simulator, kept beside the records and not in the project."""
-    case = read_case(Path(os.environ["POUNDING_RECORDS"]).parent / "cases" / name)
+    case = read_case(open_cases / name)
     assert case.title == name
     assert [run.values.shape for run in case.runs] == [(3999, 8)] * 3
     assert case.warnings == ()

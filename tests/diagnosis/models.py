@@ -1,0 +1,59 @@
+"""A small believed model and data made by it, shared by the tests of the diagnosis."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.believed import Believed
+from diagnosis.case import Prior
+from diagnosis.observations import Observations, RunData
+from diagnosis.predictor import ACCELERATION, DISPLACEMENT
+from diagnosis.storeys import StoreyFrame, Structure
+
+STEP_S = 0.002
+
+
+def three_storeys() -> Structure:
+    drift = np.eye(3) - np.eye(3, k=-1)
+    frame = StoreyFrame(
+        "bench", 6.5 * np.eye(3), 6e4 * drift.T @ drift, np.full(3, 0.01), 0.2 * np.arange(1, 4)
+    )
+    return Structure((frame,))
+
+
+def shaking(samples: int, seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    white = np.fft.rfft(rng.standard_normal(samples))
+    frequency = np.fft.rfftfreq(samples, STEP_S)
+    shaped = np.fft.irfft(white * np.exp(-((frequency / 25.0) ** 2)), samples)
+    return shaped / shaped.std() * np.sin(np.linspace(0, np.pi, samples)) ** 0.5
+
+
+def measured(
+    effects: list = [], *, noise: float = 0.02, samples: int = 2000, runs: int = 2  # noqa: B006
+) -> Believed:
+    """Return the model with runs that it made itself, effects included, and white noise."""
+    quantity = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
+    floor = np.array([0, 1, 2, 0, 2])
+    names = ("a1", "a2", "a3", "d1", "d3")
+    blank = tuple(
+        RunData(
+            f"run{i + 1}.csv",
+            STEP_S,
+            STEP_S * np.arange(samples),
+            shaking(samples, i),
+            np.zeros((samples, 5)),
+            np.zeros((samples, 0)),
+        )
+        for i in range(runs)
+    )
+    structure = three_storeys()
+    clean = Believed(structure, Observations(names, np.ones(5), quantity, floor, blank), Prior())
+    rng = np.random.default_rng(7)
+    filled = []
+    for run, output in zip(blank, clean.predict(np.zeros(len(clean.std)), None, effects).outputs, strict=True):
+        noisy = output + noise * output.std(axis=0) * rng.standard_normal(output.shape)
+        filled.append(replace(run, measured=noisy))
+    return Believed(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())

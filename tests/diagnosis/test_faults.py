@@ -1,0 +1,170 @@
+"""Bad input, on a frame of one's own: each fault is said, and none makes a structural effect of itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from diagnosis.case import Case, CaseFrame, Channel, Run
+from diagnosis.diagnose import find
+from diagnosis.errors import CaseError
+from diagnosis.report import tables, write_report
+from diagnosis.verdict import report_of
+from tests.diagnosis.models import STEP_S, measured
+
+FRAME = CaseFrame("bench", 3, storey_height_m=0.2, floor_mass_kg=(6.5, 6.5, 6.5),
+                  frequency_hz=(6.806,), damping_ratio=(0.01,))  # fmt: skip
+CHANNELS = (
+    Channel("table", "table_acceleration", "m/s^2"),
+    *(Channel(f"a{i}", "absolute_acceleration", "m/s^2", frame="bench", floor=i) for i in (1, 2, 3)),
+    *(Channel(f"d{i}", "relative_displacement", "mm", frame="bench", floor=i) for i in (1, 3)),
+)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Case:
+    believed = measured(samples=1500, runs=2)
+    rng = np.random.default_rng(1)
+    runs = []
+    for run in believed.observed.runs:
+        table = run.table + 0.005 * rng.standard_normal(len(run.table))
+        runs.append(Run(run.name, None, run.time_s, STEP_S, np.column_stack([table, run.measured])))
+    return Case("bench", Path("bench"), (FRAME,), tuple(runs), CHANNELS)
+
+
+def with_values(case: Case, change: Any) -> Case:
+    runs = []
+    for number, run in enumerate(case.runs):
+        values = run.values.copy()
+        changed = change(number, values)
+        runs.append(replace(run, values=values if changed is None else changed))
+    return replace(case, runs=tuple(runs))
+
+
+def diagnosed(case: Case) -> dict[str, Any]:
+    return report_of(case, find(case, lambda what, share: None))
+
+
+def test_nothing_is_missing_in_the_plain_case(plain: Case) -> None:
+    report = diagnosed(plain)
+    assert report["verdict"] == "nothing_missing"
+    assert report["gap"]["held_out"]["before"] == pytest.approx(0.02, rel=0.15)
+    assert report["confidence"] > 0.5
+
+
+def test_a_clipped_channel_is_said_and_left_out(plain: Case) -> None:
+    top = 0.5 * np.abs(plain.runs[0].values[:, 3]).max()
+
+    def clip(number: int, values: np.ndarray) -> None:
+        values[:, 3] = np.clip(values[:, 3], -top, top)
+
+    report = diagnosed(with_values(plain, clip))
+    assert report["verdict"] == "nothing_missing"
+    assert any("a3 is clipped" in warning for warning in report["warnings"])
+
+
+def test_swapped_channels_are_said_and_put_right(plain: Case) -> None:
+    def swap(number: int, values: np.ndarray) -> None:
+        values[:, [1, 3]] = values[:, [3, 1]]
+
+    report = diagnosed(with_values(plain, swap))
+    assert any("a1 and a3 are swapped" in warning for warning in report["warnings"])
+    assert report["verdict"] == "nothing_missing"
+
+
+def test_a_second_logger_that_is_late_is_a_delay_of_its_channels(plain: Case) -> None:
+    def late(number: int, values: np.ndarray) -> None:
+        at = np.arange(len(values)) * STEP_S
+        for column in (4, 5):
+            values[:, column] = np.interp(at - 0.003, at, values[:, column])
+
+    report = diagnosed(with_values(plain, late))
+    assert report["verdict"] == "effect_named"
+    assert {(e["effect"], e["channel"]) for e in report["effects"]} == {
+        ("sensor_delay", "d1"),
+        ("sensor_delay", "d3"),
+    }
+    assert report["effects"][0]["parameters"][0]["value"] == pytest.approx(3.0, abs=0.1)
+
+
+@pytest.mark.parametrize(("factor", "change"), [(-1.0, -2.0), (9.80665, 8.80665)])
+def test_a_wrong_polarity_or_unit_is_a_sensors_gain(plain: Case, factor: float, change: float) -> None:
+    def scaled(number: int, values: np.ndarray) -> None:
+        values[:, 2] *= factor
+
+    report = diagnosed(with_values(plain, scaled))
+    assert [(e["effect"], e["channel"]) for e in report["effects"]] == [("sensor_gain", "a2")]
+    assert report["effects"][0]["parameters"][0]["value"] == pytest.approx(change, rel=0.01)
+
+
+def test_dropouts_are_no_effect(plain: Case) -> None:
+    def dropped(number: int, values: np.ndarray) -> None:
+        values[400:450, 1] = np.nan
+        values[700, 0] = np.nan
+        values[900:1000, 5] = values[899, 5]
+
+    report = diagnosed(with_values(plain, dropped))
+    assert report["verdict"] == "nothing_missing"
+    assert any("d3 repeats one value" in warning for warning in report["warnings"])
+    assert any("dropouts of the table's motion" in warning for warning in report["warnings"])
+
+
+def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path) -> None:
+    case = replace(plain, runs=plain.runs[:1])
+    found = find(case, lambda what, share: None)
+    report = report_of(case, found)
+    assert report["gap"]["held_out"] is None
+    write_report(case, found, report, tmp_path)
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "none could be held out" in page
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "report.json", "report.html", "before_after.png", "where.png", "leftover.png", "evidence.png",
+    }  # fmt: skip
+    assert any("second run" in str(item) for item in [page])
+    assert list(tables(report))
+
+
+def test_runs_may_differ_in_rate(plain: Case) -> None:
+    slower = plain.runs[0]
+    slower = replace(slower, time_s=slower.time_s[::2], step_s=2 * STEP_S, values=slower.values[::2])
+    report = diagnosed(replace(plain, runs=(slower, plain.runs[1])))
+    assert report["verdict"] == "nothing_missing"
+
+
+def test_one_channel_is_enough_to_say_something(plain: Case) -> None:
+    case = replace(plain, channels=(CHANNELS[0], CHANNELS[3]))
+    report = diagnosed(with_values(case, lambda n, v: v[:, [0, 3]]))
+    assert report["verdict"] == "nothing_missing"
+
+
+def test_a_run_of_zeros_is_left_out(plain: Case) -> None:
+    zeros = replace(plain.runs[0], file="zeros.csv", values=np.zeros_like(plain.runs[0].values))
+    report = diagnosed(replace(plain, runs=(zeros, *plain.runs)))
+    assert any("zeros.csv: nothing moves" in warning for warning in report["warnings"])
+    assert report["verdict"] == "nothing_missing"
+
+
+def test_seconds_of_zeros_before_the_shaking_do_no_harm(plain: Case) -> None:
+    def padded(number: int, values: np.ndarray) -> np.ndarray:
+        return np.vstack([np.zeros((1000, values.shape[1])), values])
+
+    case = with_values(plain, padded)
+    case = replace(
+        case,
+        runs=tuple(replace(run, time_s=STEP_S * np.arange(len(run.values))) for run in case.runs),
+    )
+    assert diagnosed(case)["verdict"] == "nothing_missing"
+
+
+def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:
+    with pytest.raises(CaseError, match="nothing moves in any run"):
+        diagnosed(with_values(plain, lambda n, v: np.zeros_like(v)))
+
+
+def test_another_frame_than_believed_is_no_name_of_the_catalogue(plain: Case) -> None:
+    other = replace(FRAME, frequency_hz=(12.0,))
+    assert diagnosed(replace(plain, frames=(other,)))["verdict"] == "unknown_effect"

@@ -1,0 +1,143 @@
+"""The predictor, its steady filter and the sensitivities through it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import frames
+from diagnosis.baseline import calibrated, starting_noise
+from diagnosis.believed import shift
+from diagnosis.calibrate import (
+    grouped_signatures,
+    motions,
+    ordinary_terms,
+    run_baseline,
+    whitened,
+    whitened_innovations,
+)
+from diagnosis.kalman import discretise, linear_system, steady_filter
+from diagnosis.observations import root_mean_square
+from diagnosis.predictor import CUBIC
+from frames.exact import linear_response
+from tests.diagnosis.models import STEP_S, measured
+
+
+class Cubic:
+    def apply(self, assembly, values, believed):  # type: ignore[no-untyped-def]
+        assembly.laws.append((CUBIC, believed.structure.drift[1], (float(values[0]),), (0, 0)))
+
+
+def test_without_gain_it_is_the_exact_linear_response() -> None:
+    believed = measured(noise=0.0)
+    run = believed.observed.runs[0]
+    stick = frames.build(
+        frames.StickFrame(
+            name="bench",
+            storeys=3,
+            storey_height_m=0.2,
+            floor_mass_kg=[6.5] * 3,
+            damping_ratio=0.01,
+            storey_stiffness_n_per_m=[6e4] * 3,
+        )
+    )
+    finer = 8
+    at = np.arange(finer * (len(run.table) - 1) + 1) * STEP_S / finer
+    table = believed._splines[0](at)
+    displacement, _ = linear_response(stick, table, STEP_S / finer)
+    expected = displacement[::finer][:, [0, 2]]
+    simulated = run.measured[:, 3:]
+    error = root_mean_square(simulated - expected) / root_mean_square(expected)
+    # Force held over a substep of 0.5 ms: (omega h)^2 / 24 at 26 Hz is 3e-4.
+    assert error.max() < 5e-4
+
+
+def test_a_law_acts_as_an_integrator_of_another_kind_says() -> None:
+    believed = measured([(Cubic(), np.array([4e8]))], noise=0.0, samples=1000, runs=1)
+    run = believed.observed.runs[0]
+    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
+    row = believed.structure.drift[1] @ modes.floors
+    spline = believed._splines[0]
+    n = len(modes.omega)
+
+    def rate(t: float, z: np.ndarray) -> np.ndarray:
+        eta, speed = z[:n], z[n:]
+        force = -modes.participation * spline(t) - row * 4e8 * (row @ eta) ** 3
+        return np.concatenate([speed, force - modes.omega**2 * eta - 2 * modes.ratio * modes.omega * speed])
+
+    end = STEP_S * (len(run.table) - 1)
+    solved = solve_ivp(
+        rate, (0, end), np.zeros(2 * n), "DOP853", STEP_S * np.arange(len(run.table)), rtol=1e-9, atol=1e-12
+    )
+    expected = (modes.floors @ solved.y[:n]).T[:, [0, 2]]
+    error = root_mean_square(run.measured[:, 3:] - expected) / root_mean_square(expected)
+    assert error.max() < 2e-3
+
+
+def test_innovations_of_the_right_model_are_white_and_of_the_stated_size() -> None:
+    believed = measured()
+    baseline = calibrated(believed, (0, 1))
+    for series, steady in zip(baseline.prediction.innovations, baseline.filters, strict=True):
+        white = whitened(series, steady)
+        assert np.mean(white**2, axis=0) == pytest.approx(np.ones(5), abs=0.15)
+        neighbours = np.mean(white[1:] * white[:-1], axis=0)
+        # Four standard deviations of the correlation of 2000 independent samples.
+        assert np.abs(neighbours).max() < 4 / np.sqrt(len(white))
+
+
+def test_the_filter_solves_its_riccati_equation() -> None:
+    believed = measured()
+    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
+    noise = starting_noise(believed, (0,), 0.1)[0]
+    system = linear_system(
+        modes,
+        believed.structure.drift @ modes.floors,
+        believed.observed.quantity,
+        believed.observed.floor,
+    )
+    steady = steady_filter(system, noise, STEP_S)
+    closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
+    assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
+    # Innovations' covariance is that of prediction plus noise: at least the noise.
+    assert (np.diag(steady.covariance) >= noise.channel**2).all()
+
+
+def test_discretisation_is_that_of_twice_half_a_step() -> None:
+    rate = np.array([[0.0, 1.0], [-100.0, -0.2]])
+    density = np.array([0.0, 2.0])
+    step, covariance = discretise(rate, density, 0.01)
+    half, part = discretise(rate, density, 0.005)
+    assert step == pytest.approx(half @ half)
+    assert covariance == pytest.approx(part + half @ part @ half.T)
+
+
+def test_signatures_are_derivatives_of_the_innovations() -> None:
+    believed = measured()
+    noise = starting_noise(believed, (0,), 0.003)
+    baseline = run_baseline(believed, np.zeros(len(believed.std)), noise, (0,))
+    groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
+    columns = grouped_signatures(believed, baseline, groups)[0]
+    start = whitened_innovations(believed, baseline)[0]
+    gains = [steady.gain for steady in baseline.filters]
+    for j, parameter in enumerate(believed.parameters):
+        if parameter.kind == "channel_delay":
+            continue  # A shift moves the noise as well, which no prediction knows; tested below by itself.
+        moved = np.zeros(len(believed.std))
+        moved[j] = 0.02 * believed.std[j]
+        there = believed.predict(moved, gains, (), (0,)).innovations[0]
+        change = (start - whitened(there, baseline.filters[0]).ravel()) / moved[j]
+        cosine = columns[:, j] @ change / np.linalg.norm(columns[:, j]) / np.linalg.norm(change)
+        assert cosine > 0.98, parameter
+
+
+def test_a_shift_moves_a_series_and_keeps_its_noise() -> None:
+    rng = np.random.default_rng(0)
+    at = np.arange(4000) * STEP_S
+    slow = np.sin(2 * np.pi * 7 * at)
+    assert shift(slow, STEP_S, 0.0007)[300:-300] == pytest.approx(
+        np.sin(2 * np.pi * 7 * (at + 0.0007))[300:-300], abs=1e-3
+    )
+    noise = rng.standard_normal(4000)
+    # An interpolation half-way between samples would lose a third of its variance.
+    assert shift(noise, STEP_S, STEP_S / 2).std() == pytest.approx(noise.std(), rel=0.01)
