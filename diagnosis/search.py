@@ -85,6 +85,8 @@ class Findings:
     floor: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     later: Scores | None = None
     """Scores of second effects about the best fit."""
+    engine: dict[int, np.ndarray] = field(default_factory=dict)
+    """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 
 
 def search(

@@ -122,7 +122,9 @@ def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
         after = found.null.gap[which]
         if judged is not found.null:
             runs = (found.training, found.held_out)[which]
-            after = gap(believed, simulate_engine(believed, baseline.values, baseline.effects, runs), runs)
+            outputs = simulate_engine(believed, baseline.values, baseline.effects, runs)
+            found.engine.update(zip(runs, outputs, strict=True))
+            after = gap(believed, outputs, runs)
         return {
             "before": found.null.gap[which],
             "after": after,
