@@ -19,8 +19,7 @@ PARAMETERS = 5
 _SIGNATURE = types.double(types.double, types.double, types.double, types.CPointer(types.double))
 
 
-@intrinsic
-def _call(context: Any, address: Any, d: Any, v: Any, t: Any, pointer: Any) -> Any:
+def _typed(context: Any, address: Any, d: Any, v: Any, t: Any, pointer: Any) -> Any:
     """Call the C function at an address with three numbers and a pointer to its parameters."""
     del context
     signature = types.double(types.intp, types.double, types.double, types.double, types.intp)
@@ -35,6 +34,10 @@ def _call(context: Any, address: Any, d: Any, v: Any, t: Any, pointer: Any) -> A
 
     del address, d, v, t, pointer
     return signature, codegen
+
+
+_call: Any = intrinsic(_typed)
+_as_tuple: Any = to_fixed_tuple
 
 
 @njit(cache=True)
@@ -58,7 +61,7 @@ def compiled(function: Callable[..., float], count: int) -> Any:
     inner = njit(error_model="numpy")(function)
 
     @cfunc(_SIGNATURE, error_model="numpy")
-    def entry(d, v, t, pointer):  # type: ignore[no-untyped-def]
-        return inner(d, v, t, *to_fixed_tuple(carray(pointer, (count,)), count))
+    def entry(d, v, t, pointer):
+        return inner(d, v, t, *_as_tuple(carray(pointer, (count,)), count))
 
     return entry

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
-from diagnosis.catalogue import candidates
+from diagnosis.catalogue import Effect, candidates, places
 from diagnosis.observations import observe
 from diagnosis.search import Findings, search
 from diagnosis.sensors import screened, usable
@@ -20,7 +20,11 @@ Progress = Callable[[str, float], None]
 
 
 def diagnose_case(
-    case_folder: Path | str, out: Path | str | None = None, progress: Progress | None = None
+    case_folder: Path | str,
+    out: Path | str | None = None,
+    progress: Progress | None = None,
+    *,
+    candidates_file: Path | str | None = None,
 ) -> dict[str, Any]:
     """Diagnose a case: where it disagrees with the believed model, what is missing, and what that closes.
 
@@ -28,17 +32,19 @@ def diagnose_case(
         case_folder: Folder with `case.toml` and its runs.
         out: Folder for `report.json`, `report.html` and figures; nothing is written when None.
         progress: Called with what is being done and the share that is done (0 to 1).
+        candidates_file: Python file with effects of the user's that compete with the catalogue.
 
     Returns:
         The report, as docs/diagnosis/case-format.md describes it.
 
     Raises:
-        CaseError: The case cannot be read or says too little.
+        CaseError: The case cannot be read or says too little, or the user's candidates cannot be used.
     """
     told = progress or (lambda what, share: None)
     told("reading the case", 0.0)
+    own = _own(candidates_file) if candidates_file is not None else []
     case = read_case(case_folder)
-    found = find(case, told)
+    found = find(case, told, own)
     report = report_of(case, found)
     if out is not None:
         from diagnosis.report import write_report
@@ -49,8 +55,15 @@ def diagnose_case(
     return report
 
 
-def find(case: Case, progress: Progress) -> Findings:
-    """Return what the search finds in a case."""
+def _own(file: Path | str) -> list[type[Effect]]:
+    from diagnosis.candidate_file import read_candidates
+    from diagnosis.effects_user import user_kinds
+
+    return user_kinds(read_candidates(file))
+
+
+def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> Findings:
+    """Return what the search finds in a case, with kinds of effects of the user's `own` beside the catalogue."""
     structure = Structure(believed_frames(case))
     observed = screened(observe(case, structure))
     believed = Believed(structure, observed, case.prior)
@@ -61,6 +74,7 @@ def find(case: Case, progress: Progress) -> Findings:
         for effect in candidates(believed)
         if effect.name != "joint_flexibility" or structure.frames[effect.index].joint_derivative is not None
     ]
+    effects += [effect for kind in own for effect in places(kind, believed)]
     used = usable(observed, [numbers[run.file] for run in training])
     unseen = usable(observed, [numbers[run.file] for run in held_out])
     if not used:

@@ -18,6 +18,9 @@ def diagnose(
     case: Annotated[Path | None, Parameter(help="Folder with case.toml and its runs.")] = None,
     *,
     out: options.Out = None,
+    candidates: Annotated[
+        Path | None, Parameter(help="Python file with candidates of your own (docs/diagnosis/own-candidates.md).")
+    ] = None,
     benchmark: Annotated[
         int | None, Parameter(help="Judge the diagnosis on so many hidden cases instead of reading one.")
     ] = None,
@@ -34,7 +37,7 @@ def diagnose(
     from diagnosis.report import tables
 
     with _bar() as told:
-        report = diagnose_case(case, out, told)
+        report = diagnose_case(case, out, told, candidates_file=candidates)
     emit(report, as_json=json, show=lambda: tables(report))
 
 
