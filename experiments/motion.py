@@ -189,6 +189,7 @@ class Motion:
         contacts: History of each contact, in the rig's order.
         energy: Its balance.
         wall_s: Wall time of the integration [s].
+        processor_s: Its processor time [s], which a busy machine does not lengthen.
         steps: Number of steps that the integrator took.
     """
 
@@ -196,6 +197,7 @@ class Motion:
     contacts: tuple[ContactHistory, ...]
     energy: EnergyBalance
     wall_s: float
+    processor_s: float
     steps: int
 
     @property

@@ -176,8 +176,8 @@ class Rig:
             guard = Guard(self.frames, bodies, latches, progress)
             mbs.SetPreStepUserFunction(guard)
             end = table.duration_s if duration_s is None else float(duration_s)
-            wall = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
-            return self._collect(bodies, table, wall)
+            cost = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
+            return self._collect(bodies, table, cost)
         finally:
             # The engine and what it calls refer to each other across the languages: else no run is freed.
             mbs.SetPreStepUserFunction(0)  # type: ignore[arg-type]
@@ -194,14 +194,14 @@ class Rig:
         rows = _rows(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, rows[0]), (right.node, rows[1]))
 
-    def _collect(self, bodies: Sequence[FrameBody], table: Table, wall_s: float) -> Motion:
+    def _collect(self, bodies: Sequence[FrameBody], table: Table, cost: tuple[float, float]) -> Motion:
         motions = []
         for body in bodies:
             time_s, q, v, a = body.history()
             motions.append(FrameMotion(body.reduced, time_s, q, v, a, table.acceleration(time_s)))
         histories = tuple(self._history_of(motions, contact) for contact in self.contacts)
         return Motion(
-            tuple(motions), histories, balance(tuple(motions), histories), wall_s, len(motions[0].time_s) - 1
+            tuple(motions), histories, balance(tuple(motions), histories), *cost, len(motions[0].time_s) - 1
         )
 
     def _history_of(self, motions: Sequence[FrameMotion], contact: Contact) -> ContactHistory:
@@ -245,10 +245,10 @@ def _rows(frames: Sequence[ReducedFrame], contact: Contact) -> tuple[Real, Real]
     return left, right
 
 
-def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> float:
-    """Run the system to `end_s` and return the wall time [s]."""
+def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> tuple[float, float]:
+    """Run the system to `end_s` and return the wall and the processor time [s]."""
     mbs.Assemble()
-    started = time.perf_counter()
+    started, worked = time.perf_counter(), time.process_time()
     try:
         with _silence():
             finished = mbs.SolveDynamic(
@@ -262,7 +262,7 @@ def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> floa
     if guard.reason or not finished:
         reason = guard.reason or "the engine did not finish; loosen the tolerances"
         raise ExperimentError(f"the run was stopped at {guard.time_s:.4f} s: {reason}")
-    return time.perf_counter() - started
+    return time.perf_counter() - started, time.process_time() - worked
 
 
 def _settings(end_s: float, accuracy: Accuracy) -> Any:

@@ -83,7 +83,7 @@ def test_no_touch_no_impact() -> None:
 
 def test_impacts_of_several_contacts_come_in_time() -> None:
     first, second = bounce([0.5, 0.7]), bounce([0.6])
-    motion = Motion((), (first, replace(second, floor=3)), None, 0.0, 0)  # type: ignore[arg-type]
+    motion = Motion((), (first, replace(second, floor=3)), None, 0.0, 0.0, 0)  # type: ignore[arg-type]
     assert [(round(i.time_s, 3), i.floor) for i in all_impacts(motion)] == [(0.5, 5), (0.6, 3), (0.7, 5)]
 
 
