@@ -9,6 +9,7 @@ import numpy as np
 
 from diagnosis.case import Case
 from diagnosis.catalogue import CHANNEL_UNIT, Effect
+from diagnosis.confidence import Features, basis, confidence, features_of
 from diagnosis.engine import simulate_engine
 from diagnosis.gap import gap
 from diagnosis.search import Findings, Judged
@@ -30,26 +31,24 @@ LEFT = 1.6
 
 @dataclass(frozen=True)
 class Decision:
-    """A verdict: its name, the candidate behind it, candidates that cannot be told from it, and its confidence."""
+    """A verdict: its name, the candidate behind it, and candidates that cannot be told from it."""
 
     verdict: str
     judged: Judged
     alike: tuple[Judged, ...]
-    confidence: float
 
 
 def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
     single = [one for one in found.judged if len(one.effects) == 1]
     if not single or single[0].nats < DETECTED_NATS or visible(found, single[0]) < DETECTED_SIZE:
-        nats = single[0].nats if single else 0.0
-        return Decision("nothing_missing", found.null, (), _sure(DETECTED_NATS - nats))
+        return Decision("nothing_missing", found.null, ())
     chosen = single[0]
     doubles = [one for one in found.judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
     if any(effect.foil for effect in chosen.effects) or closed(found, chosen) < EXPLAINED:
-        return Decision("unknown_effect", chosen, (), _sure(chosen.nats - DETECTED_NATS))
+        return Decision("unknown_effect", chosen, ())
     alike = tuple(
         other
         for other in single
@@ -59,7 +58,7 @@ def decide(found: Findings) -> Decision:
         and other.nats > chosen.nats - CLASS_NATS
     )
     verdict = "effect_class" if alike else "effect_named"
-    return Decision(verdict, chosen, alike, _sure(chosen.nats - DETECTED_NATS))
+    return Decision(verdict, chosen, alike)
 
 
 def visible(found: Findings, judged: Judged) -> float:
@@ -91,17 +90,23 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     return double.nats > single.nats + DETECTED_NATS and left[1] < (1 - share) * left[0]
 
 
-def _sure(margin: float) -> float:
-    return float(1 / (1 + np.exp(-np.clip(margin / 5, -30, 30))))
+def features(found: Findings, decision: Decision) -> Features:
+    """Return what the confidence in a verdict rests on."""
+    shown = decision.judged
+    if decision.verdict == "nothing_missing" and found.judged:
+        shown = found.judged[0]
+    return features_of(found, decision, visible(found, shown), closed(found, shown))
 
 
 def report_of(case: Case, found: Findings) -> dict[str, Any]:
     """Return the report as it goes into `report.json`."""
     decision = decide(found)
+    stated = features(found, decision)
     return {
         "schema": 1,
         "verdict": decision.verdict,
-        "confidence": decision.confidence,
+        "confidence": confidence(stated),
+        "confidence_basis": basis(stated),
         "effects": _effects(case, found, decision),
         "gap": _gaps(found, found.null if decision.verdict == "unknown_effect" else decision.judged),
         "where": where(

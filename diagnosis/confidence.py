@@ -1,0 +1,218 @@
+"""How sure a verdict is: the odds that it is right, from its evidence and margins, by coefficients fitted to cases.
+
+The form is logistic regression, one set of coefficients a verdict, in `data/confidence.toml` with a note where they come
+from. ``python -m diagnosis.confidence PAIRS.jsonl`` fits them: each line of the file is a report's `confidence_basis`
+`features` with a key `right` (whether type and place of every effect were right and nothing else was claimed).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.optimize import minimize
+from scipy.special import expit
+
+from diagnosis.errors import CaseError
+from frames.files import write_whole
+
+if TYPE_CHECKING:
+    from diagnosis.search import Findings
+    from diagnosis.verdict import Decision
+
+VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")
+TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
+SHRINKAGE = 1.0
+"""Prior standard deviation of every coefficient but the intercept: few wrong verdicts make no steep rule."""
+LIMITS = (0.01, 0.99)
+"""No figure beyond these is stated: no calibration here rests on enough cases for one."""
+FILE = Path(str(files("diagnosis"))) / "data" / "confidence.toml"
+
+
+@dataclass(frozen=True)
+class Features:
+    """What a verdict's confidence rests on.
+
+    Attributes:
+        verdict: Its kind.
+        nats: Log evidence of the best candidate against 'nothing missing'.
+        margin: How far the best of another type or place lies behind [nats].
+        visible: What the effect takes out of the channel where it shows most, in units of its noise.
+        closed: Share of the explainable gap that is closed.
+        effects: How many effects are claimed.
+    """
+
+    verdict: str
+    nats: float
+    margin: float
+    visible: float
+    closed: float
+    effects: int
+
+    def terms(self) -> np.ndarray:
+        """Return the terms that the coefficients multiply, in the order of `TERMS`."""
+        return np.array(
+            [
+                1.0,
+                np.log1p(max(_finite(self.nats), 0.0) / 10),
+                np.log1p(max(_finite(self.margin), 0.0) / 10),
+                np.log(np.clip(_finite(self.visible), 0.05, 50.0)),
+                np.clip(_finite(self.closed), -1.0, 1.0),
+                float(self.effects > 1),
+            ]
+        )
+
+
+def _finite(value: float) -> float:
+    return float(value) if np.isfinite(value) else 0.0
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Coefficients of each verdict in the order of `TERMS`, and where they come from."""
+
+    source: str
+    coefficients: Mapping[str, Sequence[float]]
+
+
+@cache
+def shipped() -> Calibration:
+    """Return the calibration that comes with the package."""
+    return read_calibration(FILE)
+
+
+def read_calibration(path: Path) -> Calibration:
+    """Read a calibration.
+
+    Raises:
+        CaseError: It lacks a verdict or a term.
+    """
+    raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    try:
+        found = {verdict: [float(raw[verdict][term]) for term in TERMS] for verdict in VERDICTS}
+        return Calibration(str(raw["source"]), found)
+    except KeyError as error:
+        raise CaseError(f"{path}: the key {error} is missing; fit the calibration anew") from error
+
+
+def confidence(features: Features, calibration: Calibration | None = None) -> float:
+    """Return the probability that a verdict with these features is right."""
+    weights = np.asarray((calibration or shipped()).coefficients[features.verdict], float)
+    return float(np.clip(expit(weights @ features.terms()), *LIMITS))
+
+
+def features_of(found: Findings, decision: Decision, visible: float, closed: float) -> Features:
+    """Return the features of a verdict."""
+    best = decision.judged
+    if decision.verdict == "nothing_missing":
+        singles = [one for one in found.judged if len(one.effects) == 1]
+        nats = singles[0].nats if singles else 0.0
+        return Features(decision.verdict, float(nats), 0.0, visible, closed, 0)
+    mine = {_key(effect) for effect in best.effects} | {
+        _key(effect) for one in decision.alike for effect in one.effects
+    }
+    others = [one.nats for one in found.judged if not {_key(effect) for effect in one.effects} & mine]
+    refined = {effect for one in found.judged for effect in one.effects}
+    others += [
+        one.nats for one in found.scores.ranked if one.effect not in refined and _key(one.effect) not in mine
+    ]
+    margin = best.nats - max(others, default=0.0)
+    return Features(decision.verdict, best.nats, float(margin), visible, closed, len(best.effects))
+
+
+def _key(effect: Any) -> tuple[object, ...]:
+    return tuple(effect.place().values())
+
+
+def basis(features: Features, calibration: Calibration | None = None) -> dict[str, Any]:
+    """Return what stands behind a stated confidence, for the report."""
+    return {"calibration": (calibration or shipped()).source, "features": asdict(features)}
+
+
+def fit(pairs: Iterable[tuple[Features, bool]], source: str) -> Calibration:
+    """Return coefficients by logistic regression with shrinkage, a verdict at a time.
+
+    Args:
+        pairs: Features of verdicts, and whether each was right.
+        source: Where the cases come from, for the report's reader.
+
+    Raises:
+        CaseError: There is no case at all.
+    """
+    known = list(pairs)
+    if not known:
+        raise CaseError("no case to fit the confidence to; give at least one line of features with `right`")
+    overall = float(np.clip(np.mean([right for _, right in known]), 0.05, 0.95))
+    found = {}
+    for verdict in VERDICTS:
+        chosen = [(features, right) for features, right in known if features.verdict == verdict]
+        found[verdict] = _regression(chosen, float(np.log(overall / (1 - overall))))
+    return Calibration(source, found)
+
+
+def _regression(pairs: Sequence[tuple[Features, bool]], prior: float) -> list[float]:
+    """Return the coefficients of one verdict; without a case, the odds over all verdicts."""
+    if not pairs:
+        return [prior] + [0.0] * (len(TERMS) - 1)
+    rows = np.array([features.terms() for features, _ in pairs])
+    right = np.array([right for _, right in pairs], float)
+    centre = rows.mean(axis=0)
+    centre[0] = 0.0
+    shifted = rows - centre
+
+    def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
+        odds = shifted @ weights
+        penalty = weights - np.eye(len(weights))[0] * prior
+        value = (
+            float(np.sum(np.logaddexp(0.0, odds) - right * odds))
+            + 0.5 * float(penalty @ penalty) / SHRINKAGE**2
+        )
+        return value, shifted.T @ (expit(odds) - right) + penalty / SHRINKAGE**2
+
+    weights = minimize(loss, np.eye(len(TERMS))[0] * prior, jac=True, method="BFGS").x
+    weights[0] -= centre @ weights
+    return [float(weight) for weight in weights]
+
+
+def write_calibration(calibration: Calibration, path: Path = FILE) -> None:
+    """Write a calibration where `read_calibration` finds it, the comment at the head of the old one kept."""
+    old = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    lines = [line for line in old if line.startswith("#")]
+    lines.append(f"source = {json.dumps(calibration.source)}")
+    for verdict in VERDICTS:
+        lines += ["", f"[{verdict}]"]
+        numbers = zip(TERMS, calibration.coefficients[verdict], strict=True)
+        lines += [f"{term} = {weight:.4f}" for term, weight in numbers]
+    write_whole(path, ("\n".join(lines) + "\n").encode())
+
+
+def read_pairs(path: Path) -> list[tuple[Features, bool]]:
+    """Read features with `right`, a JSON object a line.
+
+    Raises:
+        CaseError: A line is not such an object.
+    """
+    found = []
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            entry = json.loads(line)
+            right = bool(entry.pop("right"))
+            found.append((Features(**entry), right))
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise CaseError(f"{path} line {number}: not features with `right`: {error}") from error
+    return found
+
+
+if __name__ == "__main__":
+    given = Path(sys.argv[1])
+    write_calibration(fit(read_pairs(given), " ".join(sys.argv[2:]) or str(given)))
