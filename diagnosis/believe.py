@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -42,16 +43,16 @@ def believed_frames(case: Case) -> tuple[StoreyFrame, ...]:
     found = []
     for frame in case.frames:
         try:
-            found.append(_storeys(definition(frame), frame.name))
+            found.append(_storeys(definition(frame), frame))
         except frames.FrameError as error:
             raise CaseError(f"{case.folder / 'case.toml'}: frame {frame.name!r}: {error}") from error
     return tuple(found)
 
 
-def _storeys(defined: frames.Frame, name: str) -> StoreyFrame:
+def _storeys(defined: frames.Frame, frame: CaseFrame) -> StoreyFrame:
     if isinstance(defined, frames.PlateFrame):
-        return _plates(msgspec_key(defined), name)
-    return from_reduced(frames.build(defined), name)
+        return _plates(msgspec_key(defined), frame.name, frame.joints == "rigid", frame.p_delta)
+    return from_reduced(frames.build(defined, p_delta=frame.p_delta), frame.name)
 
 
 def msgspec_key(defined: frames.PlateFrame) -> bytes:
@@ -62,17 +63,19 @@ def msgspec_key(defined: frames.PlateFrame) -> bytes:
 
 
 @lru_cache(maxsize=16)
-def _plates(encoded: bytes, name: str) -> StoreyFrame:
+def _plates(encoded: bytes, name: str, rigid: bool = False, p_delta: bool = True) -> StoreyFrame:
     import msgspec
 
     plain = msgspec.json.decode(encoded, type=frames.PlateFrame)
-    base = from_reduced(frames.build(plain), name)
+    options: dict[str, Any] = {"joints": "rigid" if rigid else "calibrated", "p_delta": p_delta}
+    base = from_reduced(frames.build(plain, **options), name)
 
     def change(**fields: object) -> np.ndarray:
-        changed = from_reduced(frames.build(frames.changed(plain, **fields)), name)
+        changed = from_reduced(frames.build(frames.changed(plain, **fields), **options), name)
         return (changed.stiffness - base.stiffness) / np.log1p(SMALL)
 
-    joints = change(joint_factor=plain.joint_factor * (1 + SMALL))
+    # Rigid joints have no stiffness that could differ by a factor.
+    joints = None if rigid else change(joint_factor=plain.joint_factor * (1 + SMALL))
     patterns = []
     for storey in range(plain.storeys):
         factors = list(plain.storey_stiffness_factor) or [1.0] * plain.storeys
@@ -88,7 +91,7 @@ def _plates(encoded: bytes, name: str) -> StoreyFrame:
         damping_ratio=base.damping_ratio,
         height_m=base.height_m,
         joint_derivative=joints,
-        joint_stiffness=plain.joint_stiffness(),
+        joint_stiffness=float("inf") if rigid else plain.joint_stiffness(),
         patterns=np.array(patterns),
         gyration_m=float(np.hypot(plain.plate.length_m, plain.plate.width_m) / np.sqrt(12)),
     )

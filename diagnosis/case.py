@@ -12,6 +12,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from diagnosis.case_numbers import ModalDatum, Peak
 from diagnosis.quantities import OF_THE_TABLE, UNITS
 
 
@@ -31,7 +32,8 @@ class CaseFrame:
     """A frame as believed before the test.
 
     Exactly one of three: a frame of the thesis (only `name`), a frame file (`file`), or masses and modes
-    (`floor_mass_kg`, `frequency_hz`, `damping_ratio`).
+    (`floor_mass_kg`, `frequency_hz`, `damping_ratio`). The former two may be believed with ``rigid`` joints and
+    without P-Delta.
     """
 
     name: str
@@ -41,6 +43,8 @@ class CaseFrame:
     floor_mass_kg: tuple[float, ...] = ()
     frequency_hz: tuple[float, ...] = ()
     damping_ratio: tuple[float, ...] = ()
+    joints: str = "calibrated"
+    p_delta: bool = True
 
     @property
     def kind(self) -> str:
@@ -120,6 +124,8 @@ class Case:
     contacts: tuple[Contact, ...] = ()
     prior: Prior = field(default_factory=Prior)
     warnings: tuple[str, ...] = ()
+    modal: tuple[ModalDatum, ...] = ()
+    peaks: tuple[Peak, ...] = ()
 
     def frame(self, name: str) -> CaseFrame:
         """Return the frame of that name."""

@@ -7,11 +7,12 @@ import math
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from diagnosis.case import Case, CaseFrame, Channel, Contact
+from diagnosis.case_numbers import check_modal, check_peaks
 from diagnosis.errors import CaseError
 from diagnosis.quantities import ABSOLUTE, LAWS, OF_A_CONTACT, OF_THE_TABLE, UNDAMPED_LAWS, UNITS
 from frames.errors import FrameError
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from frames.definition import Frame
 
 ROLES = ("training", "held_out")
+OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
+"""Keys of a frame that is given by its masses and modes."""
+JOINTS = ("calibrated", "rigid")
 UNIT_SPELLINGS = {
     "m/s2": "m/s^2", "m/s**2": "m/s^2", "m/s²": "m/s^2", "ms-2": "m/s^2", "m s-2": "m/s^2", "m/ss": "m/s^2",
     "cm/s2": "cm/s^2", "gal": "cm/s^2", "millimetre": "mm", "metre": "m", "meter": "m", "newton": "N",
@@ -43,14 +47,17 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
         _channel(table, i, known, len(contacts), places) for i, table in enumerate(described.channel)
     )
     _check_roles(described, places)
-    _check_what_is_measured(channels, places)
+    if described.run and not described.peak:
+        _check_what_is_measured(channels, places)
     for name, value in msgspec.structs.asdict(described.prior).items():
         if not (math.isfinite(value) and value > 0):
             what = f"[prior] {name} is {value:g}; write a standard deviation above 0 (1e-4 for what is known)"
             raise places.error(what, "prior", 0, name)
     case = Case(
-        described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior
-    )
+        described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior,
+        modal=check_modal(described.modal, known, places),
+        peaks=check_peaks(described.peak, known, [run.file for run in described.run], places),
+    )  # fmt: skip
     return case, [(run.file, run.role) for run in described.run]
 
 
@@ -64,7 +71,7 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
     def error(what: str, key: str = "") -> CaseError:
         return places.error(f"frame {table.name or table.file or index + 1!r}: {what}", "frame", index, key)
 
-    own = {key: getattr(table, key) for key in table.__struct_fields__[2:]}
+    own = {key: getattr(table, key) for key in OWN}
     given = [key for key, value in own.items() if value is not None]
     if table.file is not None:
         if given:
@@ -73,12 +80,23 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
         if not path.is_file():
             raise error(f"{path} is not there; correct `file`", "file")
         definition = _load(path, error)
-        return CaseFrame(table.name or definition.name, definition.storeys, file=path)
+        return CaseFrame(
+            table.name or definition.name, definition.storeys, file=path, **_options(table, error)
+        )
     if not table.name:
         raise error("the key 'name' is missing; add it")
     if not given:
-        return CaseFrame(table.name, _load(table.name, error).storeys)
+        return CaseFrame(table.name, _load(table.name, error).storeys, **_options(table, error))
+    for key in ("joints", "p_delta"):
+        if getattr(table, key) is not None:
+            raise error(f"`{key}` belongs to a frame of plates and columns, not beside {given[0]!r}", key)
     return _believed(table, given, error)
+
+
+def _options(table: FrameTable, error: Callable[..., CaseError]) -> dict[str, Any]:
+    if table.joints not in (None, *JOINTS):
+        raise error(f"joints is {table.joints!r}; write 'calibrated' or 'rigid'", "joints")
+    return {"joints": table.joints or "calibrated", "p_delta": table.p_delta is not False}
 
 
 def _load(frame: str | Path, error: Callable[..., CaseError]) -> Frame:
@@ -95,7 +113,7 @@ def _load(frame: str | Path, error: Callable[..., CaseError]) -> Frame:
 
 
 def _believed(table: FrameTable, given: list[str], error: Callable[..., CaseError]) -> CaseFrame:
-    for key in table.__struct_fields__[2:]:
+    for key in OWN:
         if key not in given:
             raise error(f"the key {key!r} is missing; a frame of one's own needs it beside {given[0]!r}")
     storeys, height = table.storeys or 0, table.storey_height_m or 0.0

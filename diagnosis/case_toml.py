@@ -11,6 +11,7 @@ import msgspec
 
 from diagnosis.case import Case, Prior
 from diagnosis.case_checks import check, suggest
+from diagnosis.case_numbers import ModalTable, PeakTable
 from diagnosis.errors import CaseError
 
 FILE = "case.toml"
@@ -26,6 +27,8 @@ class FrameTable(msgspec.Struct, forbid_unknown_fields=True):
     floor_mass_kg: list[float] | None = None
     frequency_hz: list[float] | None = None
     damping_ratio: list[float] | None = None
+    joints: str | None = None
+    p_delta: bool | None = None
 
 
 class RunTable(msgspec.Struct, forbid_unknown_fields=True):
@@ -63,9 +66,11 @@ class Description(msgspec.Struct, forbid_unknown_fields=True):
     """The whole of `case.toml`."""
 
     frame: list[FrameTable]
-    run: list[RunTable]
-    channel: list[ChannelTable]
+    run: list[RunTable] = []
+    channel: list[ChannelTable] = []
     title: str = ""
+    modal: list[ModalTable] = []
+    peak: list[PeakTable] = []
     contact: list[ContactTable] = []
     prior: Prior = Prior()
 
@@ -75,6 +80,8 @@ TABLES: dict[str, type[msgspec.Struct]] = {
     "run": RunTable,
     "channel": ChannelTable,
     "contact": ContactTable,
+    "modal": ModalTable,
+    "peak": PeakTable,
     "prior": Prior,
 }
 
@@ -137,7 +144,8 @@ def read_description(folder: Path) -> tuple[Case, list[tuple[str, str | None]]]:
 
 def _convert(raw: dict[str, Any], places: Places) -> Description:
     """Return the structs, or an error in which msgspec's path has become a line and a suggestion."""
-    for table in ("frame", "run", "channel"):
+    # Modal data need no shaking: a case may hold nothing else.
+    for table in ("frame",) if raw.get("modal") else ("frame", "run", "channel"):
         if not raw.get(table):
             raise places.error(f"there is no [[{table}]]; a case needs at least one")
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import msgspec
 
 from diagnosis.case import Case, CaseFrame, Channel, Contact, Prior
 from diagnosis.case_csv import write_run
+from diagnosis.case_numbers import ModalDatum
 
 FILE = "case.toml"
 
@@ -40,6 +42,8 @@ def _toml(case: Case) -> str:
     blocks += [_block("[[run]]", {"file": run.file, "role": run.role}) for run in case.runs]
     blocks += [_block("[[channel]]", _channel_keys(channel)) for channel in case.channels]
     blocks += [_block("[[contact]]", _contact_keys(contact)) for contact in case.contacts]
+    blocks += [_block("[[modal]]", _modal_keys(datum)) for datum in case.modal]
+    blocks += [_block("[[peak]]", asdict(peak) | {"unit": "m"}) for peak in case.peaks]
     changed = {
         name: value
         for name, value in msgspec.structs.asdict(case.prior).items()
@@ -54,11 +58,20 @@ def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
     keys: dict[str, Any] = {"name": frame.name}
     if frame.kind == "file":
         keys["file"] = str(frame.file)
+    if frame.joints != "calibrated":
+        keys["joints"] = frame.joints
+    if not frame.p_delta:
+        keys["p_delta"] = False
     if frame.kind == "believed":
         keys |= {"storeys": frame.storeys, "storey_height_m": frame.storey_height_m}
         keys |= {"floor_mass_kg": list(frame.floor_mass_kg), "frequency_hz": list(frame.frequency_hz)}
         keys |= {"damping_ratio": list(frame.damping_ratio)}
     return keys
+
+
+def _modal_keys(datum: ModalDatum) -> dict[str, Any]:
+    unit = {"frequency": "Hz", "roof_stiffness": "N/m", "mass": "kg"}[datum.quantity]
+    return asdict(datum) | {"unit": unit}
 
 
 def _channel_keys(channel: Channel) -> dict[str, Any]:
