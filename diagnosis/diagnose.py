@@ -35,7 +35,7 @@ def diagnose_case(
         candidates_file: Python file with effects of the user's that compete with the catalogue.
 
     Returns:
-        The report, as docs/diagnosis/case-format.md describes it.
+        The report, as docs/diagnosis/case-format.md describes it; with `out` also what `diagnosis.more` adds.
 
     Raises:
         CaseError: The case cannot be read or says too little, or the user's candidates cannot be used.
@@ -50,7 +50,7 @@ def diagnose_case(
         from diagnosis.report import write_report
 
         told("writing the report", 0.95)
-        write_report(case, found, report, Path(out))
+        report = write_report(case, found, report, Path(out))
     told("done", 1.0)
     return report
 

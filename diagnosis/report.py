@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -12,38 +11,44 @@ from typing import Any
 import jinja2
 import numpy as np
 from rich.console import RenderableType
+from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from diagnosis.case import Case
 from diagnosis.errors import CaseError
 from diagnosis.figures import figures
+from diagnosis.more import completed
 from diagnosis.search import Findings
-from diagnosis.words import advice, assumptions, sentence
+from diagnosis.words import advice, assumptions, kind_and_place, percent, sentence
+from frames.errors import FrameError
+from frames.files import write_whole
 
 TEMPLATE = Path(__file__).with_name("report.html.jinja")
 
 
-def write_report(case: Case, found: Findings, report: dict[str, Any], folder: Path) -> None:
-    """Write a report's files; each appears whole or not at all.
+def write_report(case: Case, found: Findings, report: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Write a report's files, `report.json` last; each appears whole or not at all.
+
+    Returns:
+        The report as written: with what `diagnosis.more.completed` adds.
 
     Raises:
-        CaseError: The folder cannot be made.
+        CaseError: The folder cannot be made or written.
     """
+    if folder.exists() and not folder.is_dir():
+        raise CaseError(f"{folder}: is a file, not a folder; give --out another name")
+    report = clean(completed(case, found, report))
+    pictures = figures(case, found, report)
+    files = {f"{name}.png": picture for name, picture in pictures.items()}
+    files["report.html"] = page(case, found, report, pictures).encode()
+    files["report.json"] = (json.dumps(report, indent=2, allow_nan=False) + "\n").encode()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError as error:
-        raise CaseError(f"{folder}: is a file, not a folder; give --out another name") from error
-    pictures = figures(found, report)
-    for name, picture in pictures.items():
-        _write(folder / f"{name}.png", picture)
-    _write(folder / "report.json", (json.dumps(clean(report), indent=2, allow_nan=False) + "\n").encode())
-    _write(folder / "report.html", page(case, found, report, pictures).encode())
-
-
-def _write(path: Path, content: bytes) -> None:
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    beside.write_bytes(content)
-    os.replace(beside, path)
+        for name, content in files.items():
+            write_whole(folder / name, content)
+    except FrameError as error:
+        raise CaseError(str(error)) from error
+    return report
 
 
 def clean(value: Any) -> Any:
@@ -62,8 +67,13 @@ def clean(value: Any) -> Any:
 def page(case: Case, found: Findings, report: dict[str, Any], pictures: dict[str, bytes]) -> str:
     """Return the report as one HTML page that needs no other file."""
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True)
-    environment.filters["number"] = number
-    environment.filters["place"] = place
+    environment.filters |= {
+        "number": number,
+        "place": place,
+        "percent": percent,
+        "what": kind_and_place,
+        "sizes": sizes,
+    }
     template = environment.from_string(TEMPLATE.read_text(encoding="utf-8"))
     return template.render(
         case=case,
@@ -93,36 +103,67 @@ def place(entry: dict[str, Any]) -> str:
     return ", ".join(words) or "the table"
 
 
+def sizes(entry: dict[str, Any] | None) -> str:
+    """Return an effect's parameters in one line, such as `gap 0.3 mm, stiffness 400 N/m`."""
+    if entry is None:
+        return "–"
+    units = {"1": "", "-": ""}
+    return ", ".join(
+        f"{p['name'].replace('_', ' ')} {_short(p['value'])} {units.get(p['unit'], p['unit'])}".rstrip()
+        for p in entry["parameters"]
+    )
+
+
+def _short(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.2g}"
+
+
 def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
     """Return the findings for the terminal."""
-    yield sentence(report)
-    gaps = Table(
-        "gap", "before", "after", "noise floor", title="Gap: rms(simulated - measured) / rms(measured)"
-    )
-    gaps.add_row(
-        "training", *(number(report["gap"]["training"][k]) for k in ("before", "after", "noise_floor"))
-    )
-    held_out = report["gap"]["held_out"]
-    if held_out:
-        label = f"held out ({held_out['run']})"
-        gaps.add_row(label, *(number(held_out[k]) for k in ("before", "after", "noise_floor")))
-    yield gaps
+    yield Text(sentence(report))
+    yield _gaps(report)
     if report["effects"]:
         effects = Table("effect", "where", "parameter", "value", "std", "unit", title="What is missing")
         for effect in report["effects"]:
-            for parameter in effect["parameters"]:
-                effects.add_row(
-                    effect["effect"],
-                    place(effect),
-                    parameter["name"],
-                    number(parameter["value"]),
-                    number(parameter["std"]),
-                    parameter["unit"],
-                )
+            for one in effect["parameters"]:
+                size = (number(one["value"]), number(one["std"]), one["unit"])
+                effects.add_row(effect["effect"], place(effect), one["name"], *size)
         yield effects
-    ranked = Table("candidate", "where", "log evidence (nats)", title="Evidence against 'nothing missing'")
+    if report["where"]:
+        spots = Table(
+            *_heads("channel", "run", "window [s]", "band [Hz]", "gap"),
+            title="Where the model disagrees most",
+        )
+        for one in report["where"][:4]:
+            window, band = (f"{number(a)} to {number(b)}" for a, b in (one["window_s"], one["band_hz"]))
+            spots.add_row(one["channel"], one["run"], window, band, percent(one["gap"]))
+        yield spots
+    ranked = Table(
+        *_heads("candidate", "where", "log evidence [nats]"), title="Evidence against 'nothing missing'"
+    )
     for candidate in report["candidates"][:8]:
-        ranked.add_row(candidate["effect"], place(candidate), number(candidate["log_evidence"]))
+        ranked.add_row(candidate["effect"], place(candidate), f"{candidate['log_evidence']:.1f}")
     yield ranked
+    for pair in report.get("apart", ()):
+        first, other = (kind_and_place(entry) for entry in pair["between"])
+        yield Text(f"to tell {first} from {other}: {' '.join(pair['tests'])}")
     for warning in report["warnings"]:
-        yield f"warning: {warning}"
+        yield Text(f"warning: {warning}")
+
+
+def _heads(*names: str) -> list[str]:
+    """Return column heads whose units in brackets are no markup."""
+    return [escape(name) for name in names]
+
+
+def _gaps(report: dict[str, Any]) -> Table:
+    title = "Gap: rms(simulated - measured) / rms(measured)"
+    gaps = Table("gap", "before", "after", "noise floor", "closed", title=title)
+    held_out = report["gap"]["held_out"]
+    for label, gap in (
+        ("training", report["gap"]["training"]),
+        (f"held out ({held_out['run']})" if held_out else "held out: none, there is a single run", held_out),
+    ):
+        shares = [percent((gap or {}).get(key)) for key in ("before", "after", "noise_floor", "closed")]
+        gaps.add_row(label, *shares)
+    return gaps

@@ -1,0 +1,105 @@
+"""Which test would tell two effects apart that one set of data cannot."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+NONLINEAR = ("coulomb_friction", "air_drag", "cubic_stiffness", "hysteresis", "bumper")
+DISSIPATING = ("damping_change", "coulomb_friction", "air_drag", "hysteresis")
+OF_THE_TABLE = ("table_gain", "table_delay", "table_tilt")
+OF_A_SENSOR = ("sensor_gain", "sensor_delay", "sensor_offset")
+
+SHOWS = {
+    "stiffness_change": "A hammer test of the upper modes: one storey's stiffness moves each mode by its own drift there.",
+    "joint_flexibility": "A hammer test of the upper modes: soft joints lower the first mode more than the upper ones.",
+    "base_rocking": "Two vertical accelerometers at the ends of the base plate: only a rocking base moves them.",
+    "p_delta": "The same shaking with known weights added to the floors: the geometric stiffness follows the weight.",
+    "added_mass": "The same shaking with a known mass added to that floor, or weighing it.",
+    "loosening": "The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+    "hysteresis": "The same shaking at a third of its amplitude: below yield nothing is left of it.",
+    "bumper": "The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
+    "torsional_eccentricity": "A second accelerometer on the other side of the same floor: only torsion parts the two.",
+    "table_gain": "A second accelerometer of another make on the table.",
+    "table_delay": "Table and floor on one logger, or a knock on the table that both record.",
+    "table_tilt": "Two vertical accelerometers at the ends of the table.",
+    "sensor_gain": "The sensor exchanged with its neighbour: a fault of the sensor goes with it.",
+    "sensor_delay": "A knock that all loggers record, or the sensor moved to the logger of its neighbours.",
+    "sensor_offset": "A minute of record before anything moves.",
+    "gap_offset": "A feeler gauge in the gap before and after the shaking.",
+    "second_contact": "A force cell or a strip of pressure film at the place in question.",
+    "contact_stiffness": "Impacts at several speeds with force cell and drift measured: force over deformation.",
+    "contact_damping": "A rebound from rest: the speed after over the speed before.",
+    "contact_law": "Impacts at several speeds: the exponent of force over deformation does not depend on the speed.",
+}
+"""A test that shows one kind of effect and little else."""
+
+
+def tests_between(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> list[str]:
+    """Return tests that would tell two places or effects apart, the cheapest first.
+
+    Args:
+        one: An effect with its place, as in the report.
+        other: Another.
+        measured: Numbers of the floors of the frame that have a channel.
+    """
+    names = (str(one["effect"]), str(other["effect"]))
+    if names[0] == names[1]:
+        return [_places(one, other, measured)]
+    found = []
+    if sum(name in NONLINEAR for name in names) == 1:
+        found.append(
+            "The same shaking at half and at twice its amplitude: only one of the two keeps its size."
+        )
+    if all(name in DISSIPATING for name in names):
+        found.append(
+            "Free vibration from a pull and release: the amplitude falls along a line with friction, an exponential "
+            "with viscous damping, a hyperbola with drag, and stops falling early with yielding."
+        )
+    found += [SHOWS[name] for name in names if name in SHOWS and name not in _plain(names)]
+    return list(dict.fromkeys(found))
+
+
+def _plain(names: tuple[str, str]) -> tuple[str, ...]:
+    """Return which of two effects the other's own test is enough for: structure needs none beside a sensor's."""
+    for group in (OF_A_SENSOR, OF_THE_TABLE):
+        if (names[0] in group) != (names[1] in group):
+            return tuple(name for name in names if name not in group)
+    return ()
+
+
+def _places(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> str:
+    key = next(
+        (key for key in ("storey", "floor", "channel", "contact", "frame") if one[key] != other[key]), ""
+    )
+    if key not in ("storey", "floor"):
+        return f"The same shaking without {other[key]}, or with it exchanged." if key else ""
+    low, high = sorted((int(one[key]), int(other[key])))
+    first = low - 1 if key == "storey" else low
+    missing = [floor for floor in range(max(first, 1), high + 1) if floor not in measured]
+    if missing:
+        floors = " and ".join(str(floor) for floor in missing)
+        return f"A sensor on floor {floors}, which has none: it parts {key} {low} from {key} {high}."
+    return (
+        f"A second sensor, better a displacement, on floors {max(first, 1)} to {high}: less noise in the drifts that "
+        f"part {key} {low} from {key} {high}."
+    )
+
+
+def apart(report: Mapping[str, Any], measured: Mapping[str, Sequence[int]]) -> list[dict[str, Any]]:
+    """Return what could not be told apart and which tests would tell.
+
+    Args:
+        report: The report.
+        measured: Floors with a channel, by frame.
+
+    Returns:
+        For each rival of each effect ``between`` (two places as in the report) and ``tests`` (sentences).
+    """
+    found = []
+    for effect in report["effects"]:
+        first, *others = effect["class"]
+        for other in others:
+            floors = measured.get(str(first["frame"]), ())
+            found.append({"between": [first, other], "tests": tests_between(first, other, floors)})
+    return found

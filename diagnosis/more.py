@@ -1,0 +1,51 @@
+"""What a report says beside the keys of docs/diagnosis/case-format.md: worked out only when a report is written."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from diagnosis.apart import apart
+from diagnosis.case import Case
+from diagnosis.origin import origin
+from diagnosis.search import Findings
+from diagnosis.smallest import smallest
+from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, decide
+
+EXPLAINABLE = 1.1
+"""A gap is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
+
+
+def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, Any]:
+    """Return the report with ``gap.*.closed``, ``smallest_detectable``, ``apart``, ``thresholds`` and ``origin``.
+
+    ``closed`` is the share of the gap above the noise floor that was closed, or None where nothing is explainable.
+    """
+    gaps = {
+        name: None if gap is None else gap | {"closed": _closed(gap)} for name, gap in report["gap"].items()
+    }
+    return report | {
+        "gap": gaps,
+        "smallest_detectable": smallest(case, found, decide(found)),
+        "apart": apart(report, _measured(found)),
+        "thresholds": {"log_evidence": DETECTED_NATS, "share_of_noise": DETECTED_SIZE},
+        "origin": origin(case),
+    }
+
+
+def _closed(gap: dict[str, Any]) -> float | None:
+    if not gap["before"] > EXPLAINABLE * gap["noise_floor"]:
+        return None
+    return float((gap["before"] - gap["after"]) / (gap["before"] - gap["noise_floor"]))
+
+
+def _measured(found: Findings) -> dict[str, list[int]]:
+    """Return the floors with a channel, by frame."""
+    structure = found.believed.structure
+    floors: dict[str, list[int]] = {}
+    for index in np.unique(found.believed.observed.floor):
+        if 0 <= index < structure.floors:
+            frame, number = structure.place(int(index))
+            floors.setdefault(frame, []).append(number)
+    return floors
