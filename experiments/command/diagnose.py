@@ -4,33 +4,68 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from diagnosis.errors import CaseError
 from experiments.command import options
 from experiments.command.output import emit, progress_console
 
+OF_BENCHMARK = Group("Judging the diagnosis instead (docs/diagnosis/benchmark.md)", sort_key=1)
+
 
 def diagnose(
     case: Annotated[Path | None, Parameter(help="Folder with case.toml and its runs.")] = None,
     *,
-    out: options.Out = None,
+    out: Annotated[
+        Path | None,
+        Parameter(
+            help="Folder for report.html, report.json and the pictures, made if it is not there; "
+            "without it the findings are only printed. With --benchmark: for benchmark.json and finished cases."
+        ),
+    ] = None,
     candidates: Annotated[
-        Path | None, Parameter(help="Python file with candidates of your own (docs/diagnosis/own-candidates.md).")
+        Path | None,
+        Parameter(help="Python file with candidates of your own (docs/diagnosis/own-candidates.md)."),
     ] = None,
-    benchmark: Annotated[
-        int | None, Parameter(help="Judge the diagnosis on so many hidden cases instead of reading one.")
-    ] = None,
-    seed: Annotated[int, Parameter(help="Seed of the benchmark.")] = 0,
     json: options.Json = False,
+    benchmark: Annotated[
+        int | None,
+        Parameter(
+            group=OF_BENCHMARK, help="Hide, diagnose and judge so many cases; an interrupted one goes on."
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, Parameter(group=OF_BENCHMARK, help="Seed of the cases that are drawn; default: 0.")
+    ] = None,
+    pairs: Annotated[
+        bool,
+        Parameter(
+            group=OF_BENCHMARK, negative=(), help="Pairs of frames that pound instead of single frames."
+        ),
+    ] = False,
+    way: Annotated[
+        Literal["diagnosis", "refit", "sparse", "sparse-pysindy"] | None,
+        Parameter(
+            group=OF_BENCHMARK, help="What is judged: this diagnosis (default) or what one would do instead."
+        ),
+    ] = None,
 ) -> None:
-    """Find where measurements and the believed model disagree, name what is missing, and show the gap close."""
+    """Find where measurements and the believed model disagree, name what is missing, and show the gap close.
+
+    The exit status is 0 whatever the verdict, and 2 with one sentence for a case that cannot be read.
+    How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
+    """
     if benchmark is not None:
-        _benchmark(benchmark, seed, out, json)
+        if case is not None or candidates is not None:
+            raise CaseError("--benchmark draws its own cases; leave out the case and --candidates")
+        _benchmark(benchmark, seed or 0, pairs, way or "diagnosis", out, json)
         return
+    for name, value in (("--seed", seed), ("--pairs", pairs or None), ("--way", way)):
+        if value is not None:
+            raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
     from diagnosis.diagnose import diagnose_case
@@ -38,26 +73,34 @@ def diagnose(
 
     with _bar() as told:
         report = diagnose_case(case, out, told, candidates_file=candidates)
-    emit(report, as_json=json, show=lambda: tables(report))
+    emit(report, as_json=json, show=lambda: [*tables(report), *_written(out)])
 
 
-def _benchmark(cases: int, seed: int, out: Path | None, json: bool) -> None:
+def _written(out: Path | None) -> list[str]:
+    if out is None:
+        return ["nothing was written; --out DIR keeps the report with its pictures"]
+    return [f"the report is {out / 'report.html'}"]
+
+
+def _benchmark(cases: int, seed: int, pairs: bool, way: str, out: Path | None, json: bool) -> None:
     from diagnosis.benchmark.run import run_benchmark, tables
 
-    result = run_benchmark(cases, seed=seed, out=out)
+    result = run_benchmark(cases, seed=seed, pairs=pairs, way=way, out=out, console=progress_console())
     emit(result, as_json=json, show=lambda: tables(result))
 
 
 class _bar:
-    """A progress bar on standard error."""
+    """A progress bar on standard error, shown where that is a terminal."""
 
     def __enter__(self) -> Callable[[str, float], None]:
+        console = progress_console()
         self.progress = Progress(
             TextColumn("{task.description:<44}"),
             BarColumn(),
             TimeElapsedColumn(),
-            console=progress_console(),
+            console=console,
             transient=True,
+            disable=not console.is_terminal,
         )
         self.progress.start()
         self.task = self.progress.add_task("reading the case", total=1.0)

@@ -19,7 +19,7 @@ def hide(
     out: Annotated[Path, Parameter(help="Folder of the case; made if it is not there.")],
     frame: Annotated[
         list[str] | None,
-        Parameter(help="Frame of the thesis on the table, repeatable for a pair; default: 5A."),
+        Parameter(negative=(), help="Frame of the thesis on the table, repeatable for a pair; default: 5A."),
     ] = None,
     visibility: Annotated[
         float | None,
@@ -46,7 +46,8 @@ def hide(
     ----------
     effects
         What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
-        coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); nothing for a case without any.
+        coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without
+        any. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
     hidden = hide_effects(
         effects,
