@@ -11,7 +11,6 @@ from typing import Any
 import jinja2
 import numpy as np
 from rich.console import RenderableType
-from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -131,16 +130,18 @@ def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
         yield effects
     if report["where"]:
         spots = Table(
-            *_heads("channel", "run", "window [s]", "band [Hz]", "gap"),
+            "channel",
+            "run",
+            "window [s]",
+            "band [Hz]",
+            "gap",
             title="Where the model disagrees most",
         )
         for one in report["where"][:4]:
             window, band = (f"{number(a)} to {number(b)}" for a, b in (one["window_s"], one["band_hz"]))
             spots.add_row(one["channel"], one["run"], window, band, percent(one["gap"]))
         yield spots
-    ranked = Table(
-        *_heads("candidate", "where", "log evidence [nats]"), title="Evidence against 'nothing missing'"
-    )
+    ranked = Table("candidate", "where", "log evidence [nats]", title="Evidence against 'nothing missing'")
     for candidate in report["candidates"][:8]:
         ranked.add_row(candidate["effect"], place(candidate), f"{candidate['log_evidence']:.1f}")
     yield ranked
@@ -149,11 +150,6 @@ def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
         yield Text(f"to tell {first} from {other}: {' '.join(pair['tests'])}")
     for warning in report["warnings"]:
         yield Text(f"warning: {warning}")
-
-
-def _heads(*names: str) -> list[str]:
-    """Return column heads whose units in brackets are no markup."""
-    return [escape(name) for name in names]
 
 
 def _gaps(report: dict[str, Any]) -> Table:
