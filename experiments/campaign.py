@@ -121,7 +121,7 @@ def run_case(
     Returns:
         `count` and `touches`; `merged_5_ms` and its like, counts at other merging times; `peak_force_n`,
         `first_peak_n`, `first_time_s` (NaN without an impact); `closest_mm`, the smallest gap left (negative:
-        the deepest overlap); `energy_error`, `wall_s`, `model_s`; `impacts` and `peaks` as JSON text; and
+        the deepest overlap); `energy_error`, `wall_s`, `processor_s`, `model_s`; `impacts` and `peaks` as JSON text; and
         `first_force` (sample,) [N], the first impact at 10,000 samples a second.
     """
     first_frame, second_frame = (
@@ -142,6 +142,7 @@ def run_case(
         "closest_mm": -1e3 * float(found.motion.contacts[0].deformation_m.max()),
         "energy_error": found.motion.energy.error,
         "wall_s": found.motion.wall_s,
+        "processor_s": found.motion.processor_s,
         "model_s": found.motion.model_s,
         "impacts": json.dumps([impact.as_dict() for impact in found.impacts]),
         "peaks": json.dumps(found.result()["peaks"]),

@@ -25,8 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).parent))
-from opensees_model import LumpedFrame, Run, lumped
-from opensees_model import run as run_opensees
+from opensees_model import LumpedFrame, lumped, peaks
 
 import frames
 from contact import HertzDamp, Law, NonlinearViscoelastic, thesis_law
@@ -98,8 +97,8 @@ class Pair:
     def opensees(self, law: Law, integrator: str, step_s: float) -> Sample | None:
         """Return OpenSees' result, or None where it did not converge."""
         try:
-            runs: list[Run] = [
-                run_opensees(
+            runs = [
+                peaks(
                     self.left, self.right, floor=5, gap_m=self.gap_m, law=law.name, numbers=numbers(law),
                     acceleration_m_s2=self.record.acceleration_m_s2, sample_s=self.record.step_s,
                     step_s=step_s, duration_s=self.duration_s, integrator=integrator,
