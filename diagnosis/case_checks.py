@@ -46,7 +46,8 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
     channels = tuple(
         _channel(table, i, known, len(contacts), places) for i, table in enumerate(described.channel)
     )
-    _check_roles(described, places)
+    if described.run:
+        _check_roles(described, places)
     if described.run and not described.peak:
         _check_what_is_measured(channels, places)
     for name, value in msgspec.structs.asdict(described.prior).items():

@@ -44,6 +44,8 @@ def diagnose_case(
     told("reading the case", 0.0)
     own = _own(candidates_file) if candidates_file is not None else []
     case = read_case(case_folder)
+    if case.modal and not case.runs:
+        return _modal(case, out, told)
     found = find(case, told, own)
     report = report_of(case, found)
     if out is not None:
@@ -51,6 +53,17 @@ def diagnose_case(
 
         told("writing the report", 0.95)
         report = write_report(case, found, report, Path(out))
+    told("done", 1.0)
+    return report
+
+
+def _modal(case: Case, out: Path | str | None, told: Progress) -> dict[str, Any]:
+    from diagnosis.modal_diagnosis import diagnose_modal
+    from diagnosis.modal_files import write_modal_report
+
+    report = diagnose_modal(case, told)
+    if out is not None:
+        write_modal_report(case.title, report, Path(out))
     told("done", 1.0)
     return report
 

@@ -69,11 +69,13 @@ def diagnose(
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
     from diagnosis.diagnose import diagnose_case
+    from diagnosis.modal_files import modal_tables
     from diagnosis.report import tables
 
     with _bar() as told:
         report = diagnose_case(case, out, told, candidates_file=candidates)
-    emit(report, as_json=json, show=lambda: [*tables(report), *_written(out)])
+    shown = modal_tables if "modal" in report else tables
+    emit(report, as_json=json, show=lambda: [*shown(report), *_written(out)])
 
 
 def _written(out: Path | None) -> list[str]:
