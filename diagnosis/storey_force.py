@@ -11,9 +11,10 @@ from diagnosis.predictor import DRAG, USER, _remember, law
 
 
 @njit(cache=True)
-def _along(
+def along(
     kind: int, parameters: np.ndarray, drift: np.ndarray, rate: np.ndarray, time: np.ndarray
 ) -> np.ndarray:
+    """Return the force of a law of `diagnosis.predictor` along a motion [N], each array (samples,) in SI."""
     memory = np.zeros(4)
     force = np.empty(drift.size)
     for k in range(drift.size):
@@ -45,7 +46,7 @@ def storey_force(
         parameters = np.zeros(5)
         parameters[: len(numbers)] = [time[-1] if np.isnan(number) else number for number in numbers]
         own, own_rate = np.ascontiguousarray(drift[:, storey]), np.ascontiguousarray(rate[:, storey])
-        total += _along(kind, parameters, own, own_rate, time)
+        total += along(kind, parameters, own, own_rate, time)
     frame, number = structure.place(storey)
     span = structure.span(structure.index(frame))
     # A change of the stiffness pushes the floors; the storey carries what acts on the floors above it.
