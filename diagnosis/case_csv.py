@@ -41,7 +41,10 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
     unused = [name for name in header[1:] if name not in {channel.name for channel in channels}]
     if unused:
-        warnings.append(f"{path.name}: column {unused[0]!r} is no [[channel]] of the case and is not used")
+        names = ", ".join(repr(name) for name in unused)
+        several = ("s", "are") if len(unused) > 1 else ("", "is")
+        no = "no [[channel]] of the case and not used"
+        warnings.append(f"{path.name}: column{several[0]} {names} {several[1]} {no}")
     if not np.nan_to_num(values).any():
         warnings = [f"{path.name}: every channel is zero throughout; the run says nothing"]
     start = numbers[0, 0]

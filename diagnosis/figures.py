@@ -14,9 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from diagnosis.case import Case
-from diagnosis.gap import channel_gaps, levelled, simulate
+from diagnosis.gap import levelled, simulate
 from diagnosis.gap_maps import gap_maps
 from diagnosis.leftover_figure import leftover_figure
+from diagnosis.more import after_runs
 from diagnosis.palette import BLUE, GREY, ORANGE
 from diagnosis.search import Findings
 from diagnosis.verdict import Decision, decide
@@ -30,7 +31,7 @@ def figures(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, by
     decision = decide(found)
     return {
         "before_after": _png(_before_after(case, found, decision)),
-        "where": _png(_where(found, decision)),
+        "where": _png(_where(found, decision, report)),
         "leftover": _png(leftover_figure(found, decision, report)),
         "evidence": _png(_evidence(report)),
     }
@@ -52,14 +53,6 @@ def _shown(decision: Decision) -> bool:
     return decision.verdict in ("effect_named", "effect_class")
 
 
-def _after(found: Findings, decision: Decision, runs: tuple[int, ...]) -> list[np.ndarray]:
-    """Return the channels as the engine gave them for the verdict's model."""
-    if all(run in found.engine for run in runs):
-        return [found.engine[run] for run in runs]
-    fit = decision.judged.fit.baseline
-    return simulate(found.believed, fit.values, fit.effects, runs)
-
-
 def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     believed, observed = found.believed, found.believed.observed
     run = (found.held_out or found.training)[0]
@@ -68,7 +61,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
     simulated = {"before": (simulate(believed, found.null.fit.baseline.values, (), [run])[0], BLUE)}
     if _shown(decision):
-        simulated["after"] = (_after(found, decision, (run,))[0], ORANGE)
+        simulated["after"] = (after_runs(found, decision, (run,))[0], ORANGE)
     measured = data.measured[:, channel] / scale
     figure = _figure(9, 5)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -94,17 +87,16 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     return figure
 
 
-def _where(found: Findings, decision: Decision) -> Figure:
+def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figure:
     believed, names = found.believed, found.believed.observed.names
     which = 1 if found.held_out else 0
-    runs = (found.training, found.held_out)[which]
     floor = found.floor[which]
     figure = _figure(9, 1.2 + 0.36 * len(names))
     bars, bands, each = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
     at = np.arange(len(names))
     bars.barh(at - 0.2, 100 * found.null.channel_gap[which], 0.36, color=BLUE, label="before")
     if _shown(decision):
-        after = channel_gaps(believed, _after(found, decision, runs), runs)
+        after = np.array([np.nan if one["after"] is None else one["after"] for one in report["channels"]])
         bars.barh(at + 0.2, 100 * after, 0.36, color=ORANGE, label="after")
     for row in at:
         noise = 100 * floor[row]

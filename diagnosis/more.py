@@ -8,17 +8,20 @@ import numpy as np
 
 from diagnosis.apart import apart
 from diagnosis.case import Case
+from diagnosis.gap import channel_gaps, simulate
 from diagnosis.origin import origin
 from diagnosis.search import Findings
 from diagnosis.smallest import smallest
-from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, decide
+from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, Decision, decide
 
 EXPLAINABLE = 1.1
 """A gap is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
 
 
 def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, Any]:
-    """Return the report with ``gap.*.closed``, ``smallest_detectable``, ``apart``, ``thresholds`` and ``origin``.
+    """Return the report with ``gap.*.closed`` and what is beside the format's keys.
+
+    These are ``channels``, ``smallest_detectable``, ``apart``, ``thresholds`` and ``origin``.
 
     ``closed`` is the share of the gap above the noise floor that was closed, or None where nothing is explainable.
     """
@@ -27,11 +30,34 @@ def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, 
     }
     return report | {
         "gap": gaps,
+        "channels": channels(found, decide(found)),
         "smallest_detectable": smallest(case, found, decide(found)),
         "apart": apart(report, _measured(found)),
         "thresholds": {"log_evidence": DETECTED_NATS, "share_of_noise": DETECTED_SIZE},
         "origin": origin(case),
     }
+
+
+def channels(found: Findings, decision: Decision) -> list[dict[str, Any]]:
+    """Return each channel's gap before and after and its noise floor, on the held-out runs if there are any."""
+    which = 1 if found.held_out else 0
+    after = found.null.channel_gap[which]
+    if decision.verdict in ("effect_named", "effect_class"):
+        runs = (found.training, found.held_out)[which]
+        after = channel_gaps(found.believed, after_runs(found, decision, runs), runs)
+    names, columns = found.believed.observed.names, (found.null.channel_gap[which], after, found.floor[which])
+    return [
+        {"channel": name, "before": before, "after": left, "noise_floor": noise}
+        for name, before, left, noise in zip(names, *columns, strict=True)
+    ]
+
+
+def after_runs(found: Findings, decision: Decision, runs: tuple[int, ...]) -> list[np.ndarray]:
+    """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model."""
+    if all(run in found.engine for run in runs):
+        return [found.engine[run] for run in runs]
+    fit = decision.judged.fit.baseline
+    return simulate(found.believed, fit.values, fit.effects, runs)
 
 
 def _closed(gap: dict[str, Any]) -> float | None:

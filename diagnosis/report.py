@@ -78,7 +78,7 @@ def page(case: Case, found: Findings, report: dict[str, Any], pictures: dict[str
         case=case,
         report=report,
         sentence=sentence(report),
-        advice=advice(found, report),
+        advice=advice(case, found, report),
         assumptions=assumptions(case, found),
         pictures={name: base64.b64encode(picture).decode() for name, picture in pictures.items()},
     )

@@ -5,7 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from diagnosis.case import Case
+from diagnosis.quantities import UNITS
 from diagnosis.search import Findings
+
+HIDDEN = 3.0
+"""Gap of the worst channel over the median of all from which the worst is told too."""
+LIKE = 0.03
+"""Relative difference below which a sensor's gain is taken for another unit or the wrong polarity."""
 
 
 def sentence(report: dict[str, Any]) -> str:
@@ -24,8 +30,8 @@ def sentence(report: dict[str, Any]) -> str:
             f"Something is missing, and nothing in the catalogue fits it: the gap {run} is {before}, "
             f"the noise {noise} ({sure})."
         )
-    names = " and ".join(named(effect) for effect in report["effects"])
-    change = f"the gap {run} falls from {before} to {after}, where noise alone leaves {noise}"
+    names = " and ".join(named(effect) for effect in together(report["effects"]))
+    change = f"the gap {run} {_moves(before, after)}, where noise alone leaves {noise}{_worst(report)}"
     if verdict == "effect_class":
         alike = report["effects"][0]["class"][1:]
         others = "one other" if len(alike) == 1 else f"{len(alike)} others"
@@ -35,9 +41,36 @@ def sentence(report: dict[str, Any]) -> str:
     return f"Missing is {names}; {change} ({sure})."
 
 
+def _moves(before: str, after: str) -> str:
+    return f"stays at {before}" if before == after else f"goes from {before} to {after}"
+
+
+def _worst(report: dict[str, Any]) -> str:
+    """Return what became of the worst channel where the median of all channels does not show it."""
+    known = [one for one in report.get("channels", ()) if one["before"] is not None]
+    worst = max(known, key=lambda one: one["before"], default=None)
+    gap = report["gap"]["held_out"] or report["gap"]["training"]
+    if worst is None or worst["before"] < HIDDEN * gap["before"]:
+        return ""
+    return f", and that of channel {worst['channel']} from {percent(worst['before'])} to {percent(worst['after'])}"
+
+
 def percent(share: float | None) -> str:
     """Return a share in per cent with three significant digits."""
     return "–" if share is None else f"{100 * share:.3g} %"
+
+
+def together(effects: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return effects with those of one size on several channels as one, as when a logger is late."""
+    found: dict[str, dict[str, Any]] = {}
+    for effect in effects:
+        key = (
+            f"{effect['effect']} {effect['parameters']}" if effect["channel"] is not None else f"{len(found)}"
+        )
+        if key in found:
+            effect = effect | {"channel": f"{found[key]['channel']}, {effect['channel']}"}
+        found[key] = effect
+    return list(found.values())
 
 
 def named(effect: dict[str, Any]) -> str:
@@ -50,7 +83,8 @@ def kind_and_place(entry: dict[str, Any]) -> str:
     """Return what and where, in words."""
     words = str(entry["effect"]).replace("_", " ")
     if entry.get("channel") is not None:
-        return f"{words} of channel {entry['channel']}"
+        several = "s" if ", " in entry["channel"] else ""
+        return f"{words} of channel{several} {entry['channel']}"
     for key in ("storey", "floor", "contact"):
         if entry.get(key) is not None:
             words += f" {'on' if key == 'floor' else 'in'} {key} {entry[key]}"
@@ -67,13 +101,14 @@ def _value(parameter: dict[str, Any]) -> str:
     return f"{name} {value:.3g}{unit}" if std is None else f"{name} {value:.3g} ± {std:.2g}{unit}"
 
 
-def advice(found: Findings, report: dict[str, Any]) -> list[str]:
+def advice(case: Case, found: Findings, report: dict[str, Any]) -> list[str]:
     """Return what would tell more, beside the tests that part what looks alike."""
     said = []
     if not found.held_out:
         said.append(
             "A second run would allow a judgement on data that was not used; there is no held-out run here."
         )
+    said += [known for known in (misread(case, effect) for effect in report["effects"]) if known]
     if report["verdict"] == "unknown_effect":
         said += [
             "Look at the leftover force: which storey it is in, and whether it follows drift, drift rate or time.",
@@ -83,6 +118,20 @@ def advice(found: Findings, report: dict[str, Any]) -> list[str]:
             "Is this the frame that case.toml names? Compare its first frequencies with a hammer test.",
         ]
     return said
+
+
+def misread(case: Case, effect: dict[str, Any]) -> str | None:
+    """Return what a sensor's gain looks like: another unit than the case says, or the wrong polarity."""
+    if effect["effect"] != "sensor_gain" or effect["channel"] is None:
+        return None
+    channel = case.channels[case.channel_index(effect["channel"])]
+    reads = 1 + float(effect["parameters"][0]["value"])
+    if abs(reads + 1) < LIKE:
+        return f"Channel {channel.name} reads minus the truth: its polarity is wrong."
+    for unit, factor in UNITS[channel.quantity].items():
+        if unit != channel.unit and abs(reads * factor / channel.to_si - 1) < LIKE:
+            return f"Channel {channel.name} reads as if it were in {unit}; case.toml says {channel.unit}."
+    return None
 
 
 def assumptions(case: Case, found: Findings) -> list[str]:
@@ -95,6 +144,7 @@ def assumptions(case: Case, found: Findings) -> list[str]:
         f"first mode's damping {prior.damping_ratio:.0%}, table gain {prior.table_gain:.1%}, table delay "
         f"{prior.table_delay_ms:g} ms), none beyond three of them.",
         "A sensor's gain is known to 0.3 %, its delay against the others to 0.2 ms, damping of higher modes to 40 %.",
+        "Standard errors are those of the noise alone; a law that is not quite the catalogue's adds its own error.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
         f"Gaps are medians over {channels} channel{'s' * (channels != 1)}; evidence is against the calibrated model.",
