@@ -14,6 +14,9 @@ from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS, LOO
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
 
+SHARPNESS = 8.0
+SHARPEST = 30.0
+"""Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite."""
 STICKING_RATIO = 0.3
 STIFFEST = 60.0
 STICKING = 15.0
@@ -166,10 +169,17 @@ class CubicStiffness(StoreyEffect):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class Hysteresis(StoreyEffect):
-    """A part k_y of the storey's stiffness yields at F_y; small motions feel nothing of it."""
+    """A part k_y of the storey's stiffness yields at F_y; small motions feel nothing of it.
+
+    How sharp the knee is no catalogue says, so the exponent of Bouc and Wen is refined with the rest.
+    """
 
     name = "hysteresis"
-    quantities = (Quantity("yield_force", "N"), Quantity("stiffness", "N/m"))
+    quantities = (
+        Quantity("yield_force", "N"),
+        Quantity("stiffness", "N/m"),
+        Quantity("sharpness", "1", reported=False),
+    )
     sign = 1
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -187,16 +197,17 @@ class Hysteresis(StoreyEffect):
         return _yielding(drift, shape[0]) - drift
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return yield force and stiffness."""
-        return np.array([amplitude * shape[0], amplitude])
+        """Return yield force, stiffness and the sharpness of the knee."""
+        return np.array([amplitude * shape[0], amplitude, SHARPNESS])
 
     def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return the yielding part less its elastic force."""
-        return HYSTERESIS, (abs(float(values[0])), abs(float(values[1])))
+        sharpness = min(max(float(values[2]), 1.0), SHARPEST)
+        return HYSTERESIS, (abs(float(values[0])), abs(float(values[1])), sharpness)
 
     def logarithmic(self) -> tuple[bool, ...]:
-        """Both are positive."""
-        return (True, True)
+        """All are positive."""
+        return (True, True, True)
 
 
 @CATALOGUE.add

@@ -218,8 +218,10 @@ class _Addition:
 
     def _with_memory(self, mbs: Any, body: Any, one: _Law) -> Any:
         """Add an elastoplastic law; its elastic drift is a coordinate of the engine that stops at the yield drift."""
-        limit, stiffness, damping = (float(p) for p in one.parameters[:3])
+        limit, stiffness, third = (float(p) for p in one.parameters[:3])
         yield_drift = limit / stiffness
+        # The third is a stuck joint's damping, or the sharpness of a yielding part's knee.
+        damping, sharpness = (third, 0.0) if one.kind == FRICTION else (0.0, third)
         elastic = mbs.AddNode(
             items.NodeGenericODE1(
                 referenceCoordinates=[0.0], initialCoordinates=[0.0], numberOfODE1Coordinates=1
@@ -235,9 +237,10 @@ class _Addition:
 
         def flow(system: Any, t: float, _item: int, z: Any) -> list[float]:
             v = drift_rate(system)
-            if (z[0] >= yield_drift and v > 0) or (z[0] <= -yield_drift and v < 0):
-                return [0.0]
-            return [v]
+            if z[0] * v <= 0:
+                return [v]
+            share = min(abs(z[0]) / yield_drift, 1.0)
+            return [v * (1.0 - share**sharpness)] if sharpness else [v if share < 1.0 else 0.0]
 
         memory = mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[elastic], rhsUserFunction=flow))
 

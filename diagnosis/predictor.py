@@ -44,6 +44,23 @@ def _elastoplastic(stiffness: float, limit: float, state: np.ndarray, drift: flo
 
 
 @njit(cache=True)
+def _hysteretic(stiffness: float, limit: float, sharpness: float, state: np.ndarray, drift: float) -> float:
+    """Return the force of a part that yields with a rounded knee (Bouc 1967, Wen 1976), by the midpoint rule."""
+    first, step = state[0], stiffness * (drift - state[1])
+    middle = first + 0.5 * step * _loss(first, limit, sharpness, step)
+    force = first + step * _loss(middle, limit, sharpness, step)
+    return min(max(force, -limit), limit)
+
+
+@njit(cache=True)
+def _loss(force: float, limit: float, sharpness: float, step: float) -> float:
+    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
+    if force * step <= 0.0:
+        return 1.0
+    return max(1.0 - min(abs(force) / limit, 1.0) ** sharpness, 0.0)
+
+
+@njit(cache=True)
 def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: float) -> float:
     """Return the force [N] of an effect that opposes the drift d [m] and its rate v [m/s]; see `diagnosis.catalogue`.
 
@@ -57,8 +74,8 @@ def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: f
         return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0])
     if kind == CUBIC:
         return p[0] * d * d * d
-    if kind == HYSTERESIS:
-        return _elastoplastic(p[1], p[0], state, d) - p[1] * d
+    if kind == HYSTERESIS:  # p: yield force, stiffness, sharpness of the knee
+        return _hysteretic(p[1], p[0], p[2], state, d) - p[1] * d
     if kind == LOOSENING:
         return p[0] * min(time / p[1], 1.0) * d
     if kind == BUMPER:
@@ -79,8 +96,11 @@ def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: f
 
 @njit(cache=True)
 def _remember(kind: int, p: np.ndarray, state: np.ndarray, d: float) -> None:
-    if kind == FRICTION or kind == HYSTERESIS:  # noqa: SIM109, numba compiles this one
+    if kind == FRICTION:
         state[0] = _elastoplastic(p[1], p[0], state, d)
+        state[1] = d
+    elif kind == HYSTERESIS:
+        state[0] = _hysteretic(p[1], p[0], p[2], state, d)
         state[1] = d
 
 

@@ -21,9 +21,16 @@ DETECTED_SIZE = 0.2
 CLASS_NATS = 5.0
 """Refined candidates within this of the best cannot be told from it."""
 EXPLAINED = 0.6
-"""Share of the explainable gap that effects must close on the held-out run, or else something else is missing."""
+MOSTLY_EXPLAINED = 0.85
+"""Share of the explainable gap that effects must close on the held-out run, or else something else is missing; the
+larger one where more than `PLAINLY_LEFT` is left."""
+UNEXPLAINED = 1.15
+PLAINLY_LEFT = 2.5
+"""Gap over noise floor from which on something is missing whatever the candidates say, and plainly so."""
 SECOND_SHARE = 0.3
-"""Share of what a single effect leaves unexplained that a second one must explain."""
+SECOND_NATS = 0.01
+"""Share of what a single effect leaves unexplained that a second one must explain, and the least that it must add to
+the first one's evidence, as a share: laws that are not quite the catalogue's leave that much of a strong effect."""
 SECOND_SHARE_SAME_STOREY = 0.8
 LEFT = 1.6
 """Gap over noise floor below which nothing is left to explain."""
@@ -42,12 +49,14 @@ def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
     single = [one for one in found.judged if len(one.effects) == 1]
     if not single or single[0].nats < DETECTED_NATS or visible(found, single[0]) < DETECTED_SIZE:
+        if leftover(found, found.null) > UNEXPLAINED:
+            return Decision("unknown_effect", single[0] if single else found.null, ())
         return Decision("nothing_missing", found.null, ())
     chosen = single[0]
     doubles = [one for one in found.judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
-    if any(effect.foil for effect in chosen.effects) or closed(found, chosen) < EXPLAINED:
+    if any(effect.foil for effect in chosen.effects) or not _explained(found, chosen) or _spread(chosen):
         return Decision("unknown_effect", chosen, ())
     alike = tuple(
         other
@@ -61,9 +70,41 @@ def decide(found: Findings) -> Decision:
     return Decision(verdict, chosen, alike)
 
 
-def visible(found: Findings, judged: Judged) -> float:
-    """Return how much an effect takes out of the channel where it shows most, in units of that channel's noise."""
-    before, after = found.null.channel_gap, judged.channel_gap
+def _explained(found: Findings, judged: Judged) -> bool:
+    """Return whether effects close enough of the gap on runs that they were not fitted to."""
+    plainly_left = leftover(found, judged) > PLAINLY_LEFT
+    return closed(found, judged) >= (MOSTLY_EXPLAINED if plainly_left else EXPLAINED)
+
+
+def _spread(judged: Judged) -> bool:
+    """Return whether one law seems to act in two storeys that meet: one thing across both, which is no such law."""
+    if len(judged.effects) != 2:
+        return False
+    one, other = judged.effects
+    if one.storey is None or other.storey is None:
+        return False
+    return one.name == other.name and one.frame == other.frame and abs(one.storey - other.storey) == 1
+
+
+def leftover(found: Findings, judged: Judged) -> float:
+    """Return the gap over the noise floor, median over the channels, mean of training and held-out runs."""
+    each = [
+        float(np.nanmedian(gaps / floor))
+        for gaps, floor in zip(judged.channel_gap, found.floor, strict=True)
+        if np.isfinite(gaps / floor).any()
+    ]
+    return float(np.mean(each)) if each else 1.0
+
+
+def visible(found: Findings, judged: Judged, without: Judged | None = None) -> float:
+    """Return how much effects take out of the channel where they show most, in units of that channel's noise.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+        without: What they are compared with; the null model when None.
+    """
+    before, after = (without or found.null).channel_gap, judged.channel_gap
     taken = np.sqrt(np.maximum(before**2 - after**2, 0.0)) / found.floor
     return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
 
@@ -87,7 +128,9 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     places = {(effect.frame, effect.storey) for effect in double.effects}
     # In the same storey it is more likely that the first one's law is not quite the catalogue's.
     share = SECOND_SHARE if len(places) > 1 else SECOND_SHARE_SAME_STOREY
-    return double.nats > single.nats + DETECTED_NATS and left[1] < (1 - share) * left[0]
+    likely = double.nats > single.nats + DETECTED_NATS + SECOND_NATS * single.nats
+    seen = visible(found, double, single) > DETECTED_SIZE
+    return likely and seen and left[1] < (1 - share) * left[0]
 
 
 def features(found: Findings, decision: Decision) -> Features:
