@@ -10,7 +10,10 @@ from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
+from diagnosis.colliding import prepare, touch
+from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.observations import observe
+from diagnosis.pair_report import joined
 from diagnosis.search import Findings, search
 from diagnosis.sensors import screened, usable
 from diagnosis.storeys import Structure
@@ -48,6 +51,9 @@ def diagnose_case(
         return _modal(case, out, told)
     found = find(case, told, own)
     report = report_of(case, found)
+    if found.pair is not None:
+        told("looking at the impacts", 0.9)
+        report = joined(case, found.pair, touch(case, found, report), report)
     if out is not None:
         from diagnosis.report import write_report
 
@@ -80,6 +86,10 @@ def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> Fi
     structure = Structure(believed_frames(case))
     observed = screened(observe(case, structure))
     believed = Believed(structure, observed, case.prior)
+    observed.warnings.extend(frequency_warnings(believed))
+    pair = prepare(case, believed) if case.contacts else None
+    if pair is not None:
+        observed, believed = pair.slow.observed, pair.slow
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}
     effects = [
@@ -92,4 +102,6 @@ def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> Fi
     unseen = usable(observed, [numbers[run.file] for run in held_out])
     if not used:
         used, unseen = unseen, []
-    return search(believed, effects, used, unseen, progress)
+    found = search(believed, effects, used, unseen, progress)
+    found.pair = pair
+    return found
