@@ -148,6 +148,25 @@ def weigh(
     )
 
 
+def foretell(
+    believed: Believed, data: Sequence[ModalDatum], acting: Sequence[Acting], known: Sequence[int]
+) -> np.ndarray:
+    """Return all data, SI, as foretold from the `known` ones alone, shape (data,)."""
+    covariance = scatter(believed, data)
+    z, prior = grid(acting)
+    sizes = np.array([_size(one, believed) for one in acting])
+    shown = np.log([shows(believed, data, acting, _values(acting, believed, row * sizes)) for row in z])
+    stands = np.isfinite(shown).all(axis=1)
+    shown, prior = shown[stands], prior[stands]
+    seen = list(known)
+    residual = np.log([data[i].value for i in seen]) - shown[:, seen]
+    within = covariance[np.ix_(seen, seen)]
+    log_weight = prior + gaussian(residual, within)
+    weight = np.exp(log_weight - logsumexp(log_weight))
+    told = shown + residual @ np.linalg.solve(within, covariance[seen])
+    return np.exp(weight @ told)
+
+
 def _quantile(values: np.ndarray, weight: np.ndarray, share: float) -> float:
     order = np.argsort(values)
     below = np.cumsum(weight[order]) - weight[order] / 2

@@ -64,6 +64,7 @@ STUDIES = {
     "contact-laws": "experiments.studies.contact_laws:main",
     "contact-accuracy": "experiments.studies.contact_accuracy:main",
     "campaign-speed": "experiments.studies.campaign_speed:main",
+    "modal-diagnosis": "diagnosis.studies.modal_diagnosis:main",
 }
 """The studies by name, each a function that `python -m` and the tests call too."""
 

@@ -1,0 +1,1 @@
+"""Worked studies: what the diagnosis says of the thesis' own measurements, whose truth nobody knows."""
