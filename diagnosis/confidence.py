@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")
 TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
-SHRINKAGE = 1.0
+SHRINKAGE = 0.3
 """Prior standard deviation of every coefficient but the intercept: few wrong verdicts make no steep rule."""
 LIMITS = (0.01, 0.99)
 """No figure beyond these is stated: no calibration here rests on enough cases for one."""
