@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")
 TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
+SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_effect": 0}
+"""Which way evidence may move the confidence in a verdict, whatever a few cases say."""
 SHRINKAGE = 0.3
 """Prior standard deviation of every coefficient but the intercept: few wrong verdicts make no steep rule."""
 LIMITS = (0.01, 0.99)
@@ -154,11 +156,11 @@ def fit(pairs: Iterable[tuple[Features, bool]], source: str) -> Calibration:
     found = {}
     for verdict in VERDICTS:
         chosen = [(features, right) for features, right in known if features.verdict == verdict]
-        found[verdict] = _regression(chosen, float(np.log(overall / (1 - overall))))
+        found[verdict] = _regression(chosen, float(np.log(overall / (1 - overall))), SIGNS[verdict])
     return Calibration(source, found)
 
 
-def _regression(pairs: Sequence[tuple[Features, bool]], prior: float) -> list[float]:
+def _regression(pairs: Sequence[tuple[Features, bool]], prior: float, sign: int) -> list[float]:
     """Return the coefficients of one verdict; without a case, the odds over all verdicts."""
     if not pairs:
         return [prior] + [0.0] * (len(TERMS) - 1)
@@ -177,7 +179,10 @@ def _regression(pairs: Sequence[tuple[Features, bool]], prior: float) -> list[fl
         )
         return value, shifted.T @ (expit(odds) - right) + penalty / SHRINKAGE**2
 
-    weights = minimize(loss, np.eye(len(TERMS))[0] * prior, jac=True, method="BFGS").x
+    either, one_way = (None, None), (0.0, None) if sign > 0 else (None, 0.0)
+    bounds = [one_way if term in ("nats", "margin") and sign else either for term in TERMS]
+    start = np.eye(len(TERMS))[0] * prior
+    weights = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x
     weights[0] -= centre @ weights
     return [float(weight) for weight in weights]
 
