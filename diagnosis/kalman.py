@@ -196,3 +196,14 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
             return new_h
         h = new_h
     return h
+
+
+def filtered_covariance(system: LinearSystem, noise: Noise, step_s: float) -> np.ndarray:
+    """Return the steady covariance of the state after each sample, shape (states, states)."""
+    step, covariance = discretise(system.rate, noise_density(len(system.rate), noise), step_s)
+    measured = np.isfinite(noise.channel)
+    output = system.output[measured] / noise.channel[measured, None]
+    predicted = _riccati(step, output, covariance)
+    innovation = output @ predicted @ output.T + np.eye(len(output))
+    seen = output @ predicted
+    return np.asarray(predicted - seen.T @ np.linalg.solve(innovation, seen))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +17,9 @@ from diagnosis.gap import channel_gaps, floors, simulate
 from diagnosis.quantities import STANDARD_GRAVITY
 from diagnosis.refine import Fit, refine
 from diagnosis.sensors import SWAPPED_NATS, exchange, exchanged
+
+if TYPE_CHECKING:
+    from diagnosis.colliding import Pair
 
 REFINED = 8
 THOROUGH = 3
@@ -85,6 +89,8 @@ class Findings:
     floor: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
     later: Scores | None = None
     """Scores of second effects about the best fit."""
+    pair: Pair | None = None
+    """Two frames that touch, at the rate of the logger."""
     engine: dict[int, np.ndarray] = field(default_factory=dict)
     """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 

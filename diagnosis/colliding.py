@@ -1,0 +1,245 @@
+"""A pair from its believed contact to what is said of it: forces known or found, impacts, and the contact's effects.
+
+Given the contact forces, the frames' motion does not depend on why there were forces, and given the motion the forces do
+not depend on the rest of the frames. So frames and contact are judged apart, and what is found of both is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from diagnosis import contacts, impacts, pairs
+from diagnosis.baseline import starting_noise
+from diagnosis.believed import Acting, Believed
+from diagnosis.calibrate import Baseline, run_baseline
+from diagnosis.case import Case
+from diagnosis.contacts import Fitted
+from diagnosis.force_cell import Cell, checked
+from diagnosis.search import Findings
+
+LEVEL = 0.01
+"""Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
+LONG_S = 8e-3
+SECOND_NATS = 300.0
+SECOND_PUSHES = 4
+SECOND_SHARE = 0.5
+"""After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
+the share of its approaches beyond its gap in which it has to push."""
+LEAST_IMPACTS = 2
+
+
+@dataclass
+class Pair:
+    """A pair as its frames and its contact are judged.
+
+    Attributes:
+        full: The believed model with observations at the logger's rate, all contact forces filled in.
+        slow: The same for the frames, below `pairs.RATE_HZ`.
+        column: Column of the stated contact's force. noise: Its standard deviation in each run [N].
+        cell: What the force cell itself does wrong, or None where there is none that can be used.
+        second: Floor (from 1) of a contact that nobody listed, its nats, and its column; or None.
+        warnings: What was odd.
+    """
+
+    full: Believed
+    slow: Believed
+    column: int
+    noise: list[float]
+    cell: Cell | None
+    second: tuple[int, float, int] | None = None
+    warnings: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Touched:
+    """What the impacts say: the believed contact, and each other hypothesis with its nats against it, best first."""
+
+    null: Fitted | None
+    ranked: tuple[tuple[float, Fitted], ...] = ()
+    second: Fitted | None = None
+    impacts: int = 0
+    nearest_m: float = float("nan")
+    spread_m: float = float("nan")
+
+
+def prepare(case: Case, believed: Believed) -> Pair:
+    """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them."""
+    contact = case.contacts[0]
+    structure = believed.structure
+    left, right = structure.index(contact.left), structure.index(contact.right)
+    floors = pairs.shared_floors(structure, left, right)
+    touching = floors[contact.floor - 1]
+    runs = range(len(believed.observed.runs))
+    observed, cell, warnings = checked(case, believed, touching)
+    full = Believed(structure, observed, case.prior)
+    found = touching in observed.contact_floors
+    if found:
+        column = observed.contact_floors.index(touching)
+        noise = [impacts.force_noise(run.contact[:, column]) for run in observed.runs]
+    else:
+        full, noise = found_force(full, touching, pairs.quick_baseline(full, runs))
+        column = len(full.observed.contact_floors) - 1
+        warnings.append(
+            f"contact 1 has no usable force channel: its force is what the frames' motion asks for, "
+            f"{sum(len(impacts.groups(r.contact[:, column], n, r.step_s)) for r, n in zip(full.observed.runs, noise, strict=True))} "
+            "impacts were found"
+        )
+    second = None
+    if len(full.observed.contact_floors) == 1:
+        full, second = _second(full, floors, touching, column, noise, runs)
+    slow = Believed(structure, pairs.slowed(full.observed), case.prior)
+    return Pair(full, slow, column, noise, cell, second, warnings)
+
+
+def found_force(
+    believed: Believed, floors: tuple[int, int], baseline: Baseline
+) -> tuple[Believed, list[float]]:
+    """Return the model with a contact's force as the motion shows it, and the standard deviation of that [N]."""
+    pushed = pairs.pushes(believed, baseline, floors)
+    forces = {run: one.force for run, one in zip(baseline.runs, pushed, strict=True)}
+    noise = [impacts.force_noise(one.force[one.force != 0]) if one.windows else 1.0 for one in pushed]
+    observed = pairs.with_force(believed.observed, floors, forces)
+    return Believed(believed.structure, observed, believed.prior), noise
+
+
+def _second(
+    full: Believed,
+    floors: Sequence[tuple[int, int]],
+    touching: tuple[int, int],
+    column: int,
+    noise: Sequence[float],
+    runs: Sequence[int],
+) -> tuple[Believed, tuple[int, float, int] | None]:
+    """Look for pushes at another floor while the stated contact is open."""
+    baseline = pairs.quick_baseline(full, runs)
+    closed = [
+        _closed(run.contact[:, column], level, run.step_s)
+        for run, level in zip(full.observed.runs, noise, strict=True)
+    ]
+    tried = []
+    for number, pair in enumerate(floors):
+        if pair != touching:
+            found = pairs.pushes(full, baseline, pair, closed)
+            if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
+                tried.append((sum(one.nats for one in found), number + 1))
+    if not tried or max(tried)[0] < SECOND_NATS:
+        return full, None
+    nats, floor = max(tried)
+    pair = floors[floor - 1]
+    if _opposed(full, baseline, pair, pairs.pushes(full, baseline, pair, closed)) < SECOND_SHARE:
+        return full, None
+    # Now with its pushes during impacts of the stated contact too.
+    forces = pairs.pushes(full, baseline, pair)
+    observed = pairs.with_force(
+        full.observed, pair, {run: one.force for run, one in zip(baseline.runs, forces, strict=True)}
+    )
+    return Believed(full.structure, observed, full.prior), (floor, nats, len(observed.contact_floors) - 1)
+
+
+def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
+    closed = np.zeros(len(force), bool)
+    for first, last in impacts.groups(force, noise, step):
+        closed[max(0, first - int(2e-3 / step)) : last + int(LONG_S / step)] = True
+    return closed
+
+
+def _opposed(
+    full: Believed, baseline: Baseline, pair: tuple[int, int], pushed: Sequence[pairs.Pushes]
+) -> float:
+    """Return the share of approaches beyond the gap at which pushes begin that do meet a push."""
+    row = baseline.modes.floors[pair[0]] - baseline.modes.floors[pair[1]]
+    n = len(baseline.modes.omega)
+    begun, tops = [], []
+    for number, one in enumerate(pushed):
+        distance = baseline.prediction.after[number][:, :n] @ row
+        peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
+        step = full.observed.runs[baseline.runs[number]].step_s
+        near = np.zeros(len(distance), bool)
+        for first, last in one.windows:
+            begun.append(float(distance[min(first + int(1e-3 / step), last)]))
+            near[max(0, first - int(0.01 / step)) : last + int(0.01 / step)] = True
+        tops += [(float(distance[k]), bool(near[k])) for k in peaks]
+    if not begun:
+        return 0.0
+    gap = float(np.median(begun))
+    beyond = [met for top, met in tops if top > gap]
+    return float(np.mean(beyond)) if beyond else 0.0
+
+
+def touch(case: Case, found: Findings, report: dict[str, Any]) -> Touched:
+    """Return what the training runs' impacts say of the contact, the frames being as the report has them."""
+    assert found.pair is not None
+    named = report["verdict"] != "nothing_missing" and bool(found.judged)
+    baseline = (found.judged[0] if named else found.null).fit.baseline
+    return touched(case, found.pair, baseline.values, baseline.effects, found.training)
+
+
+def touched(
+    case: Case,
+    pair: Pair,
+    values: np.ndarray,
+    effects: Sequence[tuple[Acting, np.ndarray]],
+    runs: Sequence[int],
+) -> Touched:
+    """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
+    full, noise = pair.full, [pair.noise[run] for run in runs]
+    start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
+    if pair.cell is None and pair.second is None:
+        # The force was found with frames as believed; once more with frames as they are.
+        observed = full.observed
+        bare = replace(
+            observed,
+            runs=tuple(replace(run, contact=run.contact[:, :0]) for run in observed.runs),
+            contact_floors=(),
+        )
+        without = Believed(full.structure, bare, full.prior)
+        again = run_baseline(without, values, start.noise, runs, effects)
+        full, noise = found_force(without, observed.contact_floors[pair.column], again)
+        start = run_baseline(full, values, start.noise, runs, effects)
+    left, right = full.observed.contact_floors[pair.column]
+    mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
+    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
+    met = impacts.bodies(full, start, pair.column, noise, reduced)
+    nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
+    second = None
+    if pair.second is not None:
+        second = _second_fit(full, start, pair.second[2], reduced)
+    if len(met.impacts) < LEAST_IMPACTS:
+        return Touched(None, (), second, len(met.impacts), nearest, spread)
+    law = contacts.believed_law(case.contacts[0], reduced)
+    null = contacts.best_fit(met, contacts.null(law))
+    speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
+    fits = [contacts.best_fit(met, one) for one in contacts.hypotheses(law, max(speed, 1e-2))]
+    cost, freedom = min((one.cost, one.freedom) for one in (null, *fits))
+    temper = max(1.0, 2 * cost / max(freedom - 3 * len(met.impacts), 1))
+    ranked = sorted(((one.log_evidence - null.log_evidence) / temper, i) for i, one in enumerate(fits))
+    return Touched(
+        null, tuple((nats, fits[i]) for nats, i in ranked[::-1]), second, len(met.impacts), nearest, spread
+    )
+
+
+def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: float) -> tuple[float, float]:
+    """Return how near the floors come to each other [m] and how well that is known."""
+    row = baseline.modes.floors[left] - baseline.modes.floors[right]
+    n = len(baseline.modes.omega)
+    top = max(float((states[:, :n] @ row).max()) for states in baseline.prediction.after)
+    spread = float(np.sqrt(np.sum((row * baseline.filters[0].spread[:n]) ** 2)))
+    return top, float(np.hypot(np.hypot(spread, contacts.GAP_M), 0.01 * gap))
+
+
+def _second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> Fitted | None:
+    """Return the unlisted contact with everything about it free."""
+    noise = []
+    for run in baseline.runs:
+        force = full.observed.runs[run].contact[:, column]
+        noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
+    met = impacts.bodies(full, baseline, column, noise, mass)
+    if not met.impacts:
+        return None
+    onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
+    law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
+    return contacts.fit(met, contacts.Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))

@@ -1,0 +1,292 @@
+"""What the impacts say of a contact: the believed one against another gap, stiffness, loss or law, in nats.
+
+All impacts share the contact's numbers and an unknown filter; each has its own small errors of relative displacement and
+velocity. All have Gaussian priors, are fitted together by Gauss-Newton, and leave as evidence the fit's cost and the
+log determinant of its information (Laplace).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from diagnosis.case import Contact
+from diagnosis.impacts import DAMPED, LAWS, STEP_S, Bodies, Impact, Law, spectrum, strike
+
+GAP_M, GAP_SHARE = 3e-5, 0.003
+STIFFNESS, DAMPING, RESTITUTION = 0.05, 0.05, 0.02
+"""How well a contact is known that is as believed: its gap [m] and as a share, stiffness, damping, restitution."""
+WIDE_GAP, WIDE_STIFFNESS, WIDE_DAMPING, WIDE_RESTITUTION = 0.4, 1.0, 1.0, 0.2
+"""The same where it is what is missing; the first a share of the gap, the next two of logarithms."""
+USUAL_RESTITUTION, USUAL_SPREAD = 0.75, 0.12
+GAIN, DELAY_S = 0.01, 1.5e-4
+BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
+"""The filter: gain, delay, logarithmic magnitude that grows with the square of frequency, what departs from that, and
+phase that grows with the cube [rad], at the highest frequency."""
+ROBUST = 4.0
+"""Standard deviations from which an impact counts less (Huber)."""
+ITERATIONS = 25
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """A contact as it may be: law, centres and spreads of gap [m], log stiffness and loss (log damping or restitution)."""
+
+    effect: str
+    law: Law
+    gap: float
+    stiffness: float
+    loss: float
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and what is left."""
+
+    hypothesis: Hypothesis
+    law: Law
+    std: tuple[float, float, float]
+    log_evidence: float
+    cost: float
+    freedom: int
+    distance: np.ndarray
+
+
+def believed_law(contact: Contact, mass: float) -> Law:
+    """Return a case's contact as a law."""
+    nan = float("nan")
+    return Law(
+        contact.law,
+        contact.gap_m,
+        contact.stiffness,
+        nan if contact.damping is None else contact.damping,
+        nan if contact.restitution is None else contact.restitution,
+        mass,
+    )
+
+
+def null(law: Law) -> Hypothesis:
+    """Return the contact as believed, with ordinary scatter."""
+    gap = float(np.hypot(GAP_M, GAP_SHARE * law.gap_m))
+    return Hypothesis("", law, gap, STIFFNESS, _loss(law, DAMPING, RESTITUTION))
+
+
+def _loss(law: Law, damping: float, restitution: float) -> float:
+    if law.name not in DAMPED:
+        return 0.0
+    return restitution if np.isnan(law.damping) else damping
+
+
+def hypotheses(law: Law, speed: float) -> list[Hypothesis]:
+    """Return what a contact can be instead; `speed` [m/s] is typical of the impacts."""
+    plain = null(law)
+    found = [
+        replace(plain, effect="gap_offset", gap=max(WIDE_GAP * law.gap_m, 1e-3)),
+        replace(plain, effect="contact_stiffness", stiffness=WIDE_STIFFNESS),
+    ]
+    if law.name in DAMPED:
+        found.append(
+            replace(plain, effect="contact_damping", loss=_loss(law, WIDE_DAMPING, WIDE_RESTITUTION))
+        )
+    for name in LAWS:
+        if name != law.name:
+            other = Law(
+                name,
+                law.gap_m,
+                equivalent(law, name, speed),
+                float("nan"),
+                USUAL_RESTITUTION if name in DAMPED else float("nan"),
+                law.mass,
+            )
+            spread = USUAL_SPREAD if name in DAMPED else 0.0
+            found.append(Hypothesis("contact_law", other, plain.gap, WIDE_STIFFNESS, spread))
+    return found
+
+
+def equivalent(law: Law, name: str, speed: float) -> float:
+    """Return the stiffness with which another law stores as much at the same depth as `law` in a typical impact."""
+    if law.name.startswith("linear") == name.startswith("linear"):
+        return law.stiffness
+    energy = 0.5 * law.mass * speed**2
+    if law.name.startswith("linear"):
+        depth = np.sqrt(2 * energy / law.stiffness)
+        return float(2.5 * energy / depth**2.5)
+    depth = (2.5 * energy / law.stiffness) ** 0.4
+    return float(2 * energy / depth**2)
+
+
+def at(hypothesis: Hypothesis, x: Sequence[float] | np.ndarray) -> Law:
+    """Return the law at scaled gap, log stiffness and loss."""
+    law = hypothesis.law
+    damping, restitution = law.damping, law.restitution
+    if law.name in DAMPED:
+        if np.isnan(damping):
+            restitution = float(np.clip(restitution + hypothesis.loss * x[2], 0.05, 0.995))
+        else:
+            damping = float(damping * np.exp(np.clip(hypothesis.loss * x[2], -5, 5)))
+    return replace(
+        law,
+        gap_m=float(law.gap_m + hypothesis.gap * x[0]),
+        stiffness=float(law.stiffness * np.exp(np.clip(hypothesis.stiffness * x[1], -5, 5))),
+        damping=damping,
+        restitution=restitution,
+    )
+
+
+FILTER = 6
+"""Unknowns of the filter; after them gap, stiffness and loss of the contact, then two of each impact."""
+COMMON = FILTER + 3
+
+
+def _filter_terms() -> np.ndarray:
+    """Return what the unknowns of the filter add to a logarithmic spectrum; the delay's column is per second."""
+    share = np.array([0.0, 1 / 3, 2 / 3, 1.0])
+    terms = np.zeros((7, FILTER))
+    terms[:4, 0] = GAIN
+    terms[:4, 2] = BEND * share**2
+    terms[2, 3], terms[3, 4] = UNEVEN
+    terms[4:, 5] = CURVE * share[1:] ** 3
+    return terms
+
+
+def compare(bodies: Bodies, impact: Impact, law: Law, error: np.ndarray) -> np.ndarray:
+    """Return the logarithmic spectrum of an impact as the law makes it, at errors of displacement and velocity."""
+    steps = np.arange(len(impact.free)) * STEP_S
+    free = impact.free + impact.prior[0] * error[0] + impact.prior[1] * error[1] * steps
+    rate = impact.free_rate + impact.prior[1] * error[1]
+    force = strike(free, rate, bodies.held, bodies.held_rate, *law.numbers())
+    return spectrum(force, impact.turn)
+
+
+def fit(bodies: Bodies, hypothesis: Hypothesis, start: Sequence[float] = (0.0, 0.0, 0.0)) -> Fitted:
+    """Return the likeliest contact of a hypothesis from a start in units of its spreads."""
+    count = len(bodies.impacts)
+    x = np.zeros(COMMON + 2 * count)
+    x[FILTER:COMMON] = start
+    law = at(hypothesis, x[FILTER:COMMON])
+    for i, impact in enumerate(bodies.impacts):
+        # The free motion has to arrive when the force does.
+        x[COMMON + 2 * i] = (law.gap_m - impact.free[min(impact.onset, len(impact.free) - 1)]) / impact.prior[
+            0
+        ]
+    cost = _cost(*_residuals(bodies, hypothesis, x), x)
+    damping = 1e-2
+    gram, freedom, size = np.eye(len(x)), 0, np.zeros(count)
+    for _ in range(ITERATIONS):
+        residual, weight = _residuals(bodies, hypothesis, x)
+        slope = _slopes(bodies, hypothesis, x, residual)
+        scaled = slope * np.repeat(weight, 7)[:, None]
+        gram = slope.T @ scaled + np.eye(len(x))
+        pull = -scaled.T @ residual.ravel() - x
+        better = False
+        for _ in range(6):
+            step = np.linalg.solve(gram + damping * np.diag(np.diag(gram)), pull)
+            trial = x + np.clip(step, -30.0, 30.0)
+            found = _cost(*_residuals(bodies, hypothesis, trial), trial)
+            if found < cost:
+                better = True
+                break
+            damping *= 6.0
+        if not better:
+            break
+        gained, x, cost = cost - found, trial, found
+        damping = max(damping / 10.0, 1e-6)
+        if gained < 0.02:
+            break
+    residual, _ = _residuals(bodies, hypothesis, x)
+    size = np.sqrt(np.sum(residual**2, axis=1))
+    freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
+    inverse = np.linalg.inv(gram)
+    scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
+    std = tuple(float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
+    return Fitted(
+        hypothesis,
+        at(hypothesis, x[FILTER:COMMON]),
+        (std[0], std[1], std[2]),
+        -cost - 0.5 * float(np.linalg.slogdet(gram)[1]),
+        cost,
+        freedom,
+        size,
+    )
+
+
+def _cost(residual: np.ndarray, weight: np.ndarray, x: np.ndarray) -> float:
+    square = np.sum(residual**2, axis=1)
+    size = np.sqrt(square)
+    robust = np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
+    return float(robust.sum() + 0.5 * x @ x)
+
+
+def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
+    impact = bodies.impacts[number]
+    made = compare(bodies, impact, law, error) + TERMS @ common[:FILTER]
+    difference = made - impact.seen
+    hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
+    difference[4:] -= hertz * DELAY_S * common[1]
+    difference[4:] = (difference[4:] + np.pi) % (2 * np.pi) - np.pi
+    # A law that makes no force at all is as wrong as can be, not infinitely so.
+    return np.asarray(impact.whiten @ np.clip(difference, -4.0, 4.0))
+
+
+TERMS = _filter_terms()
+
+
+def _residuals(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    law = at(hypothesis, x[FILTER:COMMON])
+    found = np.array(
+        [
+            _residual(bodies, i, law, x, x[COMMON + 2 * i : COMMON + 2 * i + 2])
+            for i in range(len(bodies.impacts))
+        ]
+    ).reshape(-1, 7)
+    size = np.sqrt(np.sum(found**2, axis=1))
+    return found, np.where(size > ROBUST, ROBUST / np.maximum(size, ROBUST), 1.0)
+
+
+def _slopes(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Return the derivative of all residuals, (7 impacts, unknowns)."""
+    count = len(bodies.impacts)
+    slope = np.zeros((7 * count, len(x)))
+    shared = x[FILTER:COMMON]
+    law = at(hypothesis, shared)
+    spreads = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
+    moved = [at(hypothesis, shared + delta) for delta in np.diag([0.0, *(_small(s) for s in spreads[1:])])]
+    for i, impact in enumerate(bodies.impacts):
+        rows = slice(7 * i, 7 * i + 7)
+        error = x[COMMON + 2 * i : COMMON + 2 * i + 2]
+        here = residual[i]
+        for j in range(2):
+            small = (1e-7 / impact.prior[0], 1e-5 / impact.prior[1])[j]
+            nudged = error.copy()
+            nudged[j] += small
+            slope[rows, COMMON + 2 * i + j] = (_residual(bodies, i, law, x, nudged) - here) / small
+        # A wider gap is a smaller displacement.
+        slope[rows, FILTER] = -slope[rows, COMMON + 2 * i] * hypothesis.gap / impact.prior[0]
+        for j in (1, 2):
+            if spreads[j] > 0:
+                slope[rows, FILTER + j] = (_residual(bodies, i, moved[j], x, error) - here) / _small(
+                    spreads[j]
+                )
+        slope[rows, :FILTER] = impact.whiten @ TERMS
+        hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
+        slope[rows, 1] = impact.whiten[:, 4:] @ (-hertz * DELAY_S)
+    return slope
+
+
+def _small(spread: float) -> float:
+    return 2e-3 / spread if spread > 0 else 0.0
+
+
+def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
+    """Return the best fit from several starts."""
+    starts: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)]
+    if hypothesis.effect == "gap_offset":
+        onset = np.median([one.free[min(one.onset, len(one.free) - 1)] for one in bodies.impacts])
+        starts = [(float(onset - hypothesis.law.gap_m) / hypothesis.gap, 0.0, 0.0)]
+    elif hypothesis.stiffness > STIFFNESS:
+        starts += [(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
+    elif hypothesis.effect == "contact_damping":
+        starts += [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    return max((fit(bodies, hypothesis, start) for start in starts), key=lambda one: one.log_evidence)

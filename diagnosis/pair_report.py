@@ -1,0 +1,137 @@
+"""What was found of a contact and of its force cell, put beside what was found of the frames."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from diagnosis.case import Case
+from diagnosis.colliding import Pair, Touched
+from diagnosis.contacts import Fitted
+from diagnosis.impacts import DAMPED
+
+CLAIM_NATS = 15.0
+CLAIM_BESIDE_NATS = 40.0
+"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right."""
+CLASS_NATS = 5.0
+
+
+def joined(case: Case, pair: Pair, touched: Touched, report: dict[str, Any]) -> dict[str, Any]:
+    """Return a report on the frames with what the contact and its force cell add to it."""
+    claims = [*_cell(case, pair), *_second(case, pair, touched)]
+    found = candidates(case, touched)
+    frames_named = report["verdict"] in ("effect_named", "effect_class")
+    needed = CLAIM_BESIDE_NATS if frames_named or claims else CLAIM_NATS
+    if found and found[0]["log_evidence"] > needed:
+        best = found[0]
+        alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
+        claims.append(best | {"class": [place(one) for one in (best, *alike)]})
+    report = dict(report)
+    report["candidates"] = sorted(
+        [
+            *report["candidates"],
+            *(place(one) | {"log_evidence": one["log_evidence"]} for one in (*found, *claims[:1])),
+        ],
+        key=lambda one: -one["log_evidence"],
+    )
+    report["warnings"] = [*report["warnings"], *pair.warnings, *_odd(case, touched)]
+    if not claims or report["verdict"] == "unknown_effect":
+        return report
+    effects = [*(report["effects"] if frames_named else []), *claims]
+    report["effects"] = sorted(effects, key=lambda one: -one["log_evidence"])
+    alone = len(effects) == 1 and len(claims[0]["class"]) > 1
+    report["verdict"] = "effect_class" if alone or report["verdict"] == "effect_class" else "effect_named"
+    weakest = min(one["log_evidence"] for one in claims)
+    sure = float(1 / (1 + np.exp(-np.clip((weakest - CLAIM_NATS) / 5, -30, 30))))
+    report["confidence"] = sure * (report["confidence"] if frames_named else 1.0)
+    return report
+
+
+def place(entry: dict[str, Any]) -> dict[str, Any]:
+    """Return effect and place of an entry."""
+    keys = ("effect", "frame", "storey", "floor", "channel", "contact", "left", "right")
+    return {key: entry.get(key) for key in keys}
+
+
+def _entry(effect: str, parameters: list[dict[str, Any]], nats: float, **where: Any) -> dict[str, Any]:
+    entry = place({"effect": effect, **where})
+    return entry | {"parameters": parameters, "log_evidence": nats, "class": [entry]}
+
+
+def _parameter(name: str, value: float | str, std: float | None, unit: str) -> dict[str, Any]:
+    return {"name": name, "value": value, "std": std, "unit": unit}
+
+
+def candidates(case: Case, touched: Touched) -> list[dict[str, Any]]:
+    """Return the contact's effects with parameters and nats, best first, the law once."""
+    found: list[dict[str, Any]] = []
+    for nats, fit in touched.ranked:
+        if fit.hypothesis.effect == "contact_law" and any(one["effect"] == "contact_law" for one in found):
+            continue
+        found.append(_entry(fit.hypothesis.effect, _parameters(case, fit), float(nats), contact=1))
+    contact = case.contacts[0]
+    beyond = (touched.nearest_m - contact.gap_m) / touched.spread_m if touched.null is None else 0.0
+    if beyond > 0:
+        nats = float(0.5 * beyond**2 - 3.0)
+        offset = 1e3 * (touched.nearest_m - contact.gap_m)
+        parameters = [_parameter("offset", offset, 1e3 * touched.spread_m, "mm")]
+        found.append(_entry("gap_offset", parameters, nats, contact=1))
+    return found
+
+
+def _parameters(case: Case, fit: Fitted) -> list[dict[str, Any]]:
+    law = fit.law
+    unit = "N/m" if law.name.startswith("linear") else "N/m^1.5"
+    if fit.hypothesis.effect == "gap_offset":
+        offset = 1e3 * (law.gap_m - case.contacts[0].gap_m)
+        return [_parameter("offset", offset, 1e3 * fit.std[0], "mm")]
+    stiffness = _parameter("stiffness", law.stiffness, law.stiffness * fit.std[1], unit)
+    if fit.hypothesis.effect == "contact_stiffness":
+        return [stiffness]
+    if fit.hypothesis.effect == "contact_damping":
+        if np.isnan(law.damping):
+            return [_parameter("restitution", law.restitution, fit.std[2], "-")]
+        return [_parameter("damping", law.damping, law.damping * fit.std[2], "N s/m")]
+    shown = [_parameter("law", law.name, None, "-"), stiffness]
+    if law.name in DAMPED:
+        shown.append(_parameter("restitution", law.restitution, fit.std[2], "-"))
+    return shown
+
+
+def _cell(case: Case, pair: Pair) -> list[dict[str, Any]]:
+    if pair.cell is None:
+        return []
+    channel = case.channels[case.channel_index(pair.cell.channel)]
+    told = {
+        "sensor_gain": ("relative_change", 1.0, "1"),
+        "sensor_delay": ("delay", 1e3, "ms"),
+        "sensor_offset": ("offset", 1 / channel.to_si, channel.unit),
+    }
+    shown = []
+    for effect, value, std, nats in pair.cell.faults:
+        name, factor, unit = told[effect]
+        parameters = [_parameter(name, value * factor, std * factor, unit)]
+        shown.append(_entry(effect, parameters, nats, channel=channel.name))
+    return shown
+
+
+def _second(case: Case, pair: Pair, touched: Touched) -> list[dict[str, Any]]:
+    if pair.second is None:
+        return []
+    floor, nats, _ = pair.second
+    contact, parameters = case.contacts[0], []
+    if touched.second is not None:
+        gap = _parameter("gap", 1e3 * touched.second.law.gap_m, 1e3 * touched.second.std[0], "mm")
+        parameters = [gap]
+    where = {"left": contact.left, "right": contact.right, "floor": floor}
+    return [_entry("second_contact", parameters, nats, **where)]
+
+
+def _odd(case: Case, touched: Touched) -> list[str]:
+    if touched.impacts:
+        return []
+    return [
+        f"contact 1 never closes in these runs: the floors come within {1e3 * (case.contacts[0].gap_m - touched.nearest_m):.2f}"
+        " mm of touching by the believed gap; stiffness, loss and law cannot be judged"
+    ]
