@@ -32,8 +32,8 @@ VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")
 TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
 SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_effect": 0}
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
-SHRINKAGE = 0.3
-"""Prior standard deviation of every coefficient but the intercept: few wrong verdicts make no steep rule."""
+BASE, SHRINKAGE = 1.0, 0.3
+"""Prior standard deviation of the intercept and of the other coefficients: few wrong verdicts make no steep rule."""
 LIMITS = (0.01, 0.99)
 """No figure beyond these is stated: no calibration here rests on enough cases for one."""
 FILE = Path(str(files("diagnosis"))) / "data" / "confidence.toml"
@@ -169,15 +169,13 @@ def _regression(pairs: Sequence[tuple[Features, bool]], prior: float, sign: int)
     centre = rows.mean(axis=0)
     centre[0] = 0.0
     shifted = rows - centre
+    spread = np.array([BASE] + [SHRINKAGE] * (len(TERMS) - 1))
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         odds = shifted @ weights
-        penalty = weights - np.eye(len(weights))[0] * prior
-        value = (
-            float(np.sum(np.logaddexp(0.0, odds) - right * odds))
-            + 0.5 * float(penalty @ penalty) / SHRINKAGE**2
-        )
-        return value, shifted.T @ (expit(odds) - right) + penalty / SHRINKAGE**2
+        off = (weights - np.eye(len(weights))[0] * prior) / spread
+        value = float(np.sum(np.logaddexp(0.0, odds) - right * odds)) + 0.5 * float(off @ off)
+        return value, shifted.T @ (expit(odds) - right) + off / spread
 
     either, one_way = (None, None), (0.0, None) if sign > 0 else (None, 0.0)
     bounds = [one_way if term in ("nats", "margin") and sign else either for term in TERMS]
