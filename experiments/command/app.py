@@ -65,6 +65,7 @@ STUDIES = {
     "contact-accuracy": "experiments.studies.contact_accuracy:main",
     "campaign-speed": "experiments.studies.campaign_speed:main",
     "modal-diagnosis": "diagnosis.studies.modal_diagnosis:main",
+    "peak-diagnosis": "diagnosis.studies.peak_diagnosis:main",
 }
 """The studies by name, each a function that `python -m` and the tests call too."""
 
