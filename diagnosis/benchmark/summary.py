@@ -18,6 +18,8 @@ PLAIN = 2.0
 """Visibility from which an effect exceeds twice the noise floor."""
 
 CONFIDENCES = (0.0, 0.5, 0.7, 0.9, 1.0)
+SHOWN = 0.5
+"""Visibility below which no data of one rig can show an effect: for the confidence, 'nothing missing' is then right."""
 
 TARGETS = {
     "exact_of_detected": 0.90,
@@ -106,14 +108,26 @@ def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
 
 
 def _reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:
-    """Return stated confidence against the share of right verdicts, by bin of confidence."""
+    """Return stated confidence against the share of right verdicts, by bin of confidence.
+
+    Right is `in_class`; 'right as shown' counts 'nothing missing' too where what is hidden is too small to show.
+    """
+
+    def shown(case: Judged) -> bool:
+        return case.in_class or (case.called == NOTHING and case.visibility < SHOWN)
+
     rows = []
     for low, high in pairwise(CONFIDENCES):
         last = high == CONFIDENCES[-1]
         inside = [c for c in cases if low <= c.confidence < high or (last and c.confidence == high)]
         stated = _median([]) if not inside else float(np.mean([case.confidence for case in inside]))
         rows.append(
-            {"confidence": [low, high], "stated": stated, "right": share(inside, lambda c: c.in_class)}
+            {
+                "confidence": [low, high],
+                "stated": stated,
+                "right": share(inside, lambda c: c.in_class),
+                "right_as_shown": share(inside, shown),
+            }
         )
     return rows
 

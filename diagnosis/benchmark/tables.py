@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from diagnosis.benchmark.scoring import NOTHING, UNKNOWN
-from diagnosis.benchmark.summary import TARGETS
+from diagnosis.benchmark.summary import SHOWN, TARGETS
 
 AT_MOST = frozenset({"false_alarms", "parameter_error_median"})
 
@@ -82,9 +82,12 @@ def _confusion(result: Mapping[str, Any]) -> Table:
 
 
 def _reliability(result: Mapping[str, Any]) -> Table:
-    table = Table("confidence", "stated", "right", title="Stated confidence", title_justify="left")
+    table = Table("confidence", "stated", "right", "right as far as shown", title="Stated confidence")
+    table.title_justify = "left"
+    table.caption = f"as far as shown: 'nothing missing' is right where what is hidden has a visibility below {SHOWN:g}"
+    table.caption_justify = "left"
     for row in result["reliability"]:
         low, high = row["confidence"]
         stated = "–" if row["stated"] is None else f"{row['stated']:.0%}"
-        table.add_row(f"{low:g} to {high:g}", stated, _percent(row["right"]))
+        table.add_row(f"{low:g} to {high:g}", stated, _percent(row["right"]), _percent(row["right_as_shown"]))
     return table
