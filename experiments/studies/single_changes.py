@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,10 +23,6 @@ from frames.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
 GRAVITY = 9.80665
-SLIP_M_S = 0.005
-"""Drift rate at which the smoothed Coulomb friction reaches three quarters of its force [m/s]."""
-YIELDING_SHARE = 0.2
-"""Share of a storey's stiffness that yields in `hysteresis`."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +41,19 @@ class Storeys:
     ratio: float
     height_m: Real
 
-    @property
+    @cached_property
     def storey_stiffness(self) -> Real:
-        """Force between neighbouring floors for a unit drift (n,) [N/m], from the couplings of the matrix."""
+        """Force between neighbouring floors for a unit drift (n,) [N/m].
+
+        Floors and joints that bend couple distant floors too, so a frame is no chain of storeys: this is the
+        chain in proportion to the neighbours' couplings that is as stiff as the frame in its softest shape.
+        What the frame has beyond it stays elastic, and is nowhere negative.
+        """
         between = -np.diag(self.stiffness, 1)
-        lowest = self.stiffness[0].sum()
-        return np.append(max(float(lowest), float(between[0])), between)
+        couplings = np.append(max(float(self.stiffness[0].sum()), float(between[0])), between)
+        difference = np.eye(len(couplings)) - np.eye(len(couplings), k=-1)
+        chain = difference.T @ np.diag(couplings) @ difference
+        return couplings * eigh(self.stiffness, chain, eigvals_only=True)[0]
 
     @property
     def floor_mass(self) -> Real:
@@ -126,77 +130,18 @@ def respond(body: Storeys, basis: Modes, record: Record, force: Force | None, co
     return np.stack([high, -low], axis=-1)
 
 
-def drifts(floors: Real) -> Real:
-    """Return drifts of the storeys (..., n) from motions of the floors (..., n)."""
-    return np.diff(floors, axis=-1, prepend=0.0)
-
-
-def storey_forces(forces: Real) -> Real:
-    """Return the forces on the floors (..., n) of forces that storeys hold against their drift (..., n)."""
-    return np.diff(forces, axis=-1, append=0.0)
-
-
-def coulomb_friction(body: Storeys, values: Real) -> Force:
-    """Return friction of `values` [N] in every storey, smoothed below `SLIP_M_S`."""
-    size = values[:, None]
-
-    def force(_u: Real, v: Real, _w: Real) -> Real:
-        return storey_forces(size * np.tanh(drifts(v) / SLIP_M_S))
-
-    return force
-
-
-def air_drag(body: Storeys, values: Real) -> Force:
-    """Return drag c w abs(w) of `values` [N s^2/m^2] on every floor."""
-
-    def force(_u: Real, _v: Real, w: Real) -> Real:
-        return -values[:, None] * w * np.abs(w)
-
-    return force
-
-
-def quadratic_damping(body: Storeys, values: Real) -> Force:
-    """Return drag q v abs(v) of `values` [N s^2/m^2] in every storey, v its drift rate."""
-
-    def force(_u: Real, v: Real, _w: Real) -> Real:
-        rate = drifts(v)
-        return storey_forces(values[:, None] * rate * np.abs(rate))
-
-    return force
-
-
-def cubic_stiffness(body: Storeys, values: Real) -> Force:
-    """Return the storey force k d (d / 1 mm)^2 times `values`: the share that a drift of 1 mm adds [-]."""
-    stiffness = body.storey_stiffness
-
-    def force(u: Real, _v: Real, _w: Real) -> Real:
-        drift = drifts(u)
-        return storey_forces(values[:, None] * stiffness * drift * (drift / 1e-3) ** 2)
-
-    return force
-
-
-def hysteresis(body: Storeys, values: Real) -> Force:
-    """Return the loss of force where a fifth of each storey's stiffness yields at a drift of `values` [mm].
-
-    The slider's state is carried from call to call, so a force serves one run only.
-    """
-    stiffness = YIELDING_SHARE * body.storey_stiffness
-    limit = 1e-3 * values[:, None]
-    state = {"elastic": np.zeros((len(values), len(stiffness))), "drift": np.zeros((1, len(stiffness)))}
-
-    def force(u: Real, _v: Real, _w: Real) -> Real:
-        drift = drifts(u)
-        state["elastic"] = np.clip(state["elastic"] + drift - state["drift"], -limit, limit)
-        state["drift"] = drift
-        return storey_forces(stiffness * (state["elastic"] - drift))
-
-    return force
-
-
 def with_stiffness(body: Storeys, change: float) -> Storeys:
     """Return storeys with stiffness times (1 + change); added mass does the same to a shaken frame."""
     return Storeys(body.mass, body.stiffness * (1 + change), body.ratio, body.height_m)
+
+
+def with_yielding_base(body: Storeys, flexibility: float) -> Storeys:
+    """Return storeys on a base that gives way by `flexibility` [mm/kN] along the shaking.
+
+    The same as a softer lowest storey: two springs in series.
+    """
+    soft = np.linalg.inv(body.stiffness) + 1e-6 * flexibility
+    return Storeys(body.mass, np.asarray(np.linalg.inv(soft), np.float64), body.ratio, body.height_m)
 
 
 def with_p_delta(body: Storeys, weight_factor: float) -> Storeys:

@@ -26,8 +26,10 @@ from experiments.errors import ExperimentError
 from experiments.provenance import stamp
 from experiments.records import find
 from experiments.studies.change_catalogue import CHANGES
+from experiments.studies.shared import Kept, Workers
 from experiments.studies.single_changes import storeys
-from experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, SIDES, build, measured, trusted
+from experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, SIDES, build, measured, score, trusted
+from experiments.studies.table_4_1_picture import verdict_picture
 from experiments.sweep import sweep
 
 Real = NDArray[np.float64]
@@ -50,13 +52,17 @@ def peaks_of(change_name: str, frame: str, record: str, folder: str, samples: st
 
 
 def all_peaks(
-    records: Path | None = None, *, folder: Path | None = None, workers: int | None = None
+    records: Path | None = None,
+    *,
+    folder: Path | None = None,
+    workers: int | None = None,
+    scheduler: str | None = None,
 ) -> xr.DataArray:
     """Return peaks [mm] over change, value, place, record and side; NaN past a change's last value."""
     motions = [find(name, records) for name in RECORDS]
     settings = {"folder": str(records or ""), "samples": " ".join(motion.sha256 for motion in motions)}
     grid = {"change_name": list(CHANGES), "frame": list(FRAMES), "record": list(RECORDS)}
-    data = sweep(peaks_of, grid, settings=settings, folder=folder, workers=workers)
+    data = sweep(peaks_of, grid, settings=settings, folder=folder, workers=workers, scheduler=scheduler)
     failed = [str(reason) for reason in data.failure.values.ravel() if reason]
     if failed:
         raise ExperimentError(f"{len(failed)} runs failed, the first: {failed[0]}")
@@ -163,15 +169,20 @@ def show(found: pd.DataFrame) -> Iterable[Any]:
 def main(
     *,
     records: options.Records = None,
-    keep: Annotated[Path | None, Parameter(help="Folder that keeps finished runs, to resume.")] = None,
-    workers: Annotated[int | None, Parameter(help="Processes; default: one a core.")] = None,
+    keep: Kept = None,
+    workers: Workers = None,
+    scheduler: Annotated[str | None, Parameter(help="Address of a dask.distributed scheduler.")] = None,
     json: options.Json = False,
+    out: options.Out = None,
 ) -> dict[str, Any]:
     """Find which single physical change brings the model closest to Table 4.1, on records not fitted."""
-    found = verdicts(all_peaks(records, folder=keep, workers=workers))
+    found = verdicts(all_peaks(records, folder=keep, workers=workers, scheduler=scheduler))
     settings = {"believed": asdict(BLIND), "changes": {name: one.what for name, one in CHANGES.items()}}
     result = stamp(settings, [find(name, records) for name in RECORDS])
     result |= {"verdicts": found.reset_index().to_dict("records")}
+    if out is not None:
+        sap2000 = score(measured("numerical"), trusted()).mean
+        verdict_picture(found, sap2000, out / "table-4-1-missing.png")
     emit(result, as_json=json, show=lambda: show(found))
     return result
 

@@ -1,4 +1,4 @@
-"""The picture of Table 4.1: measured peaks, SAP2000's and ours, a panel for each record."""
+"""Pictures of Table 4.1: measured peaks, SAP2000's and ours; and how near single changes come."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -64,3 +65,33 @@ def _panel(axis: Axes, data: xr.Dataset) -> None:
         f"{frame}\nfl. {floor}" for frame, floor in zip(data.frame.values, data.floor.values, strict=True)
     ]
     axis.set_xticks(x, names, fontsize=8)
+
+
+@matplotlib.rc_context(STYLE)
+def verdict_picture(found: pd.DataFrame, sap2000: float, path: Path) -> None:
+    """Draw the errors of all single changes on held-out records (`table_4_1_missing.verdicts`) into a file.
+
+    Args:
+        found: A row for each change, the nearest first.
+        sap2000: Mean error of SAP2000's printed peaks [-].
+        path: The file.
+
+    Raises:
+        FrameError: The file cannot be written.
+    """
+    figure = Figure(figsize=(8.0, 0.8 + 0.24 * len(found)), layout="constrained")
+    axis, y = figure.subplots(), np.arange(len(found))
+    axis.barh(y, 100 * found.held_out, color="#d5d8dc", edgecolor=MEASURED, lw=0.6, label="one value for all")
+    axis.plot(
+        100 * found.all_four, y, "|", ms=10, color=MEASURED, label="the same, fitted to all four records"
+    )
+    axis.plot(100 * found.held_out_each, y, "o", ms=4.5, color=OURS, label="one value a frame, held out")
+    for value, colour, name in ((found.neutral.iloc[0], OURS, "believed"), (sap2000, SAP2000, "SAP2000")):
+        axis.axvline(100 * value, color=colour, lw=1.0, ls="--", label=name)
+    axis.set_yticks(y, found.index)
+    axis.invert_yaxis()
+    axis.set_xlim(0.0, 45.0)
+    axis.set_xlabel("mean error of the peaks under the two records not fitted [%]")
+    axis.legend(loc="upper right", fontsize=8, frameon=False)
+    with replacing(path) as part:
+        figure.savefig(part, dpi=90)

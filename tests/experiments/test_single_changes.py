@@ -7,12 +7,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from experiments.records import Record, find
-from experiments.studies import change_catalogue, single_changes
+from experiments.studies import added_forces, change_catalogue, single_changes
 from experiments.studies.single_changes import Storeys
 from experiments.studies.table_4_1 import floor_peaks
 from frames import build, load
 
 STEP = 5e-4
+SHARE = 0.2
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +63,12 @@ def adaptive(body, record, force):
 @pytest.mark.parametrize(
     ("make", "value"),
     [
-        (single_changes.coulomb_friction, 3.0),
-        (single_changes.air_drag, 30.0),
-        (single_changes.quadratic_damping, 3000.0),
-        (single_changes.cubic_stiffness, -0.1),
-        (single_changes.cubic_stiffness, 0.2),
+        (added_forces.coulomb_friction, 3.0),
+        (added_forces.air_drag, 30.0),
+        (added_forces.quadratic_damping, 3000.0),
+        (added_forces.damping_by_drift, 0.05),
+        (added_forces.cubic_stiffness, -0.1),
+        (added_forces.cubic_stiffness, 0.2),
     ],
 )
 def test_added_forces_against_an_adaptive_integrator(make, value, body, record):
@@ -84,27 +86,62 @@ def test_added_forces_against_an_adaptive_integrator(make, value, body, record):
 def test_hysteresis_lies_between_its_two_elastic_limits(body, record):
     fine, basis = record.resampled(STEP), single_changes.modes(body)
     values = np.array([1e3, 1e-6])
-    found = single_changes.respond(body, basis, fine, single_changes.hysteresis(body, values), 2)
+    found = single_changes.respond(body, basis, fine, added_forces.hysteresis(body, values, share=SHARE), 2)
     never = single_changes.respond(body, basis, fine, None, 1)[0]
     # what always slips carries nothing: the stiffness without the yielding fifth (this body is a pure chain)
-    softer = single_changes.with_stiffness(body, -single_changes.YIELDING_SHARE)
-    softer_basis = replace(
-        single_changes.modes(softer), ratio=basis.ratio * (1 - single_changes.YIELDING_SHARE) ** -0.5
-    )
+    softer = single_changes.with_stiffness(body, -SHARE)
+    softer_basis = replace(single_changes.modes(softer), ratio=basis.ratio * (1 - SHARE) ** -0.5)
     always = single_changes.respond(softer, softer_basis, fine, None, 1)[0]
     np.testing.assert_allclose(found[0], never, rtol=1e-12)
     np.testing.assert_allclose(found[1], always, rtol=5e-3)
 
 
 def test_hysteresis_dissipates(body):
-    slip = single_changes.hysteresis(body, np.array([0.2]))
+    slip = added_forces.hysteresis(body, np.array([0.2]), share=SHARE)
     cycle = np.sin(np.linspace(0, 4 * np.pi, 2001))[:, None] * np.array([[1e-3, 1e-3, 1e-3]])
     forces = np.array([slip(u[None], 0 * u[None], 0 * u[None])[0, 0] for u in cycle])
     work = np.trapezoid(forces[1000:], cycle[1000:, 0])
     # the storey gives k d - f_y: a closed loop takes 4 f_y (d - d_y) out of the motion
-    stiffness = single_changes.YIELDING_SHARE * body.storey_stiffness[0]
+    stiffness = SHARE * body.storey_stiffness[0]
     expected = 4 * stiffness * 0.2e-3 * (1e-3 - 0.2e-3)
     assert -work == pytest.approx(expected, rel=0.01)
+
+
+def test_softening_storeys_follow_their_backbone_and_close_their_loops(body):
+    x = 2.0
+    soft = added_forces.softening(body, np.array([x]))
+    drift = 1e-3 * np.concatenate([np.linspace(0, 3, 301), np.linspace(3, -3, 601), np.linspace(-3, 3, 601)])
+    # only the lowest storey drifts, because all floors move alike
+    lost = np.array([soft(np.full((1, 3), d), 0.0, 0.0)[0, 0] for d in drift])
+    stiffness = body.storey_stiffness[0]
+    backbone = stiffness * drift[:301] / (1 + drift[:301] * 1e3 / x)
+    # six springs are polygons of the backbone: 5 % of the stiffness that all of them have at the start
+    np.testing.assert_allclose(stiffness * drift[:301] - lost[:301], backbone, atol=0.05 * stiffness * 3e-3)
+    # Masing: after a whole cycle the force is that of the first loading again
+    assert lost[-1] == pytest.approx(lost[300])
+    assert lost[901] == pytest.approx(-lost[300])
+
+
+def test_yielding_columns_hold_their_plastic_shear_and_no_more(body):
+    push = added_forces.column_yielding(body, np.array([280.0]))
+    drift = np.linspace(0, 12e-3, 601)
+    # only the lowest storey drifts: it gives k d and the force takes away what is beyond the plastic shear
+    carried = [body.storey_stiffness[0] * d - push(np.full((1, 3), d), 0.0, 0.0)[0, 0] for d in drift]
+    # four columns of 40 mm by 2 mm, plastic moments of 11.2 N m at both ends, 100 mm apart
+    assert max(carried) == pytest.approx(8 * 11.2 / 0.1)
+    assert carried[100] == pytest.approx(body.storey_stiffness[0] * drift[100])
+
+
+def test_damping_by_drift_takes_the_energy_of_its_ratio(body):
+    omega, amplitude, ratio = single_changes.modes(body).omega[0], 3e-3, 0.01
+    drag = added_forces.damping_by_drift(body, np.array([ratio]))
+    phase = np.linspace(0, 2 * np.pi, 4001)
+    u, v = amplitude * np.sin(phase), amplitude * omega * np.cos(phase)
+    # all floors move alike, so that only the lowest storey drifts
+    forces = [drag(np.full((1, 3), a), np.full((1, 3), b), 0.0)[0, 0] for a, b in zip(u, v, strict=True)]
+    # a viscous damper of ratio z takes 2 pi z k d^2 in a cycle; z is 0.01 for each of 3 mm
+    expected = 2 * np.pi * 3 * ratio * body.storey_stiffness[0] * amplitude**2
+    assert -np.trapezoid(forces, u) == pytest.approx(expected, rel=1e-4)
 
 
 def test_what_softens_lowers_the_frequencies(body):
@@ -115,6 +152,11 @@ def test_what_softens_lowers_the_frequencies(body):
     assert (single_changes.modes(single_changes.with_p_delta(body, 1.0)).omega < first).all()
     rocking = single_changes.modes(single_changes.with_rocking(body, 0.1)).omega
     assert rocking[0] < first[0]
+    # a base as soft as the lowest storey of a chain halves that storey's stiffness
+    stiffness = body.storey_stiffness[0]
+    in_series = single_changes.modes(single_changes.with_yielding_base(body, 1e6 / stiffness)).omega
+    halved = body.stiffness - np.diag([stiffness / 2, 0, 0])
+    np.testing.assert_allclose(in_series, single_changes.modes(replace(body, stiffness=halved)).omega)
     # P-Delta of one floor on a storey: k - m g / h
     one = Storeys(np.array([[6.5]]), np.array([[1e4]]), 0.0, np.array([0.1]))
     expected = 1e4 - 6.5 * single_changes.GRAVITY / 0.1
