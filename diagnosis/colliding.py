@@ -83,10 +83,13 @@ def prepare(case: Case, believed: Believed) -> Pair:
     else:
         full, noise = found_force(full, touching, pairs.quick_baseline(full, runs))
         column = len(full.observed.contact_floors) - 1
+        count = sum(
+            len(impacts.groups(run.contact[:, column], level, run.step_s))
+            for run, level in zip(full.observed.runs, noise, strict=True)
+        )
         warnings.append(
-            f"contact 1 has no usable force channel: its force is what the frames' motion asks for, "
-            f"{sum(len(impacts.groups(r.contact[:, column], n, r.step_s)) for r, n in zip(full.observed.runs, noise, strict=True))} "
-            "impacts were found"
+            "contact 1 has no usable force channel: its force is what the frames' motion asks for, "
+            f"{count} impacts were found"
         )
     second = None
     if len(full.observed.contact_floors) == 1:
@@ -214,6 +217,8 @@ def touched(
     null = contacts.best_fit(met, contacts.null(law))
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
     fits = [contacts.best_fit(met, one) for one in contacts.hypotheses(law, max(speed, 1e-2))]
+    null, *fits = contacts.warmed(met, [null, *fits])
+    null, *fits = contacts.warmed(met, [null, *fits])
     cost, freedom = min((one.cost, one.freedom) for one in (null, *fits))
     temper = max(1.0, 2 * cost / max(freedom - 3 * len(met.impacts), 1))
     ranked = sorted(((one.log_evidence - null.log_evidence) / temper, i) for i, one in enumerate(fits))

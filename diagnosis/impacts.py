@@ -256,8 +256,8 @@ def _impact(
     noise: float,
 ) -> Impact | None:
     begin, first, end = span
-    step, modes = data.step_s, baseline.modes
-    steps = int(round((end - begin) * step / STEP_S))
+    step = data.step_s
+    steps = round((end - begin) * step / STEP_S)
     free, rate = _free(believed, baseline, number, data, row, begin, end, steps)
     force = series[begin : end + 1]
     hertz = np.minimum(np.array(SHARES) / step, np.array(SHARES) / SHARES[-1] * HIGHEST_HZ)
@@ -273,7 +273,7 @@ def _impact(
     good = np.concatenate([strong, strong[1:]])
     whiten = np.zeros((7, 7))
     whiten[np.ix_(good, good)] = np.linalg.inv(np.linalg.cholesky(covariance[np.ix_(good, good)]))
-    onset = int(round((first - begin) * step / STEP_S))
+    onset = round((first - begin) * step / STEP_S)
     speed = abs(float(rate[min(onset, steps - 1)]))
     prior = (
         float(np.hypot(INFLATED * spread[0], STATE_FLOOR[0])),

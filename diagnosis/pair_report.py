@@ -131,7 +131,8 @@ def _second(case: Case, pair: Pair, touched: Touched) -> list[dict[str, Any]]:
 def _odd(case: Case, touched: Touched) -> list[str]:
     if touched.impacts:
         return []
+    left = 1e3 * (case.contacts[0].gap_m - touched.nearest_m)
     return [
-        f"contact 1 never closes in these runs: the floors come within {1e3 * (case.contacts[0].gap_m - touched.nearest_m):.2f}"
-        " mm of touching by the believed gap; stiffness, loss and law cannot be judged"
+        f"contact 1 never closes in these runs: by the believed gap the floors stay {left:.2f} mm apart; "
+        "stiffness, loss and law cannot be judged"
     ]

@@ -24,7 +24,7 @@ from diagnosis.observations import Observations, RunData
 from diagnosis.sensitivity import Term, signatures
 from diagnosis.storeys import Structure
 
-RATE_HZ = 250.0
+RATE_HZ = 160.0
 """Least sampling rate [Hz] on which the frames of a pair are judged."""
 LEVEL = 0.03
 """Latent forces, as a share of the shear, while pushes are looked for in a model that is not calibrated yet."""

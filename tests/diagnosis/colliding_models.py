@@ -1,0 +1,134 @@
+"""Two small frames that collide, made by a general-purpose integrator, for the tests of pairs."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+
+from diagnosis.believed import Believed
+from diagnosis.case import Case, CaseFrame, Channel, Contact, Run
+from diagnosis.observations import observe
+from diagnosis.storeys import StoreyFrame, Structure
+
+STEP_S = 0.001
+SAMPLES = 2500
+FLOORS = 3
+MASS = 6.5
+STIFFNESS = {"tall": 2.4e4, "stiff": 9e4}
+DRIFT = np.eye(FLOORS) - np.eye(FLOORS, k=-1)
+GAP_M = 0.004
+CONTACT = Contact("tall", "stiff", FLOORS, GAP_M, "linear_viscoelastic", 2e7, None, 0.7)
+
+CHANNELS = (
+    Channel("table", "table_acceleration", "m/s^2"),
+    *(
+        Channel(f"{name}_{kind}{floor}", quantity, "m/s^2" if kind == "a" else "m", frame=name, floor=floor)
+        for name in STIFFNESS
+        for kind, quantity in (("a", "absolute_acceleration"), ("d", "relative_displacement"))
+        for floor in (1, 2, 3)
+    ),
+    Channel("force_1", "contact_force", "N", contact=1),
+)
+
+
+def structure() -> Structure:
+    """Return the two frames as believed, which is as they are."""
+    return Structure(
+        tuple(
+            StoreyFrame(name, MASS * np.eye(FLOORS), k * DRIFT.T @ DRIFT, np.full(FLOORS, 0.01), 0.2 * np.arange(1, 4))
+            for name, k in STIFFNESS.items()
+        )
+    )
+
+
+def damping(stiffness: np.ndarray) -> np.ndarray:
+    """Return the damping matrix of one per cent in every mode."""
+    squares, shapes = np.linalg.eigh(stiffness / MASS)
+    return MASS * shapes @ np.diag(0.02 * np.sqrt(squares)) @ shapes.T
+
+
+def force(contact: Contact, depth: float, rate: float) -> float:
+    """Return what a contact pushes with; written out for the two laws of the tests."""
+    if depth <= 0:
+        return 0.0
+    if contact.law == "hertz":
+        return contact.stiffness * depth**1.5
+    loss = np.log(contact.restitution)
+    ratio = -loss / np.hypot(np.pi, loss)
+    return max(contact.stiffness * depth + 2 * ratio * np.sqrt(contact.stiffness * MASS / 2) * rate, 0.0)
+
+
+@lru_cache(maxsize=32)
+def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.ndarray:
+    """Return the columns of `CHANNELS` (samples, channels) before noise; the force is that of the first contact."""
+    finer = 5
+    at = np.arange(SAMPLES) * STEP_S
+    rng = np.random.default_rng(seed)
+    white = np.fft.rfft(rng.standard_normal(SAMPLES))
+    smooth = np.fft.irfft(white * np.exp(-((np.fft.rfftfreq(SAMPLES, STEP_S) / 12.0) ** 2)), SAMPLES)
+    table = peak * smooth / np.abs(smooth).max() * np.sin(np.linspace(0, np.pi, SAMPLES)) ** 0.5
+    spline = CubicSpline(at, table)
+    stiffness = [k * DRIFT.T @ DRIFT for k in STIFFNESS.values()]
+    dampers = [damping(k) for k in stiffness]
+
+    def pushes(u: np.ndarray, v: np.ndarray) -> list[float]:
+        return [
+            force(one, u[one.floor - 1] - u[FLOORS + one.floor - 1] - one.gap_m, v[one.floor - 1] - v[FLOORS + one.floor - 1])
+            for one in touches
+        ]
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        u, v = y[: 2 * FLOORS], y[2 * FLOORS :]
+        load = np.concatenate([-stiffness[i] @ u[3 * i : 3 * i + 3] - dampers[i] @ v[3 * i : 3 * i + 3] for i in (0, 1)])
+        for one, push in zip(touches, pushes(u, v), strict=True):
+            load[one.floor - 1] -= push
+            load[FLOORS + one.floor - 1] += push
+        return np.concatenate([v, load / MASS - spline(t)])
+
+    fine = np.arange(finer * (SAMPLES - 1) + 1) * STEP_S / finer
+    found = solve_ivp(rates, (0, fine[-1]), np.zeros(4 * FLOORS), t_eval=fine, rtol=1e-6, atol=1e-9, max_step=2e-4)
+    u, v = found.y[: 2 * FLOORS], found.y[2 * FLOORS :]
+    acceleration = np.array([rates(t, y)[2 * FLOORS :] + spline(t) for t, y in zip(fine, found.y.T, strict=True)])
+    cell = np.array([pushes(a, b)[0] for a, b in zip(u.T, v.T, strict=True)]) if touches else np.zeros(len(fine))
+    columns = [spline(fine)]
+    for frame in (0, 1):
+        span = range(3 * frame, 3 * frame + 3)
+        columns += [acceleration[:, i] for i in span] + [u[i] for i in span]
+    # A logger's low-pass, here without delay.
+    sections = butter(4, 0.4 / STEP_S, fs=finer / STEP_S, output="sos")
+    return np.asarray(sosfiltfilt(sections, np.column_stack([*columns, cell]), axis=0)[::finer])
+
+
+def colliding(
+    *touches: Contact, believed: Contact = CONTACT, measured: bool = True, runs: int = 2, peak: float = 5.0
+) -> Case:
+    """Return a case in which the frames have the contacts `touches`, with noise of one per cent."""
+    made = []
+    for run in range(runs):
+        values = shaken(touches, run, peak).copy()
+        rng = np.random.default_rng(100 + run)
+        noise = 0.01 * values.std(axis=0)
+        noise[0], noise[-1] = 0.5 * noise[0], max(noise[-1], 0.5)
+        values += noise * rng.standard_normal(values.shape)
+        kept = values if measured else values[:, :-1]
+        made.append(Run(f"run{run + 1}.csv", None, STEP_S * np.arange(SAMPLES), STEP_S, kept))
+    frames = tuple(
+        CaseFrame(
+            name, FLOORS, storey_height_m=0.2, floor_mass_kg=(MASS,) * FLOORS,
+            frequency_hz=(float(np.sqrt(np.linalg.eigvalsh(k * DRIFT.T @ DRIFT / MASS)[0]) / (2 * np.pi)),),
+            damping_ratio=(0.01,),
+        )
+        for name, k in STIFFNESS.items()
+    )  # fmt: skip
+    channels = CHANNELS if measured else CHANNELS[:-1]
+    return Case("two sticks", Path("two-sticks"), frames, tuple(made), channels, (believed,))
+
+
+def model(case: Case) -> Believed:
+    """Return the believed model of a case."""
+    return Believed(structure(), observe(case, structure()), case.prior)
