@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
-from contact.parameters import PRINTED, thesis_law
+from contact.laws import Law
+from contact.parameters import PRINTED, make_law, thesis_law
 from experiments import collision_files
 from experiments.command import options
 from experiments.command.output import emit, plain, progress_console, table, warn
@@ -39,6 +41,12 @@ def pound(
         Literal["printed", "formula"],
         Parameter(help="Contact parameters: the thesis' tables, or what its formulas give."),
     ] = "printed",
+    stiffness: Annotated[
+        float | None, Parameter(help="Contact stiffness [N/m, Hertz family N/m^1.5] instead of the set's.")
+    ] = None,
+    restitution: Annotated[
+        float | None, Parameter(help="Coefficient of restitution that the law's damping is to give.")
+    ] = None,
     tension: Annotated[bool, Parameter(negative=(), help="Let a contact pull just before it opens.")] = False,
     flip: Annotated[bool, Parameter(negative=(), help="Turn the record's sign.")] = False,
     pga: options.Pga = None,
@@ -64,13 +72,13 @@ def pound(
     floors = floor or [min(frame.storeys for frame in pair)]
     masses = floor_masses(*pair, floors[0])
     laws = [
-        thesis_law(name, parameters, masses=masses, tension=tension)
+        _changed(thesis_law(name, parameters, masses=masses, tension=tension), stiffness, restitution, masses)
         for name in (FIVE_LAWS if law == "all" else [law])
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
     runs = []
-    with Progress(console=progress_console(), transient=True) as progress:
+    with _progress() as progress:
         for chosen in laws:
             bar = progress.add_task(chosen.name, total=shaken.duration_s)
             runs.append(
@@ -107,12 +115,30 @@ def pound(
     emit(result, as_json=json, show=lambda: _show(result))
 
 
+def _changed(
+    law: Law, stiffness: float | None, restitution: float | None, masses: tuple[float, float]
+) -> Law:
+    """Return a law with another stiffness, all else as it is, or with the damping of a restitution."""
+    stiffer = law if stiffness is None else dataclasses.replace(law, stiffness=stiffness)
+    if restitution is None:
+        return stiffer
+    return make_law(
+        law.name, stiffness=stiffer.stiffness, restitution=restitution, masses=masses, tension=law.tension
+    )
+
+
 def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
     progress.update(bar, completed=time_s)
 
 
+def _progress() -> Progress:
+    """Return bars that leave nothing behind, and nothing at all where standard error is no terminal."""
+    console = progress_console()
+    return Progress(console=console, transient=True, disable=not console.is_terminal)
+
+
 def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> list[str]:
-    with Progress(console=progress_console(), transient=True) as progress:
+    with _progress() as progress:
         bar = progress.add_task("film" if film else "writing", total=1.0)
 
         def told(share: float) -> None:

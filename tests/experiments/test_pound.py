@@ -96,6 +96,23 @@ def test_a_gap_a_floor(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["floors"] == [5, 3]
 
 
+def test_restitution_of_one_is_the_spring_alone_and_any_stiffness_is_resolved(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    first = {}
+    for name, words in {
+        "spring": ["--law", "linear_spring"],
+        "elastic": ["--restitution", "1"],
+        "stiff": ["--law", "linear_spring", "--stiffness", "1e15"],
+    }.items():
+        found = json.loads(run([*SHORT, *words, "--json"], capsys)[0])["runs"][0]
+        assert found["energy_error"] < 5e-3
+        first[name] = found["impacts"][0]
+    assert first["elastic"]["peak_force_n"] == pytest.approx(first["spring"]["peak_force_n"], rel=1e-6)
+    assert first["stiff"]["time_s"] == pytest.approx(first["spring"]["time_s"], abs=1e-4)
+    assert first["stiff"]["peak_force_n"] > 1e3 * first["spring"]["peak_force_n"]
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -106,6 +123,11 @@ def test_a_gap_a_floor(capsys: pytest.CaptureFixture[str]) -> None:
         ([*SHORT, "--floor", "5", "--floor", "5"], "given once"),
         ([*SHORT, "--parameters", "guessed"], "guessed"),
         (["pound", "10", "5B", "--gap", "3", "--record", "elcentor"], "elcentor"),
+        ([*SHORT, "--restitution", "0"], "restitution of 0 cannot be"),
+        ([*SHORT, "--restitution", "1.2"], "restitution of 1.2 cannot be"),
+        ([*SHORT, "--restitution", "0.5", "--law", "hertz"], "hertz: restitution is given"),
+        ([*SHORT, "--stiffness", "0"], "stiffness is 0 N/m; it must be positive"),
+        ([*SHORT, "--pga", "1000"], "moved by more than its height"),
     ],
 )
 def test_bad_input_is_one_sentence(
