@@ -1,0 +1,167 @@
+"""Pairs that collide: contacts and force cells named from data of another integrator, and bad input of pairs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
+from diagnosis.case import Case, Contact
+from diagnosis.colliding import Pair, Touched, prepare, touched
+from diagnosis.impacts import STEP_S, Law, strike
+from diagnosis.pair_report import candidates, joined
+from tests.diagnosis.colliding_models import CONTACT, GAP_M, MASS, colliding, model
+
+NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
+
+
+def judged(case: Case) -> tuple[Pair, Touched, dict[str, Any]]:
+    believed = model(case)
+    pair = prepare(case, believed)
+    found = touched(case, pair, np.zeros(len(believed.std)), (), (0, 1))
+    return pair, found, joined(case, pair, found, NOTHING)
+
+
+def claimed(report: dict[str, Any]) -> list[str]:
+    return [effect["effect"] for effect in report["effects"]]
+
+
+def value(report: dict[str, Any], name: str) -> Any:
+    return next(p["value"] for p in report["effects"][0]["parameters"] if p["name"] == name)
+
+
+@pytest.mark.parametrize(
+    ("law", "reference"),
+    [
+        (Law("hertz", 0.0, 1e9, np.nan, np.nan, 3.0), Hertz(1e9)),
+        (Law("linear_viscoelastic", 0.0, 2e7, 1200.0, np.nan, 3.0), LinearViscoelastic(2e7, damping=1200.0)),
+        (Law("hertz_damp", 0.0, 1e9, np.nan, 0.7, 3.0), HertzDamp(1e9, restitution=0.7)),
+        (
+            Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0),
+            NonlinearViscoelastic(2e9, damping_ratio=Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0).numbers()[4], reduced_mass=3.0),
+        ),
+    ],
+)  # fmt: skip
+def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, reference: Any) -> None:
+    speed, steps = 0.4, 300
+    at = np.arange(steps) * STEP_S
+    held = (np.arange(steps) - 0.5) * STEP_S**2 / law.mass
+    held[0] = 0.0
+    rate = np.full(steps, STEP_S / law.mass)
+    rate[0] = 0.0
+    push = strike(speed * at, np.full(steps, speed), held, rate, *law.numbers())
+    # The same collision in twentieths of the step.
+    depth, velocity, impulse, fine = 0.0, speed, 0.0, STEP_S / 20
+    for _ in range(20 * steps):
+        middle = depth + 0.5 * fine * velocity
+        force = float(reference.force(middle, velocity, speed)) if middle > 0 else 0.0
+        impulse += force * fine
+        velocity -= force * fine / law.mass
+        depth += fine * velocity
+    assert push.sum() * STEP_S == pytest.approx(impulse, rel=0.01)
+
+
+def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
+    pair, found, report = judged(colliding(CONTACT))
+    assert found.impacts > 10
+    assert pair.cell is not None
+    assert pair.cell.faults == ()
+    assert report["verdict"] == "nothing_missing"
+
+
+@pytest.mark.parametrize(
+    ("true", "effect", "parameter", "wanted", "within"),
+    [
+        (replace(CONTACT, gap_m=0.0048), "gap_offset", "offset", 0.8, 0.05),
+        (replace(CONTACT, restitution=0.45), "contact_damping", "restitution", 0.45, 0.05),
+        (replace(CONTACT, stiffness=5e6), "contact_stiffness", "stiffness", 5e6, 1e6),
+    ],
+)
+@pytest.mark.parametrize("measured", [True, False], ids=["force cell", "no force cell"])
+def test_what_is_different_in_a_contact_is_named(
+    true: Contact, effect: str, parameter: str, wanted: float, within: float, measured: bool
+) -> None:
+    _, _, report = judged(colliding(true, measured=measured))
+    assert claimed(report) == [effect]
+    assert report["effects"][0]["contact"] == 1
+    assert value(report, parameter) == pytest.approx(wanted, abs=within)
+
+
+def test_another_law_is_named() -> None:
+    true = replace(CONTACT, law="hertz", stiffness=1e9, restitution=None)
+    _, _, report = judged(colliding(true))
+    assert claimed(report) == ["contact_law"]
+    assert value(report, "law") == "hertz"
+
+
+def test_a_second_contact_is_found_at_its_floor() -> None:
+    other = replace(CONTACT, floor=2, gap_m=0.0018)
+    pair, _, report = judged(colliding(CONTACT, other))
+    assert pair.second is not None
+    assert claimed(report)[0] == "second_contact"
+    assert {report["effects"][0][key] for key in ("left", "right")} == {"tall", "stiff"}
+    assert report["effects"][0]["floor"] == 2
+    assert value(report, "gap") == pytest.approx(1.8, abs=0.1)
+
+
+def changed(case: Case, change: Any) -> Case:
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        values[:, -1] = change(values[:, -1])
+        runs.append(replace(run, values=values))
+    return replace(case, runs=tuple(runs))
+
+
+def test_a_force_channel_of_the_wrong_polarity_is_said_and_turned() -> None:
+    pair, _, report = judged(changed(colliding(CONTACT), lambda force: -force))
+    assert pair.cell is not None
+    assert [(name, size) for name, size, *_ in pair.cell.faults] == [("sensor_gain", -2.0)]
+    assert claimed(report) == ["sensor_gain"]
+    assert report["effects"][0]["channel"] == "force_1"
+    assert any("polarity" in warning for warning in report["warnings"])
+
+
+def test_a_force_cell_of_the_wrong_gain_is_no_other_contact() -> None:
+    _, _, report = judged(changed(colliding(CONTACT), lambda force: 1.25 * force))
+    assert claimed(report) == ["sensor_gain"]
+    assert value(report, "relative_change") == pytest.approx(0.25, abs=0.04)
+
+
+def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
+    case = colliding(CONTACT)
+    top = 0.4 * max(run.values[:, -1].max() for run in case.runs)
+    pair, _, report = judged(changed(case, lambda force: np.minimum(force, top)))
+    assert pair.cell is None
+    assert report["verdict"] == "nothing_missing"
+    assert any("clipped" in warning for warning in report["warnings"])
+
+
+def test_a_contact_that_never_closes_is_said() -> None:
+    far = replace(CONTACT, gap_m=0.2)
+    _, found, report = judged(colliding(far, believed=far))
+    assert found.impacts == 0
+    assert report["verdict"] == "nothing_missing"
+    assert any("never closes" in warning for warning in report["warnings"])
+
+
+def test_floors_that_pass_through_the_believed_contact_have_a_wider_gap() -> None:
+    _, found, report = judged(colliding(replace(CONTACT, gap_m=0.2)))
+    assert found.impacts == 0
+    assert claimed(report) == ["gap_offset"]
+    assert value(report, "offset") > 0
+
+
+def test_a_gap_believed_closed_is_corrected() -> None:
+    case = colliding(CONTACT, believed=replace(CONTACT, gap_m=0.0))
+    _, found, report = judged(case)
+    assert claimed(report)[0] == "gap_offset"
+    assert value(report, "offset") == pytest.approx(1e3 * GAP_M, abs=0.1)
+    assert candidates(case, found)[0]["effect"] == "gap_offset"
+
+
+def test_the_sticks_are_those_of_the_case() -> None:
+    assert model(colliding(CONTACT)).structure.frames[0].floor_mass == pytest.approx(MASS)
