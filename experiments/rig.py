@@ -69,8 +69,8 @@ class Accuracy(NamedTuple):
         longest_step_s: Longest step [s].
     """
 
-    relative: float = 1e-7
-    absolute: float = 1e-9
+    relative: float = 1e-8
+    absolute: float = 1e-10
     longest_step_s: float = 5e-4
 
 

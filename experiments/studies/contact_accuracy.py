@@ -34,7 +34,7 @@ from experiments.rig import COLLIDING, Accuracy
 from experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
 from experiments.sweep import sweep
 
-REFERENCE = Accuracy(1e-9, 1e-11, 2e-4)
+REFERENCE = Accuracy(1e-10, 1e-12, 2e-4)
 KEEP_HZ = 1200.0
 WIDER_MM = 1e-3
 COMPARISONS = ("step", "modes", "gap")
