@@ -213,7 +213,7 @@ class Believed:
             direction = modes.floors[right] - modes.floors[left]
             force = run.contact[:, column]
             known_at += force[:, None] * direction
-            known_mid += np.interp(middle, at, force)[..., None] * direction
+            known_mid += run.contact_at(middle, column)[..., None] * direction
         if assembly.table_tilt:
             tilt_inputs(self, assembly, modes, number, middle, at, known_mid, known_at, added)
         return known_mid, known_at, table_mid, added

@@ -40,6 +40,7 @@ class RunData:
         table: Table acceleration [m/s^2], gaps filled, shape (samples,).
         measured: Channels in SI, NaN where missing, shape (samples, channels).
         contact: Measured contact forces [N], compression positive, shape (samples, contacts measured).
+        fine_contact, fine_step_s: The same on a finer grid where there is one: between samples a short force is no line.
     """
 
     name: str
@@ -48,6 +49,15 @@ class RunData:
     table: np.ndarray
     measured: np.ndarray
     contact: np.ndarray
+    fine_contact: np.ndarray | None = None
+    fine_step_s: float = 0.0
+
+    def contact_at(self, times_s: np.ndarray, column: int) -> np.ndarray:
+        """Return a contact force [N] at times [s] from the start of the run."""
+        series, step = self.contact, self.step_s
+        if self.fine_contact is not None:
+            series, step = self.fine_contact, self.fine_step_s
+        return np.asarray(np.interp(times_s, np.arange(len(series)) * step, series[:, column]))
 
     @property
     def substeps(self) -> int:

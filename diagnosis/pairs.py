@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.signal import correlate, resample_poly
+from scipy.signal import correlate, fftconvolve, firwin, resample_poly
 
 from diagnosis.baseline import starting_noise
 from diagnosis.believed import Believed
@@ -24,7 +24,7 @@ from diagnosis.observations import Observations, RunData
 from diagnosis.sensitivity import Term, signatures
 from diagnosis.storeys import Structure
 
-RATE_HZ = 160.0
+RATE_HZ = 250.0
 """Least sampling rate [Hz] on which the frames of a pair are judged."""
 LEVEL = 0.03
 """Latent forces, as a share of the shear, while pushes are looked for in a model that is not calibrated yet."""
@@ -81,8 +81,13 @@ def _slowed(run: RunData) -> RunData:
         slow = [fewer(column) for column in values.T]
         return np.ascontiguousarray(np.stack(slow, axis=1)) if slow else values[::every]
 
+    # The filter of `resample_poly` without leaving samples out.
+    taps = firwin(20 * every + 1, 1.0 / every, window=("kaiser", 5.0))
+    smooth = [fftconvolve(force, taps, "same") for force in run.contact.T]
     return replace(
         run,
+        fine_contact=np.stack(smooth, axis=1) if smooth else None,
+        fine_step_s=run.step_s,
         step_s=run.step_s * every,
         time_s=run.time_s[::every],
         table=fewer(run.table),
