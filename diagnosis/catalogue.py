@@ -106,6 +106,11 @@ class Effect:
         del scales
         return [()]
 
+    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
+        """Return shapes about a scored one from which a refinement may start; what is tuned has a narrow optimum."""
+        del shape
+        return []
+
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the prior standard deviation of the amplitude in SI."""
         raise NotImplementedError
@@ -183,12 +188,15 @@ def loggers(believed: Believed) -> list[tuple[int, ...]]:
     observed, structure = believed.observed, believed.structure
     everything = tuple(range(len(observed.names)))
     groups = [
-        tuple(int(c) for c in np.flatnonzero(observed.quantity == kind)) for kind in np.unique(observed.quantity)
+        tuple(int(c) for c in np.flatnonzero(observed.quantity == kind))
+        for kind in np.unique(observed.quantity)
     ]
     for frame in range(len(structure.frames)):
         span = structure.span(frame)
         groups.append(
-            tuple(int(c) for c in np.flatnonzero((observed.floor >= span.start) & (observed.floor < span.stop)))
+            tuple(
+                int(c) for c in np.flatnonzero((observed.floor >= span.start) & (observed.floor < span.stop))
+            )
         )
     return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]
 

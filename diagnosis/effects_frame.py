@@ -213,6 +213,10 @@ class TorsionalEccentricity(FrameEffect):
         """Return ratios of torsional to lateral frequency."""
         return [(1.05,), (1.25,), (1.5,), (1.8,), (2.3,)]
 
+    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
+        """Return ratios up to the neighbours' of the grid."""
+        return [(float(shape[0] * factor),) for factor in np.geomspace(0.88, 1.14, 27)]
+
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the square of a fifth of the radius of gyration."""
         return (0.2 * self.storeys(believed).gyration_m) ** 2
@@ -289,6 +293,10 @@ class Appendage(FrameEffect):
         lowest = float(omega.min())
         highest = float(np.sort(omega)[min(2, len(omega) - 1)])
         return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
+
+    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
+        """Return frequencies up to the neighbours' of the grid."""
+        return [(float(shape[0] * factor),) for factor in np.geomspace(0.9, 1.11, 11)]
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a tenth of the floor's mass."""

@@ -22,6 +22,8 @@ class Score:
         effect: The candidate. shape: What is not amplitude, in SI. amplitude: Best amplitude in SI.
         std: Its standard error. nats: Log evidence against the model without it.
         column: Its row in `Scores.projected`.
+        ordinary: How the ordinary parameters move with it, in their own units, shape (parameters,): what of the effect
+            they had taken they give back.
     """
 
     effect: Effect
@@ -30,6 +32,7 @@ class Score:
     std: float
     nats: float
     column: int
+    ordinary: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -125,7 +128,7 @@ def score(
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
     slope[: len(believed.std)] -= baseline.values / believed.std
-    return _rank(columns, width, gram, slope, free)
+    return _rank(columns, width, gram, slope, free, believed.std)
 
 
 def _rank(
@@ -134,6 +137,7 @@ def _rank(
     gram: np.ndarray,
     slope: np.ndarray,
     free: int,
+    std: np.ndarray,
 ) -> Scores:
     ordinary = gram[:free, :free] + np.eye(free)
     taken = np.linalg.solve(ordinary, gram[:free, free:])
@@ -154,6 +158,7 @@ def _rank(
             if allowed
             else float(min(nats[column], -0.5 * np.log1p(information[column]))),
             column=column,
+            ordinary=-taken[: len(std), column] * amplitude[column] * std,
         )
         key = id(effect)
         if key not in best or found.nats > best[key].nats:

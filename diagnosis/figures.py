@@ -67,7 +67,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     upper.plot(data.time_s, measured, color="black", lw=1.6, label="measured")
     for name, (output, colour) in simulated.items():
-        difference = levelled(believed, output - data.measured)[:, channel] / scale
+        difference = levelled(believed, output - data.measured, data.step_s)[:, channel] / scale
         rms = float(np.sqrt(np.nanmean(difference**2)))
         upper.plot(data.time_s, output[:, channel] / scale, color=colour, lw=0.9, label=f"simulated, {name}")
         label = f"{name}: simulated − measured, rms {rms:.3g} {unit}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,13 +14,16 @@ from diagnosis.observations import root_mean_square
 from diagnosis.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
 from diagnosis.storeys import Modes
 
+SLOW = 0.3
+"""Share of the lowest frequency below which absolute displacements are not compared."""
+
 
 def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
     """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
     measured = np.concatenate([believed.observed.runs[run].measured for run in runs])
     difference = np.concatenate(
         [
-            levelled(believed, one - believed.observed.runs[run].measured)
+            levelled(believed, one - believed.observed.runs[run].measured, believed.observed.runs[run].step_s)
             for one, run in zip(outputs, runs, strict=True)
         ]
     )
@@ -27,17 +31,35 @@ def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequen
     return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
 
 
-def levelled(believed: Believed, difference: np.ndarray) -> np.ndarray:
-    """Take a cubic off absolute displacements: integrated twice, the table's zero is nobody's to blame."""
+def levelled(believed: Believed, difference: np.ndarray, step_s: float) -> np.ndarray:
+    """Take what is slow against the frames off absolute displacements: integrated twice, a table's noise drifts.
+
+    Args:
+        believed: The believed model.
+        difference: Simulated less measured, (samples, channels).
+        step_s: Sampling step [s].
+    """
     difference = difference.copy()
-    drifting = np.isin(believed.observed.quantity, (ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT))
-    for channel in np.flatnonzero(drifting):
+    drifting = np.flatnonzero(
+        np.isin(believed.observed.quantity, (ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT))
+    )
+    if not len(drifting):
+        return difference
+    slow = _slow(len(difference), step_s, SLOW * believed.structure.lowest_hz)
+    for channel in drifting:
         good = np.isfinite(difference[:, channel])
-        if good.sum() > 10:
-            time = np.linspace(-1.0, 1.0, len(difference))
-            fitted = np.polynomial.Polynomial.fit(time[good], difference[good, channel], 3)
-            difference[:, channel] -= fitted(time)
+        if good.sum() > slow.shape[1]:
+            fitted, *_ = np.linalg.lstsq(slow[good], difference[good, channel])
+            difference[:, channel] -= slow @ fitted
     return difference
+
+
+@lru_cache(8)
+def _slow(samples: int, step_s: float, below_hz: float) -> np.ndarray:
+    """Return a line and the cosines of a run that lie below a frequency, shape (samples, terms)."""
+    time = np.linspace(0.0, 1.0, samples)
+    cosines = int(2 * samples * step_s * below_hz)
+    return np.column_stack([time - 0.5, *(np.cos(np.pi * k * time) for k in range(cosines + 1))])
 
 
 def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
@@ -102,7 +124,7 @@ def table_response(believed: Believed, modes: Modes, step_s: float, samples: int
     for _ in range(max(1, int(np.log2(max(samples, 4) / 2)))):
         covariance = covariance + step @ covariance @ step.T
         step = step @ step
-    # What a cubic can take off (see `levelled`) is not noise either.
+    # What `levelled` takes off is not noise either.
     output = system.output.copy()
     output[:, -2:] = 0.0
     variance = np.einsum("ci,ij,cj->c", output, covariance, output)

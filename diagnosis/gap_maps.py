@@ -47,7 +47,7 @@ def gap_maps(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Se
     nyquist = np.inf
     for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
         data = believed.observed.runs[run]
-        difference = levelled(believed, output - data.measured)
+        difference = levelled(believed, output - data.measured, data.step_s)
         square = np.nan_to_num(root_mean_square(data.measured)) ** 2
         each.append(
             np.nan_to_num(root_mean_square(difference)) / np.sqrt(np.where(square > 0, square, np.nan))

@@ -106,6 +106,7 @@ def refine(
     widths: Sequence[np.ndarray],
     iterations: int = 3,
     thorough: bool = True,
+    ordinary: np.ndarray | None = None,
 ) -> Fit:
     """Return the best fit of effects together with the ordinary parameters, the latent forces as small as they may be.
 
@@ -117,10 +118,11 @@ def refine(
         widths: Prior standard deviations of those that are not logarithmic.
         iterations: Gauss-Newton steps for each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `baseline`.
+        ordinary: Other ordinary parameters from which it may start.
     """
     coordinates = Coordinates.of(effects, values, widths)
     x = np.zeros(len(coordinates.start))
-    current = _start(believed, baseline, coordinates, x)
+    current = _start(believed, baseline, coordinates, x, ordinary)
     current, x = _descend(believed, current, coordinates, x, iterations)
     if not thorough:
         return _finished(believed, current, coordinates, x)
@@ -142,12 +144,16 @@ def refine(
     return _finished(believed, current, coordinates, x)
 
 
-def _start(believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray) -> Baseline:
+def _start(
+    believed: Believed,
+    baseline: Baseline,
+    coordinates: Coordinates,
+    x: np.ndarray,
+    ordinary: np.ndarray | None,
+) -> Baseline:
     """Return where to start: with the null model's ordinary parameters, or, where those were bent, with the believed."""
-    starts = [
-        _at(believed, baseline, coordinates, x, ordinary)
-        for ordinary in (baseline.values, np.zeros(len(believed.std)))
-    ]
+    tried = [baseline.values, np.zeros(len(believed.std))] + ([] if ordinary is None else [ordinary])
+    starts = [_at(believed, baseline, coordinates, x, values) for values in tried]
     return min(starts, key=lambda one: _misfit(believed, one, coordinates, x, one.values))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Baseline, log_likelihood, run_baseline
+from diagnosis.calibrate import BOX, Baseline, log_likelihood, run_baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.gap import channel_gaps, floors, simulate
@@ -118,6 +118,8 @@ def search(
         progress(f"refining {one.effect.label()}", 0.35 + 0.15 * count / max(len(chosen), 1))
         quick.append(_refined(found, null.baseline, one, thorough=False))
     order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
+    if chosen and 0 not in order[:THOROUGH]:
+        order.insert(THOROUGH - 1, 0)  # What scores best is refined to the end, however hard it is to start.
     for count, i in enumerate(order[:THOROUGH]):
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
         _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
@@ -218,33 +220,46 @@ def _refined(
     width = widths(believed, effect, found.sizes, one.shape)
     if with_fit is not None:
         before = [widths(believed, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
+        moved = np.clip(baseline.values + one.ordinary, -BOX * believed.std, BOX * believed.std)
         return refine(
-            believed, baseline, (*with_fit.effects, effect), (*with_fit.values, values), (*before, width)
+            believed,
+            baseline,
+            (*with_fit.effects, effect),
+            (*with_fit.values, values),
+            (*before, width),
+            ordinary=moved,
         )
     if start is not None:
-        baseline, values = start.baseline, start.values[0]
-    else:
-        values = _better_start(found, baseline, one)
-    return refine(believed, baseline, (effect,), (values,), (width,), thorough=thorough)
+        return refine(believed, start.baseline, (effect,), (start.values[0],), (width,), thorough=thorough)
+    values, ordinary = _better_start(found, baseline, one)
+    return refine(believed, baseline, (effect,), (values,), (width,), thorough=thorough, ordinary=ordinary)
 
 
-def _better_start(found: Findings, baseline: Baseline, one: Score) -> np.ndarray:
-    """Return the parameters from which to refine: what was scored, or another shape or size that predicts better.
+def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.ndarray, np.ndarray]:
+    """Return effect and ordinary parameters from which to refine: as scored, or a shape or size that predicts better.
 
     The score is linear in the amplitude and knows the shape on a coarse grid only.
     """
     believed, effect = found.believed, one.effect
     shapes = effect.grid(found.sizes)
-    starts = [effect.values(one.amplitude, one.shape)]
+    tried = [(one.shape, factor) for factor in (1.0, *START_FACTORS)]
     if len(shapes) > 1:
-        near = sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))[1:3]
-        starts += [effect.values(one.amplitude, shape) for shape in near]
-    starts += [effect.values(factor * one.amplitude, one.shape) for factor in START_FACTORS]
+        tried += [
+            (shape, 1.0) for shape in sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))[1:3]
+        ]
+    tried += [(shape, factor) for shape in effect.near(one.shape) for factor in (0.5, 1.0)]
+    limit = BOX * believed.std
+    starts = []
+    for shape, factor in tried:
+        values = effect.values(factor * one.amplitude, shape)
+        moved = np.clip(baseline.values + factor * one.ordinary, -limit, limit)
+        starts += [(values, moved), (values, baseline.values)]
 
-    def likely(values: np.ndarray) -> float:
+    def likely(start: tuple[np.ndarray, np.ndarray]) -> float:
+        values, ordinary = start
         with np.errstate(over="ignore", invalid="ignore"):
             found_there = run_baseline(
-                believed, baseline.values, baseline.noise, baseline.runs, [(effect, values)]
+                believed, ordinary, baseline.noise, baseline.runs, [(effect, values)]
             ).log_likelihood
         return found_there if np.isfinite(found_there) else -np.inf
 

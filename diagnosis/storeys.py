@@ -6,6 +6,7 @@ All frames of a case stand on one table, so they make one block-diagonal system;
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -131,6 +132,14 @@ class Structure:
     def drift(self) -> np.ndarray:
         """Rows that turn floor displacements into drifts, shape (storeys, floors)."""
         return np.asarray(block_diag(*(frame.drift for frame in self.frames)))
+
+    @cached_property
+    def lowest_hz(self) -> float:
+        """Lowest frequency of all frames [Hz]."""
+        return min(
+            float(np.sqrt(max(eigh(frame.stiffness, frame.mass, eigvals_only=True)[0], 0.0))) / (2 * np.pi)
+            for frame in self.frames
+        )
 
     def first(self, frame: int) -> int:
         """Return the index of a frame's first floor (and storey) among all."""

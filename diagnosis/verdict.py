@@ -24,14 +24,18 @@ EXPLAINED = 0.6
 MOSTLY_EXPLAINED = 0.85
 """Share of the explainable gap that effects must close on the held-out run, or else something else is missing; the
 larger one where more than `PLAINLY_LEFT` is left."""
+NOTHING_LEFT = 1.1
 UNEXPLAINED = 1.15
 PLAINLY_LEFT = 2.5
-"""Gap over noise floor from which on something is missing whatever the candidates say, and plainly so."""
-SECOND_SHARE = 0.3
-SECOND_NATS = 0.01
-"""Share of what a single effect leaves unexplained that a second one must explain, and the least that it must add to
-the first one's evidence, as a share: laws that are not quite the catalogue's leave that much of a strong effect."""
-SECOND_SHARE_SAME_STOREY = 0.8
+"""Gap over noise floor below which nothing is left to explain; from which on something is missing whatever the
+candidates say, and plainly so."""
+SECOND_NATS = 60.0
+SECOND_SHARE = 0.02
+SECOND_SIZE = 0.1
+"""What a second effect must add to the evidence [nats], as a share of the first one's too, because laws that are not
+quite the catalogue's leave that much of a strong effect; and to what is seen, in units of a channel's noise."""
+SAME_STOREY = 0.8
+"""Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
 LEFT = 1.6
 """Gap over noise floor below which nothing is left to explain."""
 
@@ -72,8 +76,10 @@ def decide(found: Findings) -> Decision:
 
 def _explained(found: Findings, judged: Judged) -> bool:
     """Return whether effects close enough of the gap on runs that they were not fitted to."""
-    plainly_left = leftover(found, judged) > PLAINLY_LEFT
-    return closed(found, judged) >= (MOSTLY_EXPLAINED if plainly_left else EXPLAINED)
+    left = leftover(found, judged)
+    if left < NOTHING_LEFT:
+        return True
+    return closed(found, judged) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
 
 
 def _spread(judged: Judged) -> bool:
@@ -122,15 +128,16 @@ def closed(found: Findings, judged: Judged) -> float:
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
+    likely = double.nats > single.nats + SECOND_NATS + SECOND_SHARE * single.nats
+    if not likely or visible(found, double, single) < SECOND_SIZE:
+        return False
+    if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
+        return True
+    # In the same storey it is more likely that the first one's law is not quite the catalogue's.
     which = 1 if found.held_out else 0
     floor = found.floor[which]
     left = [np.nansum(np.maximum((one.channel_gap[which] / floor) ** 2 - 1, 0.0)) for one in (single, double)]
-    places = {(effect.frame, effect.storey) for effect in double.effects}
-    # In the same storey it is more likely that the first one's law is not quite the catalogue's.
-    share = SECOND_SHARE if len(places) > 1 else SECOND_SHARE_SAME_STOREY
-    likely = double.nats > single.nats + DETECTED_NATS + SECOND_NATS * single.nats
-    seen = visible(found, double, single) > DETECTED_SIZE
-    return likely and seen and left[1] < (1 - share) * left[0]
+    return bool(left[1] < (1 - SAME_STOREY) * left[0])
 
 
 def features(found: Findings, decision: Decision) -> Features:

@@ -37,7 +37,7 @@ def where(
     found: list[dict[str, Any]] = []
     for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
         data = believed.observed.runs[run]
-        difference = np.nan_to_num(levelled(believed, output - data.measured))
+        difference = np.nan_to_num(levelled(believed, output - data.measured, data.step_s))
         rms = root_mean_square(data.measured)
         nyquist = 0.5 / data.step_s
         for low, high in zip(edges[:-1], np.minimum(edges[1:], 0.95 * nyquist), strict=True):
