@@ -19,7 +19,8 @@ CLASS_NATS = 5.0
 
 def joined(case: Case, pair: Pair, touched: Touched, report: dict[str, Any]) -> dict[str, Any]:
     """Return a report on the frames with what the contact and its force cell add to it."""
-    claims = [*_cell(case, pair), *_second(case, pair, touched)]
+    others = [*_cell(case, pair), *_second(case, pair, touched)]
+    claims = list(others)
     found = candidates(case, touched)
     frames_named = report["verdict"] in ("effect_named", "effect_class")
     needed = CLAIM_BESIDE_NATS if frames_named or claims else CLAIM_NATS
@@ -28,13 +29,8 @@ def joined(case: Case, pair: Pair, touched: Touched, report: dict[str, Any]) -> 
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
     report = dict(report)
-    report["candidates"] = sorted(
-        [
-            *report["candidates"],
-            *(place(one) | {"log_evidence": one["log_evidence"]} for one in (*found, *claims[:1])),
-        ],
-        key=lambda one: -one["log_evidence"],
-    )
+    shown = [place(one) | {"log_evidence": one["log_evidence"]} for one in (*others, *found)]
+    report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
     report["warnings"] = [*report["warnings"], *pair.warnings, *_odd(case, touched)]
     if not claims or report["verdict"] == "unknown_effect":
         return report
