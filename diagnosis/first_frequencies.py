@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.signal import csd, welch
 
 from diagnosis.believed import Believed
 from diagnosis.observations import RunData
+from diagnosis.predictor import ACCELERATION, VELOCITY
 
 SEGMENT_CYCLES = 16
 """Length of the segments of a spectrum in cycles of the believed first frequency."""
 RANGE = (0.4, 2.0)
 """Where the measured first frequency is looked for, in believed ones."""
-UNLIKELY = 2.0
+UNLIKELY = 3.0
 """Prior standard deviations from which a measured frequency is told."""
 
 
@@ -41,28 +44,39 @@ def frequency_warnings(believed: Believed) -> list[str]:
 def measured_frequency(believed: Believed, span: slice, first_hz: float) -> tuple[float, float] | None:
     """Return where a frame's highest measured floor answers the table most [Hz], and the resolution [Hz].
 
-    The ratio of cross spectrum to the table's own, over all runs that are long enough; None without one.
+    The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; over all
+    runs that are long enough; None without one.
     """
     floor = believed.observed.floor
     inside = np.flatnonzero((floor >= span.start) & (floor < span.stop))
     if len(inside) == 0:
         return None
     channel = int(inside[np.argmax(floor[inside])])
-    peaks = [_peak(run, channel, first_hz) for run in believed.observed.runs]
-    known = [peak for peak in peaks if peak is not None]
-    if not known:
-        return None
-    return float(np.median([peak[0] for peak in known])), max(peak[1] for peak in known)
+    power = {ACCELERATION: 2, VELOCITY: 1}.get(int(believed.observed.quantity[channel]), 0)
+    return _peak([(run, channel) for run in believed.observed.runs], first_hz, power)
 
 
-def _peak(run: RunData, channel: int, first_hz: float) -> tuple[float, float] | None:
-    answer = np.nan_to_num(run.measured[:, channel])
-    length = min(len(answer), int(SEGMENT_CYCLES / first_hz / run.step_s))
-    if length * run.step_s * first_hz < SEGMENT_CYCLES / 2 or not np.any(answer) or not np.any(run.table):
+def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> tuple[float, float] | None:
+    """Return frequency and resolution of the peak, spectra of all runs with the first usable run's step added up."""
+    step_s, across, own, hertz, length = 0.0, 0.0, 0.0, np.zeros(0), 0
+    for run, channel in runs:
+        answer = np.nan_to_num(run.measured[:, channel])
+        segment = int(SEGMENT_CYCLES / first_hz / run.step_s)
+        if (
+            len(answer) < segment
+            or not np.any(answer)
+            or not np.any(run.table)
+            or step_s not in (0.0, run.step_s)
+        ):
+            continue
+        step_s, length = run.step_s, segment
+        settings = {"fs": 1 / step_s, "nperseg": segment, "noverlap": 3 * segment // 4, "nfft": 4 * segment}
+        hertz, crossed = csd(run.table, answer, **settings)
+        across = across + len(answer) * crossed
+        own = own + len(answer) * welch(run.table, **settings)[1]
+    if step_s == 0.0:
         return None
-    settings = {"fs": 1 / run.step_s, "nperseg": length, "nfft": 4 * length}
-    hertz, across = csd(run.table, answer, **settings)
-    own = welch(run.table, **settings)[1]
     looked = (hertz > RANGE[0] * first_hz) & (hertz < RANGE[1] * first_hz)
-    gain = np.abs(across[looked]) / np.maximum(own[looked], 1e-6 * own.max())
-    return float(hertz[looked][np.argmax(gain)]), 0.5 / (length * run.step_s)
+    table = np.asarray(own)
+    gain = np.abs(np.asarray(across)[looked]) / np.maximum(table[looked], 1e-3 * table.max())
+    return float(hertz[looked][np.argmax(gain / hertz[looked] ** power)]), 0.5 / (length * step_s)

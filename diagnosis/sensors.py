@@ -33,7 +33,13 @@ def screened(observed: Observations) -> Observations:
         CaseError: No run is left in which the table moves and something else is measured.
     """
     runs = []
-    for run in observed.runs:
+    for recorded in observed.runs:
+        run = _ended(recorded)
+        if run is not recorded:
+            observed.warnings.append(
+                f"{run.name}: every channel repeats one value after {run.time_s[-1]:g} s "
+                f"({len(recorded.time_s) - len(run.time_s)} samples); left out"
+            )
         measured = run.measured.copy()
         for channel, name in enumerate(observed.names):
             series = measured[:, channel]
@@ -54,6 +60,17 @@ def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
     for number in set(runs) - set(found):
         observed.warnings.append(f"{observed.runs[number].name}: nothing moves in this run; it was left out")
     return found
+
+
+def _ended(run: RunData) -> RunData:
+    """Return a run without an end at which nothing is recorded any more: every channel repeats its last value."""
+    series = np.column_stack([run.table, run.measured])
+    same = np.all((series == series[-1]) | (np.isnan(series) & np.isnan(series[-1])), axis=1)
+    kept = len(same) - int(np.argmin(same[::-1]))
+    if same.all() or (len(same) - kept) * run.step_s < DEAD_S:
+        return run
+    parts = {name: getattr(run, name)[:kept] for name in ("time_s", "table", "measured", "contact")}
+    return replace(run, **parts)
 
 
 def _shaken(run: RunData) -> bool:
