@@ -55,8 +55,12 @@ def diagnose_case(
         told("looking at the impacts", 0.9)
         report = joined(case, found.pair, touch(case, found, report), report)
     if out is not None:
+        from diagnosis.advice import advice
         from diagnosis.report import write_report
 
+        if found.pair is None:
+            told("trying further measurements", 0.92)
+            report["advice"] = advice(found)
         told("writing the report", 0.95)
         report = write_report(case, found, report, Path(out))
     told("done", 1.0)

@@ -103,7 +103,7 @@ def _value(parameter: dict[str, Any]) -> str:
 
 def advice(case: Case, found: Findings, report: dict[str, Any]) -> list[str]:
     """Return what would tell more, beside the tests that part what looks alike."""
-    said = []
+    said = list(report.get("advice", ()))
     if not found.held_out:
         said.append(
             "A second run would allow a judgement on data that was not used; there is no held-out run here."

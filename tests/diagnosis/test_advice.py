@@ -1,0 +1,82 @@
+"""What a further measurement is expected to bring, against what it brings when it is made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.advice import advice, as_it_was, expected, measurements, rivals
+from diagnosis.believed import Believed
+from diagnosis.catalogue import Effect, candidates
+from diagnosis.search import Findings, search
+from diagnosis.verdict import decide
+from tests.diagnosis.models import measured
+
+
+def effect(name: str, storey: int) -> Effect:
+    return next(one for one in candidates(measured()) if one.name == name and one.storey == storey)
+
+
+def searched(believed: Believed) -> Findings:
+    effects = [one for one in candidates(believed) if one.name in ("hysteresis", "cubic_stiffness", "bumper")]
+    return search(believed, effects, [0], [1], lambda what, share: None)
+
+
+YIELDING = (effect("hysteresis", 2), effect("hysteresis", 2).values(1e4, (0.002,)))
+
+
+def louder(factor: float, noise: float) -> Believed:
+    """The bench that yields, shaken harder, with the same noise in SI."""
+    quiet = measured([YIELDING], noise=noise)
+    rng = np.random.default_rng(5)
+    runs = []
+    for number, run in enumerate(quiet.observed.runs):
+        clean = quiet.predict(np.zeros(len(quiet.std)), None, [YIELDING], [number]).outputs[0]
+        std = noise * clean.std(axis=0)
+        harder = replace(run, table=factor * run.table)
+        alone = Believed(quiet.structure, replace(quiet.observed, runs=(harder,)), quiet.prior)
+        output = alone.predict(np.zeros(len(alone.std)), None, [YIELDING], [0]).outputs[0]
+        runs.append(replace(harder, measured=output + std * rng.standard_normal(output.shape)))
+    return Believed(quiet.structure, replace(quiet.observed, runs=tuple(runs)), quiet.prior)
+
+
+@pytest.mark.slow
+def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
+    weak = searched(louder(1.0, 0.1))
+    assert decide(weak).verdict == "nothing_missing"
+    said = advice(weak)
+    assert said[0].startswith("The same shaking at twice its amplitude")
+    # So weakly shown, its storey is a guess.
+    assert "hysteresis" in said[0]
+    assert "nothing missing" in said[0]
+    best = weak.judged[0]
+    gains = dict(expected(weak, best.fit, weak.null.fit))
+    assert gains["the same shaking at twice its amplitude"] > 100 > gains["the same shaking at half its amplitude"]
+    strong = searched(louder(2.0, 0.1))
+    assert decide(strong).verdict != "nothing_missing"
+    assert strong.judged[0].effects[0].name == "hysteresis"
+    # The order of magnitude holds; the null model bends more than a linear imitation can.
+    assert strong.judged[0].nats > 100
+
+
+def test_what_is_tried_is_a_measurement_that_was_not_made_and_a_clear_verdict_asks_for_none() -> None:
+    cubic = effect("cubic_stiffness", 2)
+    found = searched(measured([(cubic, np.array([2e9]))]))
+    assert decide(found).verdict == "effect_named"
+    assert rivals(found, decide(found)) is None
+    assert advice(found) == []
+    tried = list(measurements(found, as_it_was(found)))
+    further = [one for one in tried if not one.more]
+    # Of three floors all accelerations and the first and third displacement are there.
+    assert [one.what for one in further] == ["a displacement sensor at floor 2 of bench"]
+    assert further[0].noise[-1] > 0
+    assert len([one for one in tried if one.more]) == 4
+
+
+def test_a_rival_that_is_the_truth_itself_gains_nothing() -> None:
+    cubic = effect("cubic_stiffness", 2)
+    found = searched(measured([(cubic, np.array([2e9]))]))
+    best = found.judged[0].fit
+    assert all(abs(nats) < 1e-6 for _, nats in expected(found, best, best))
