@@ -130,6 +130,7 @@ HEAD = "time_s,acceleration_m_s2\n"
     [
         ("a.csv", HEAD + "0,0\n0.01,nan\n0.02,0\n", r"a\.csv, line 3: '0\.01,nan' is not finite"),
         ("a.csv", HEAD + "0,1\n", r"1 sample\(s\); a motion needs at least two"),
+        ("a.csv", HEAD + "0,0\n0.01,0\n0.02,0\n", "zero throughout; a motion needs a peak above zero"),
         ("a.csv", HEAD, r"0 sample\(s\)"),
         ("a.csv", "", "no data in this file"),
         (
