@@ -139,12 +139,15 @@ def basis(features: Features, calibration: Calibration | None = None) -> dict[st
     return {"calibration": (calibration or shipped()).source, "features": asdict(features)}
 
 
-def fit(pairs: Iterable[tuple[Features, bool]], source: str) -> Calibration:
+def fit(
+    pairs: Iterable[tuple[Features, bool]], source: str, around: Calibration | None = None
+) -> Calibration:
     """Return coefficients by logistic regression with shrinkage, a verdict at a time.
 
     Args:
         pairs: Features of verdicts, and whether each was right.
         source: Where the cases come from, for the report's reader.
+        around: Calibration towards which the coefficients shrink; without one towards the odds over all verdicts.
 
     Raises:
         CaseError: There is no case at all.
@@ -156,31 +159,37 @@ def fit(pairs: Iterable[tuple[Features, bool]], source: str) -> Calibration:
     found = {}
     for verdict in VERDICTS:
         chosen = [(features, right) for features, right in known if features.verdict == verdict]
-        found[verdict] = _regression(chosen, float(np.log(overall / (1 - overall))), SIGNS[verdict])
+        prior = np.log(overall / (1 - overall)) * np.eye(len(TERMS))[0]
+        spread = np.array([BASE] + [SHRINKAGE] * (len(TERMS) - 1))
+        if around is not None:
+            prior, spread = np.asarray(around.coefficients[verdict], float), np.full(len(TERMS), SHRINKAGE)
+        found[verdict] = _regression(chosen, prior, spread, SIGNS[verdict])
     return Calibration(source, found)
 
 
-def _regression(pairs: Sequence[tuple[Features, bool]], prior: float, sign: int) -> list[float]:
-    """Return the coefficients of one verdict; without a case, the odds over all verdicts."""
+def _regression(
+    pairs: Sequence[tuple[Features, bool]], prior: np.ndarray, spread: np.ndarray, sign: int
+) -> list[float]:
+    """Return the coefficients of one verdict, shrunk to a prior of that spread; without a case, the prior."""
     if not pairs:
-        return [prior] + [0.0] * (len(TERMS) - 1)
+        return [float(weight) for weight in prior]
     rows = np.array([features.terms() for features, _ in pairs])
     right = np.array([right for _, right in pairs], float)
     centre = rows.mean(axis=0)
     centre[0] = 0.0
     shifted = rows - centre
-    spread = np.array([BASE] + [SHRINKAGE] * (len(TERMS) - 1))
+    # The intercept's prior is that of the odds at the mean of the cases.
+    middle = prior + np.eye(len(prior))[0] * (centre @ prior)
 
     def loss(weights: np.ndarray) -> tuple[float, np.ndarray]:
         odds = shifted @ weights
-        off = (weights - np.eye(len(weights))[0] * prior) / spread
+        off = (weights - middle) / spread
         value = float(np.sum(np.logaddexp(0.0, odds) - right * odds)) + 0.5 * float(off @ off)
         return value, shifted.T @ (expit(odds) - right) + off / spread
 
     either, one_way = (None, None), (0.0, None) if sign > 0 else (None, 0.0)
     bounds = [one_way if term in ("nats", "margin") and sign else either for term in TERMS]
-    start = np.eye(len(TERMS))[0] * prior
-    weights = minimize(loss, start, jac=True, method="L-BFGS-B", bounds=bounds).x
+    weights = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
     weights[0] -= centre @ weights
     return [float(weight) for weight in weights]
 
