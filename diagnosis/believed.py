@@ -281,8 +281,9 @@ def _parameters(structure: Structure, observed: Observations, prior: Prior) -> l
     found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
     channels = range(len(observed.names))
     found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
-    # One channel keeps the time: all of them late together are a table that is early.
-    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[1:]]
+    # One channel keeps the time: all of them late together are a table that is early; a force cell keeps its own.
+    first_free = 0 if observed.contact_floors else 1
+    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
     return found
 
 
