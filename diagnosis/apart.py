@@ -78,8 +78,8 @@ def _places(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence
     first = low - 1 if key == "storey" else low
     missing = [floor for floor in range(max(first, 1), high + 1) if floor not in measured]
     if missing:
-        floors = " and ".join(str(floor) for floor in missing)
-        return f"A sensor on floor {floors}, which has none: it parts {key} {low} from {key} {high}."
+        floors = " and ".join(f"floor {floor}" for floor in missing)
+        return f"A sensor on {floors}, where there is none: it parts {key} {low} from {key} {high}."
     return (
         f"A second sensor, better a displacement, on floors {max(first, 1)} to {high}: less noise in the drifts that "
         f"part {key} {low} from {key} {high}."

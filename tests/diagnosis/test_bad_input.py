@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from diagnosis.apart import tests_between
 from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, CaseFrame, Channel, Prior, Run
@@ -221,3 +222,31 @@ def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     # The expected evidence as `diagnosis.evidence` has it, for a pull of information times amplitude.
     nats = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
     np.testing.assert_allclose(nats, DETECTED_NATS)
+
+
+def entry(effect: str, **place: Any) -> dict[str, Any]:
+    return {"effect": effect} | dict.fromkeys(("frame", "storey", "floor", "channel", "contact")) | place
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        (
+            entry("stiffness_change", storey=2),
+            entry("stiffness_change", storey=3),
+            "floor 1 and floor 3, where there is none",
+        ),
+        (entry("stiffness_change", storey=2), entry("p_delta"), "known weights"),
+        (entry("coulomb_friction", storey=2), entry("damping_change", storey=2), "Free vibration"),
+        (entry("cubic_stiffness", storey=2), entry("stiffness_change", storey=2), "half and at twice"),
+        (
+            entry("sensor_gain", channel="a5"),
+            entry("stiffness_change", storey=2),
+            "exchanged with its neighbour",
+        ),
+    ],
+)
+def test_what_looks_alike_gets_a_test_that_tells(
+    one: dict[str, Any], other: dict[str, Any], said: str
+) -> None:
+    assert said in " ".join(tests_between(one, other, measured=[2, 5]))
