@@ -192,6 +192,6 @@ def _chinese(short: Building, pga_g: float, length_scale: float) -> Answer:
         "and 8.1.4)"
     )
     if intensity is None:
-        return Answer("GB 50011", None, basis, False, f"{pga_g:g} g is above intensity 9 (0.40 g)")
+        return Answer("GB 50011", None, basis, False, f"{pga_g:.3g} g is above intensity 9 (0.40 g)")
     width = rules.gb_50011(short.height_m * length_scale, intensity) / length_scale
     return Answer("GB 50011", MM * width, basis, True, f"intensity {intensity} for {pga_g:g} g")

@@ -42,7 +42,7 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
     upper.plot(times_s, 1e3 * left_m, color=OURS, label=f"{result['left']}, floor {result['floor']}")
     upper.plot(times_s, 1e3 * right_m, color=THEIRS, label=f"{result['right']}, floor {result['floor']}")
     upper.set_ylabel("relative to the table [mm]")
-    upper.legend(loc="upper right", ncols=2)
+    upper.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     lower.plot(times_s, 1e3 * (left_m - right_m), color="#444444")
     required = result["required_gap_mm"]
     lower.axhline(required, color=PUBLISHED, ls="--", label=f"required gap {required:.1f} mm")
@@ -51,7 +51,7 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
     lower.set_ylabel("closing motion [mm]")
     lower.set_xlabel("time on the model's clock [s]")
     lower.set_xlim(0.0, _end_of_motion(times_s, left_m, right_m))
-    lower.legend(loc="upper right", ncols=2)
+    lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     upper.set_title(f"{result['left']} beside {result['right']} under {result['record']}", loc="left")
     return figure
 
@@ -72,7 +72,7 @@ def design_bars(result: Mapping[str, Any]) -> Figure:
     axis.barh([rule["name"] for rule in shown], [rule["gap_mm"] for rule in shown], color=colours)
     for row, rule in enumerate(shown):
         axis.annotate(
-            f" {rule['gap_mm']:.0f}{'' if rule['in_range'] else ' (does not apply)'}",
+            f" {rule['gap_mm']:.4g}{'' if rule['in_range'] else ' (does not apply)'}",
             (rule["gap_mm"], row),
             va="center",
             fontsize=9,
