@@ -11,6 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
 from diagnosis.colliding import prepare, touch
+from diagnosis.errors import CaseError
 from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.observations import observe
 from diagnosis.pair_report import joined
@@ -28,6 +29,7 @@ def diagnose_case(
     progress: Progress | None = None,
     *,
     candidates_file: Path | str | None = None,
+    calibrate: bool = False,
 ) -> dict[str, Any]:
     """Diagnose a case: where it disagrees with the believed model, what is missing, and what that closes.
 
@@ -36,6 +38,7 @@ def diagnose_case(
         out: Folder for `report.json`, `report.html` and figures; nothing is written when None.
         progress: Called with what is being done and the share that is done (0 to 1).
         candidates_file: Python file with effects of the user's that compete with the catalogue.
+        calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed).
 
     Returns:
         The report, as docs/diagnosis/case-format.md describes it; with `out` also what `diagnosis.more` adds.
@@ -47,10 +50,17 @@ def diagnose_case(
     told("reading the case", 0.0)
     own = _own(candidates_file) if candidates_file is not None else []
     case = read_case(case_folder)
+    if calibrate and (case.contacts or not case.runs):
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: --calibrate simulates runs of frames that stand alone, and this case has "
+            f"{'a contact' if case.contacts else 'no run'}; leave --calibrate out"
+        )
     if case.modal and not case.runs:
         return _modal(case, out, told)
     found = find(case, told, own)
     report = report_of(case, found)
+    if calibrate:
+        report |= _calibrated(found, told)
     if found.pair is not None:
         told("looking at the impacts", 0.9)
         report = joined(case, found.pair, touch(case, found, report), report)
@@ -65,6 +75,13 @@ def diagnose_case(
         report = write_report(case, found, report, Path(out))
     told("done", 1.0)
     return report
+
+
+def _calibrated(found: Findings, told: Progress) -> dict[str, Any]:
+    from diagnosis.rig_calibration import calibrate, stated
+    from frames.cache import folder
+
+    return stated(found, calibrate(found, folder() / "diagnosis", told))
 
 
 def _modal(case: Case, out: Path | str | None, told: Progress) -> dict[str, Any]:

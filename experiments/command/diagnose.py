@@ -30,6 +30,13 @@ def diagnose(
         Path | None,
         Parameter(help="Python file with candidates of your own (docs/diagnosis/own-candidates.md)."),
     ] = None,
+    calibrate: Annotated[
+        bool,
+        Parameter(
+            negative=(),
+            help="Simulate this very rig for the confidence: up to 15 minutes, goes on where it was interrupted.",
+        ),
+    ] = False,
     json: options.Json = False,
     benchmark: Annotated[
         int | None,
@@ -59,8 +66,8 @@ def diagnose(
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
     """
     if benchmark is not None:
-        if case is not None or candidates is not None:
-            raise CaseError("--benchmark draws its own cases; leave out the case and --candidates")
+        if case is not None or candidates is not None or calibrate:
+            raise CaseError("--benchmark draws its own cases; leave out the case, --candidates and --calibrate")
         _benchmark(benchmark, seed or 0, pairs, way or "diagnosis", out, json)
         return
     for name, value in (("--seed", seed), ("--pairs", pairs or None), ("--way", way)):
@@ -73,7 +80,7 @@ def diagnose(
     from diagnosis.report import tables
 
     with _bar() as told:
-        report = diagnose_case(case, out, told, candidates_file=candidates)
+        report = diagnose_case(case, out, told, candidates_file=candidates, calibrate=calibrate)
     shown = modal_tables if "modal" in report else tables
     emit(report, as_json=json, show=lambda: [*shown(report), *_written(out)])
 
