@@ -5,7 +5,7 @@ Processor seconds, so that what else runs on the machine does not count; wall ti
 work.
 
     pip install openseespy        # not a dependency: its licence does not let everyone redistribute it
-    python tests/benchmarks/separation_cost.py --out docs/validation/separation-cost.json
+    python tests/benchmarks/separation_cost.py --out docs/validation/separation-cost.json --picture separation-cost.png
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
@@ -145,12 +147,44 @@ def one_by_one(record: Record) -> list[dict]:
     return rows
 
 
+def picture(rows: list[dict], path: Path) -> None:
+    """Draw processor time a case: one case by each program, then over the number of cases and of storeys."""
+    figure = Figure(figsize=(10.0, 3.4), layout="constrained")
+    left, middle, right = figure.subplots(1, 3)
+    single = [row for row in rows if "gap_mm" in row]
+    names = [row["what"].replace(", one case", "").replace(", Newmark ", ",\n") for row in single]
+    _bars(left, names, [1e3 * row["cpu_s"] for row in single])
+    left.set_yscale("log")
+    left.set_ylim(1, 1e4)
+    left.set_title("one case, 15B beside 10", loc="left", fontsize=10)
+    many = [row for row in rows if row["what"] == "cases"]
+    middle.loglog([row["cases"] for row in many], [row["ms_per_case"] for row in many], "o-", color="#1f4e79")
+    middle.set_xlabel("cases")
+    middle.set_title("recursion, many cases", loc="left", fontsize=10)
+    heights = [row for row in rows if row["what"] == "storeys"]
+    _bars(right, [row["pair"] for row in heights], [row["ms_per_case"] for row in heights])
+    right.set_title("407 cases of other heights", loc="left", fontsize=10)
+    left.set_ylabel("processor time a case [ms]")
+    for axis in (left, middle, right):
+        axis.spines[["top", "right"]].set_visible(False)
+        axis.grid(axis="y", color="#dddddd")
+        axis.set_axisbelow(True)
+    figure.savefig(path, dpi=80)
+
+
+def _bars(axis: Axes, names: list[str], values: list[float]) -> None:
+    bars = axis.bar(range(len(values)), values, color="#1f4e79")
+    axis.bar_label(bars, [f"{value:.2f}" if value < 1 else f"{value:.0f}" for value in values], fontsize=8)
+    axis.set_xticks(range(len(values)), names, fontsize=8)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--records", type=Path)
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--picture", type=Path)
     asked = parser.parse_args()
     record = find(RECORD, asked.records).scaled()
     pair_gap(built("10"), built("5B"), record)  # what is loaded once is not counted
@@ -165,6 +199,8 @@ def main() -> None:
             )
         )
     Console(width=120).print(shown)
+    if asked.picture:
+        picture(rows, asked.picture)
     if asked.out:
         asked.out.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
 
