@@ -34,6 +34,8 @@ SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_e
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
 BASE, SHRINKAGE = 1.0, 0.3
 """Prior standard deviation of the intercept and of the other coefficients: few wrong verdicts make no steep rule."""
+RIG = 2.0
+"""Prior standard deviation of the logarithm of the odds by which one rig differs from the cases of a calibration."""
 LIMITS = (0.01, 0.99)
 """No figure beyond these is stated: no calibration here rests on enough cases for one."""
 FILE = Path(str(files("diagnosis"))) / "data" / "confidence.toml"
@@ -162,7 +164,8 @@ def fit(
         prior = np.log(overall / (1 - overall)) * np.eye(len(TERMS))[0]
         spread = np.array([BASE] + [SHRINKAGE] * (len(TERMS) - 1))
         if around is not None:
-            prior, spread = np.asarray(around.coefficients[verdict], float), np.full(len(TERMS), SHRINKAGE)
+            # A rig's own rate may well be another one; how it depends on the features is the other cases' to say.
+            prior, spread[0] = np.asarray(around.coefficients[verdict], float), RIG
         found[verdict] = _regression(chosen, prior, spread, SIGNS[verdict])
     return Calibration(source, found)
 

@@ -1,0 +1,97 @@
+"""The calibration on one's own rig: simulated cases, kept and resumed, turned into a stated rate."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from diagnosis import rig_calibration
+from diagnosis.catalogue import candidates
+from diagnosis.confidence import shipped
+from diagnosis.diagnose import diagnose_case
+from diagnosis.errors import CaseError
+from diagnosis.rig_calibration import (
+    Outcome,
+    calibrate,
+    fingerprint,
+    hypotheses,
+    read_outcomes,
+    simulated,
+    stated,
+)
+from diagnosis.search import Findings, search
+from diagnosis.verdict import decide, features
+from tests.diagnosis.models import measured
+
+CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffness" and one.storey == 2)
+
+
+@pytest.fixture(scope="module")
+def found() -> Findings:
+    believed = measured([(CUBIC, np.array([2e9]))])
+    effects = [one for one in candidates(believed) if one.name in ("cubic_stiffness", "damping_change")]
+    return search(believed, effects, [0], [1], lambda what, share: None)
+
+
+def test_simulated_data_have_the_noise_and_the_dropouts_of_the_measured(found: Findings) -> None:
+    found.believed.observed.runs[0].measured[10:20, 1] = np.nan
+    truth = hypotheses(found)[1]
+    made = [simulated(found, truth, np.random.default_rng(seed)) for seed in (1, 1, 2)]
+    first = [one.observed.runs[0].measured for one in made]
+    assert np.isnan(first[0][10:20, 1]).all()
+    np.testing.assert_array_equal(first[0], first[1])
+    assert not np.allclose(first[0][30:], first[2][30:])
+    clean = made[0].predict(np.zeros(len(made[0].std)), None, []).outputs[0]
+    assert np.nanstd(first[0] - clean, axis=0).min() > 0
+    found.believed.observed.runs[0].measured[10:20, 1] = 0.0
+
+
+@pytest.mark.slow
+def test_an_interrupted_calibration_goes_on_and_a_finished_one_costs_nothing(
+    found: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first = calibrate(found, tmp_path, cases=2, workers=1)
+    assert [one.number for one in first] == [0, 1]
+    assert first[0].truth == "nothing missing"
+    assert all(one.right for one in first)
+    (kept,) = tmp_path.iterdir()
+    kept.write_text(kept.read_text() + '{"number": 2, "tru')  # cut off in the middle of a line
+    assert read_outcomes(kept) == first
+    monkeypatch.setattr(rig_calibration, "simulate_and_judge", lambda *a: pytest.fail("was kept"))
+    assert calibrate(found, tmp_path, cases=2, workers=1) == first
+    assert calibrate(found, tmp_path, cases=5, minutes=0.0, workers=1) == first
+
+
+def test_another_record_is_another_calibration(found: Findings) -> None:
+    before = fingerprint(found)
+    found.believed.observed.runs[1].table[5] += 1e-3
+    assert fingerprint(found) != before
+    found.believed.observed.runs[1].table[5] -= 1e-3
+
+
+def outcomes(found: Findings, right: int, of: int) -> list[Outcome]:
+    """Cases that look like the measured one."""
+    mine = features(found, decide(found))
+    return [Outcome(number, "cubic stiffness", number < right, mine) for number in range(of)]
+
+
+def test_the_stated_rate_follows_what_happened_on_the_rig(found: Findings) -> None:
+    good, bad = (stated(found, outcomes(found, right, 20)) for right in (20, 4))
+    assert good["confidence"] > 0.8
+    assert bad["confidence"] < 0.4
+    basis = good["confidence_basis"]
+    assert basis["calibration"].startswith("20 cases simulated on this rig")
+    assert shipped().source in basis["calibration"]
+    assert basis["simulated"] == [{"truth": "cubic stiffness", "right": 20, "cases": 20}]
+    json.dumps(good)
+
+
+def test_pairs_and_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(
+        '[[frame]]\nname = "5B"\n[[modal]]\nquantity = "mass"\nvalue = 33.0\nunit = "kg"\nstd = 1.0\n'
+    )
+    with pytest.raises(CaseError, match=r"this case has no run; leave --calibrate out"):
+        diagnose_case(tmp_path, calibrate=True)
