@@ -24,6 +24,13 @@ COMMON_DAMPING = 0.7
 goes to all modes together; half the variance of the first mode, which is the one that was measured."""
 
 
+BASE_STIFFNESS = 0.06
+JOINT_STIFFNESS = 0.08
+"""The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
+rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
+models that agree in all frequencies differ in both."""
+
+
 @dataclass(frozen=True)
 class Parameter:
     """An ordinary parameter: what it is, of which place (an index), and its prior standard deviation."""
@@ -272,6 +279,16 @@ def _parameters(structure: Structure, observed: Observations, prior: Prior) -> l
     common = COMMON_DAMPING * prior.damping_ratio
     found += [Parameter("frame_damping", frame, common) for frame in frames]
     found += [Parameter("storey_stiffness", storey, prior.storey_stiffness) for storey in range(floors)]
+    found += [
+        Parameter("base_stiffness", structure.first(number), BASE_STIFFNESS)
+        for number, frame in enumerate(structure.frames)
+        if frame.joint_derivative is not None
+    ]
+    found += [
+        Parameter("joint_stiffness", number, JOINT_STIFFNESS)
+        for number, frame in enumerate(structure.frames)
+        if frame.joint_derivative is not None
+    ]
     found += [Parameter("floor_mass", floor, prior.floor_mass) for floor in range(floors)]
     found += [
         Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else 1.0) * prior.damping_ratio)
@@ -296,8 +313,11 @@ def _vary(assembly: Assembly, structure: Structure, parameter: Parameter, value:
         assembly.log_damping[structure.span(place)] += value
     elif parameter.kind == "mode_damping":
         assembly.log_damping[place] += value
-    elif parameter.kind == "storey_stiffness":
+    elif parameter.kind in ("storey_stiffness", "base_stiffness"):
         assembly.stiffness += value * storey_pattern(structure, place)
+    elif parameter.kind == "joint_stiffness":
+        span, derivative = structure.span(place), structure.frames[place].joint_derivative
+        assembly.stiffness[span, span] += value * np.asarray(derivative)
     elif parameter.kind == "floor_mass":
         assembly.mass[place, place] += value * floor_mass(structure, place)
     elif parameter.kind == "table_gain":

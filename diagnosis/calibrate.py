@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from diagnosis.believed import Acting, Believed, Prediction, floor_mass, storey_pattern
 from diagnosis.kalman import Noise, SteadyFilter, linear_system, steady_filter
@@ -197,11 +198,15 @@ def ordinary_terms(believed: Believed, modes: Modes, motion: Motion) -> list[lis
 def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
     shapes = modes.floors
     structure = believed.structure
-    if kind == "storey_stiffness":
+    if kind in ("storey_stiffness", "base_stiffness"):
         return pattern_terms(motion, storey_pattern(structure, place), shapes)
     if kind == "frame_stiffness":
         span = structure.span(place)
         return matrix_terms(motion, structure.frames[place].stiffness, shapes, span)
+    if kind == "joint_stiffness":
+        return matrix_terms(
+            motion, np.asarray(structure.frames[place].joint_derivative), shapes, structure.span(place)
+        )
     if kind == "floor_mass":
         mass = floor_mass(structure, place)
         return [force_term(motion, lambda m: -mass * m.acceleration[:, place], shapes[place])]
@@ -294,19 +299,23 @@ def normal_equations(believed: Believed, baseline: Baseline) -> tuple[np.ndarray
 
 def boxed_step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Return the step from `start` (in prior standard deviations) that stays within `BOX` of them."""
-    precision = gram + np.eye(len(gram))
-    target = slope - start
-    free = np.ones(len(start), bool)
-    step = np.zeros(len(start))
-    for _ in range(6):
-        right = target[free] - precision[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(precision[np.ix_(free, free)], right)
-        outside = free & (np.abs(start + step) > BOX)
-        if not outside.any():
-            break
-        step[outside] = np.clip(start + step, -BOX, BOX)[outside] - start[outside]
-        free &= ~outside
-    return np.clip(start + step, -BOX, BOX) - start
+    return bounded_step(
+        gram + np.eye(len(gram)),
+        slope - start,
+        np.full(len(start), -BOX) - start,
+        np.full(len(start), BOX) - start,
+    )
+
+
+def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return the least of s' precision s / 2 - pull' s between bounds (bounded least squares on its factor)."""
+    factor = np.linalg.cholesky(precision).T
+    free = np.linalg.solve(precision, pull)
+    if np.all((free >= lower) & (free <= upper)):
+        return np.asarray(free)
+    # The start may lie on a bound, or past it by a rounding.
+    bounds = (np.minimum(lower, -1e-9), np.maximum(upper, 1e-9))
+    return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)
 
 
 def misfit(believed: Believed, baseline: Baseline, values: np.ndarray) -> float:

@@ -11,6 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import (
     BOX,
     Baseline,
+    bounded_step,
     grouped_signatures,
     matched_noise,
     motions,
@@ -310,17 +311,7 @@ def _step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, boxed: int, da
     precision = gram + np.eye(len(gram)) + damping * np.diag(np.diag(gram))
     lower = np.concatenate([np.full(boxed, -BOX), start[boxed:] - 1.0])
     upper = np.concatenate([np.full(boxed, BOX), start[boxed:] + 1.0])
-    free = np.ones(len(start), bool)
-    step = np.zeros(len(start))
-    for _ in range(6):
-        right = (slope - start)[free] - precision[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.solve(precision[np.ix_(free, free)], right)
-        outside = free & ((start + step > upper + 1e-9) | (start + step < lower - 1e-9))
-        if not outside.any():
-            break
-        step[outside] = np.clip(start + step, lower, upper)[outside] - start[outside]
-        free &= ~outside
-    return np.clip(start + step, lower, upper) - start
+    return bounded_step(precision, slope - start, lower - start, upper - start)
 
 
 def _misfit(
