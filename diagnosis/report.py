@@ -79,7 +79,7 @@ def page(case: Case, found: Findings, report: dict[str, Any], pictures: dict[str
         report=report,
         sentence=sentence(report),
         advice=advice(case, found, report),
-        assumptions=assumptions(case, found),
+        assumptions=[*assumptions(case, found), f"Confidence: {report['confidence_basis']['calibration']}."],
         pictures={name: base64.b64encode(picture).decode() for name, picture in pictures.items()},
     )
 
