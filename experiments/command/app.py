@@ -29,6 +29,8 @@ app = App(
     print_error=False,
     # The verbs return nothing to show and never an exit status: they print by themselves.
     result_action="return_value",
+    # Ctrl-C has a sentence of its own (see `main`).
+    suppress_keyboard_interrupt=False,
 )
 
 # Verbs are imported only when they are called, so that `pounding --help` does not load a finite-element code.

@@ -1,4 +1,4 @@
-"""Sweeps on a disk that is really full, and on a cluster whose scheduler dies on the way."""
+"""Sweeps and runs on a disk that is really full, interrupted, and on a cluster whose scheduler dies on the way."""
 
 import os
 import signal
@@ -134,6 +134,28 @@ status = subprocess.run(sys.argv[2:]).returncode
 print(*(path.name for path in Path(sys.argv[1]).rglob("*")))
 sys.exit(status)
 """
+
+
+def test_the_command_interrupted_says_so_and_leaves_whole_files(tmp_path):
+    command = [sys.executable, "-m", "experiments.command", "shake", "5A", "--record", "elcentro-peer180"]
+    process = subprocess.Popen(
+        [*command, "--out", str(tmp_path / "run"), "--film"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    end = time.monotonic() + 100.0
+    while not (tmp_path / "run" / "shake.nc").exists():
+        assert time.monotonic() < end, "the run did not start"
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    errors = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert "pounding: interrupted" in errors
+    assert "Traceback" not in errors
+    names = [path.name for path in (tmp_path / "run").iterdir()]
+    assert not [name for name in names if ".part" in name or name.startswith(".")]
+    assert not [name for name in names if name == "film.mp4"]
 
 
 def free_port():
