@@ -326,8 +326,10 @@ def misfit(believed: Believed, baseline: Baseline, values: np.ndarray) -> float:
     total = 0.5 * float(np.sum((values / believed.std) ** 2))
     for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
         good = np.isfinite(believed.observed.runs[run].measured)
-        total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
-    return total
+        # A trial step may well blow up: its misfit is then infinite, and the step is not taken.
+        with np.errstate(over="ignore", invalid="ignore"):
+            total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
+    return total if np.isfinite(total) else float("inf")
 
 
 def descend(believed: Believed, baseline: Baseline, iterations: int, enough: float = 0.5) -> Baseline:

@@ -34,7 +34,9 @@ RESCUE_FACTORS = (0.5, 1.5, 4.0, 12.0)
 RESCUED = 50.0
 RESCUES = 3
 RESCUED_STOREYS = 6
-"""Where nothing fits: latent force, sizes tried, evidence [nats] that is worth a refinement, how many, and where."""
+RESCUED_SCORES = 4
+"""Where nothing fits: latent force, sizes tried, evidence [nats] that is worth a refinement, how many, where, and how
+many of what scores best are tried as scored, from ordinary parameters as believed."""
 SWAPPED_GAP = 0.6
 """Largest gap of two exchanged channels, as a share of that before, at which the exchange is believed."""
 GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
@@ -281,8 +283,13 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
     noise = starting_noise(believed, found.training, RESCUE_LEVEL)
     start = run_baseline(believed, ordinary, noise, found.training)
     gains = [steady.gain for steady in start.filters]
-    for effect in _suspects(found, effects):
-        for values in _sizes(found, effect):
+    scored = [
+        (one.effect, one.effect.values(one.amplitude, one.shape))
+        for one in found.scores.ranked[:RESCUED_SCORES]
+    ]
+    sized = [(effect, values) for effect in _suspects(found, effects) for values in _sizes(found, effect)]
+    for effect, values in (*scored, *sized):
+        if not effect.foil:
             likely = _likely(found, start, gains, [(effect, values)])
             if np.isfinite(likely) and likely > start.log_likelihood + RESCUED:
                 tried.append((likely, effect, values))

@@ -16,6 +16,7 @@ from typing import Any
 from rich.console import Console
 
 from diagnosis.benchmark.drawing import draw_set
+from diagnosis.benchmark.pictures import draw_benchmark
 from diagnosis.benchmark.scoring import judge
 from diagnosis.benchmark.summary import summarise
 from diagnosis.benchmark.tables import tables
@@ -103,7 +104,7 @@ def run_benchmark(
         way: One of `METHODS`.
         motions: Where the table's motions come from: ``records``, ``artificial`` or ``mixed``.
         pairs: Two frames side by side instead of one.
-        out: Folder for `benchmark.json` and the finished cases, so that an interrupted benchmark goes on;
+        out: Folder for `benchmark.json`, its picture and the finished cases, so that an interrupted benchmark goes on;
             None keeps nothing.
         workers: Processes; one a core when None, 0 runs in this process.
         console: Where progress is shown.
@@ -146,6 +147,7 @@ def run_benchmark(
     }
     if out is not None:
         write_whole(out / "benchmark.json", json.dumps(_finite(result), indent=2).encode())
+        draw_benchmark(result, out / "benchmark.png")
     return result
 
 

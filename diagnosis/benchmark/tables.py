@@ -84,7 +84,9 @@ def _confusion(result: Mapping[str, Any]) -> Table:
 def _reliability(result: Mapping[str, Any]) -> Table:
     table = Table("confidence", "stated", "right", "right as far as shown", title="Stated confidence")
     table.title_justify = "left"
-    table.caption = f"as far as shown: 'nothing missing' is right where what is hidden has a visibility below {SHOWN:g}"
+    table.caption = (
+        f"as far as shown: 'nothing missing' is right where what is hidden has a visibility below {SHOWN:g}"
+    )
     table.caption_justify = "left"
     for row in result["reliability"]:
         low, high = row["confidence"]

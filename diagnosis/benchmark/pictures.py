@@ -1,0 +1,85 @@
+"""Pictures of a benchmark: what is found against its size, and stated confidence against the share that was right."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from frames.files import write_whole
+
+DETECTED, EXACT, STATED = "#777777", "#1f6fb4", "#b4481f"
+
+
+def draw_benchmark(result: Mapping[str, Any], path: Path) -> None:
+    """Write a PNG: detected and exactly named shares of single effects by size; stated confidence against hit rate.
+
+    Args:
+        result: Figures of `summarise`.
+        path: Where the picture goes.
+    """
+    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    _sizes(left, result["detection"])
+    _reliability(right, result["reliability"])
+    data = io.BytesIO()
+    figure.savefig(data, dpi=110, format="png")
+    write_whole(path, data.getvalue())
+
+
+def _sizes(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
+    known = [row for row in rows if row["detected"]["cases"]]
+    names = [_bounds(*row["visibility"]) for row in known]
+    for key, colour, shift in (("detected", DETECTED, -0.2), ("exact", EXACT, 0.2)):
+        places = np.arange(len(known)) + shift
+        shares = np.array([row[key]["share"] for row in known])
+        axes.bar(places, shares, 0.38, color=colour, label=key)
+        axes.errorbar(places, shares, _spread(known, key), fmt="none", ecolor="black", capsize=3, lw=0.8)
+    cases = [row["detected"]["cases"] for row in known]
+    axes.set_xticks(
+        range(len(known)), [f"{name}\n{count} cases" for name, count in zip(names, cases, strict=True)]
+    )
+    axes.set_xlabel("visibility: largest change of a channel over its noise [-]")
+    axes.set_ylabel("share of the single effects [-]")
+    axes.set_ylim(0, 1.05)
+    axes.legend(loc="upper left", frameon=False)
+
+
+def _reliability(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
+    known = [row for row in rows if row["stated"] is not None]
+    axes.plot([0, 1], [0, 1], color="black", lw=0.8)
+    axes.fill_between(
+        [0, 1], [-0.1, 0.9], [0.1, 1.1], color="black", alpha=0.08, lw=0, label="within 10 points"
+    )
+    for key, colour, label in (
+        ("right", DETECTED, "verdict right"),
+        ("right_as_shown", STATED, "right as far as the data show"),
+    ):
+        stated = [row["stated"] for row in known]
+        shares = [row[key]["share"] for row in known]
+        axes.errorbar(
+            stated, shares, _spread(known, key), fmt="o", color=colour, capsize=3, lw=1, label=label
+        )
+    for row in known:
+        axes.annotate(f"{row['right']['cases']}", (row["stated"], 0.03), ha="center", fontsize=8)
+    axes.set_xlabel("stated confidence [-] (number of cases below)")
+    axes.set_ylabel("share right [-]")
+    axes.set_xlim(0, 1)
+    axes.set_ylim(0, 1.05)
+    axes.legend(loc="upper left", frameon=False, fontsize=8)
+
+
+def _spread(rows: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:
+    """Return the lengths of the 95 % Wilson intervals below and above the shares, shape (2, rows)."""
+    return np.array(
+        [[row[key]["share"] - row[key]["low"], row[key]["high"] - row[key]["share"]] for row in rows]
+    ).T.clip(0)
+
+
+def _bounds(low: float, high: float | None) -> str:
+    return f"above {low:g}" if high is None else f"{low:g} to {high:g}"
