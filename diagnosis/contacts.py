@@ -314,6 +314,6 @@ def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
     best = max(found, key=lambda one: one.log_evidence)
     for i, one in enumerate(found):
         if one is not best and one.log_evidence > best.log_evidence - WARMED:
-            again = fit(bodies, one.hypothesis, one.unknowns[FILTER:COMMON], best.unknowns)
+            again = fit(bodies, one.hypothesis, one.unknowns[FILTER:COMMON].tolist(), best.unknowns)
             found[i] = max(one, again, key=lambda each: each.log_evidence)
     return found

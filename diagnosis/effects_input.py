@@ -159,9 +159,7 @@ class LoggerDelay(ChannelEffect):
 
     def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the rates of the channels."""
-        return [
-            channel_term(believed, channel, -motion.output_rate[:, channel]) for channel in self.members
-        ]
+        return [channel_term(believed, channel, -motion.output_rate[:, channel]) for channel in self.members]
 
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Delay the channels."""

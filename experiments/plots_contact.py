@@ -54,7 +54,7 @@ def force_histories(
         ExperimentError: In no run the floors touched.
     """
     _require_touch(runs)
-    figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
     for index, run in enumerate(runs):
         history = run.motion.contacts[0]
@@ -73,7 +73,8 @@ def force_histories(
     gap = f"gap {1e3 * first.motion.contacts[0].gap_m:g} mm"
     whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
-    whole.legend(fontsize=8, loc="upper right")
+    # Below the axes: the peaks take whatever room there is inside.
+    figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=5)
     close.set(xlabel="time after first touch [ms]")
     close.set_title("first impact of each", fontsize=10)
     _save(figure, path)

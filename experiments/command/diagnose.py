@@ -67,7 +67,9 @@ def diagnose(
     """
     if benchmark is not None:
         if case is not None or candidates is not None or calibrate:
-            raise CaseError("--benchmark draws its own cases; leave out the case, --candidates and --calibrate")
+            raise CaseError(
+                "--benchmark draws its own cases; leave out the case, --candidates and --calibrate"
+            )
         _benchmark(benchmark, seed or 0, pairs, way or "diagnosis", out, json)
         return
     for name, value in (("--seed", seed), ("--pairs", pairs or None), ("--way", way)):

@@ -50,5 +50,7 @@ def read(path: Path | str, unit: str | None = None) -> Record:
         raise ExperimentError(f"{path}: cannot be read ({error.strerror})") from None
     record = _READERS[suffix](path, text) if suffix in _READERS else read_columns(path, text, unit)
     if record.pga_m_s2 == 0.0:
-        raise ExperimentError(f"{path}: the acceleration is zero throughout; a motion needs a peak above zero")
+        raise ExperimentError(
+            f"{path}: the acceleration is zero throughout; a motion needs a peak above zero"
+        )
     return record.renamed(f"{path.stem}-file") if path.stem.lower() in REFERENCES else record

@@ -40,7 +40,9 @@ def structure() -> Structure:
     """Return the two frames as believed, which is as they are."""
     return Structure(
         tuple(
-            StoreyFrame(name, MASS * np.eye(FLOORS), k * DRIFT.T @ DRIFT, np.full(FLOORS, 0.01), 0.2 * np.arange(1, 4))
+            StoreyFrame(
+                name, MASS * np.eye(FLOORS), k * DRIFT.T @ DRIFT, np.full(FLOORS, 0.01), 0.2 * np.arange(1, 4)
+            )
             for name, k in STIFFNESS.items()
         )
     )
@@ -78,23 +80,35 @@ def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.nda
 
     def pushes(u: np.ndarray, v: np.ndarray) -> list[float]:
         return [
-            force(one, u[one.floor - 1] - u[FLOORS + one.floor - 1] - one.gap_m, v[one.floor - 1] - v[FLOORS + one.floor - 1])
+            force(
+                one,
+                u[one.floor - 1] - u[FLOORS + one.floor - 1] - one.gap_m,
+                v[one.floor - 1] - v[FLOORS + one.floor - 1],
+            )
             for one in touches
         ]
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
         u, v = y[: 2 * FLOORS], y[2 * FLOORS :]
-        load = np.concatenate([-stiffness[i] @ u[3 * i : 3 * i + 3] - dampers[i] @ v[3 * i : 3 * i + 3] for i in (0, 1)])
+        load = np.concatenate(
+            [-stiffness[i] @ u[3 * i : 3 * i + 3] - dampers[i] @ v[3 * i : 3 * i + 3] for i in (0, 1)]
+        )
         for one, push in zip(touches, pushes(u, v), strict=True):
             load[one.floor - 1] -= push
             load[FLOORS + one.floor - 1] += push
         return np.concatenate([v, load / MASS - spline(t)])
 
     fine = np.arange(finer * (SAMPLES - 1) + 1) * STEP_S / finer
-    found = solve_ivp(rates, (0, fine[-1]), np.zeros(4 * FLOORS), t_eval=fine, rtol=1e-6, atol=1e-9, max_step=2e-4)
+    found = solve_ivp(
+        rates, (0, fine[-1]), np.zeros(4 * FLOORS), t_eval=fine, rtol=1e-6, atol=1e-9, max_step=2e-4
+    )
     u, v = found.y[: 2 * FLOORS], found.y[2 * FLOORS :]
-    acceleration = np.array([rates(t, y)[2 * FLOORS :] + spline(t) for t, y in zip(fine, found.y.T, strict=True)])
-    cell = np.array([pushes(a, b)[0] for a, b in zip(u.T, v.T, strict=True)]) if touches else np.zeros(len(fine))
+    acceleration = np.array(
+        [rates(t, y)[2 * FLOORS :] + spline(t) for t, y in zip(fine, found.y.T, strict=True)]
+    )
+    cell = (
+        np.array([pushes(a, b)[0] for a, b in zip(u.T, v.T, strict=True)]) if touches else np.zeros(len(fine))
+    )
     columns = [spline(fine)]
     for frame in (0, 1):
         span = range(3 * frame, 3 * frame + 3)

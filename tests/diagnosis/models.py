@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +34,11 @@ def shaking(samples: int, seed: int) -> np.ndarray:
 
 
 def measured(
-    effects: list = [], *, noise: float = 0.02, samples: int = 2000, runs: int = 2  # noqa: B006
+    effects: Sequence[Any] = (),
+    *,
+    noise: float = 0.02,
+    samples: int = 2000,
+    runs: int = 2,
 ) -> Believed:
     """Return the model with runs that it made itself, effects included, and white noise."""
     quantity = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
@@ -53,7 +59,9 @@ def measured(
     clean = Believed(structure, Observations(names, np.ones(5), quantity, floor, blank), Prior())
     rng = np.random.default_rng(7)
     filled = []
-    for run, output in zip(blank, clean.predict(np.zeros(len(clean.std)), None, effects).outputs, strict=True):
+    for run, output in zip(
+        blank, clean.predict(np.zeros(len(clean.std)), None, effects).outputs, strict=True
+    ):
         noisy = output + noise * output.std(axis=0) * rng.standard_normal(output.shape)
         filled.append(replace(run, measured=noisy))
     return Believed(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())

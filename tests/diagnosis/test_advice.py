@@ -53,7 +53,11 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
     assert "nothing missing" in said[0]
     best = weak.judged[0]
     gains = dict(expected(weak, best.fit, weak.null.fit))
-    assert gains["the same shaking at twice its amplitude"] > 100 > gains["the same shaking at half its amplitude"]
+    assert (
+        gains["the same shaking at twice its amplitude"]
+        > 100
+        > gains["the same shaking at half its amplitude"]
+    )
     strong = searched(louder(2.0, 0.1))
     assert decide(strong).verdict != "nothing_missing"
     assert strong.judged[0].effects[0].name == "hysteresis"

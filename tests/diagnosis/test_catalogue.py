@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.baseline import starting_noise
-from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened, whitened_innovations
+from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened
 from diagnosis.catalogue import CATALOGUE, Effect, candidates
 from diagnosis.engine import simulate_engine
 from diagnosis.evidence import scales
@@ -19,9 +19,7 @@ from diagnosis.observations import root_mean_square
 from tests.diagnosis.models import measured
 
 BELIEVED = measured()
-BASELINE = run_baseline(
-    BELIEVED, np.zeros(len(BELIEVED.std)), starting_noise(BELIEVED, (0,), 0.01), (0,)
-)
+BASELINE = run_baseline(BELIEVED, np.zeros(len(BELIEVED.std)), starting_noise(BELIEVED, (0,), 0.01), (0,))
 SIZES = scales(BELIEVED, BASELINE)
 
 
@@ -108,7 +106,7 @@ def test_the_engine_agrees_with_the_fast_simulator(effect: Effect) -> None:
     fast = simulate(believed, ordinary, acting, [0])[0]
     engine = simulate_engine(believed, ordinary, acting, [0])[0]
     rms = root_mean_square(fast)
-    rms[: 3] = np.maximum(rms[:3], 1e-9)
+    rms[:3] = np.maximum(rms[:3], 1e-9)
     error = root_mean_square(fast - engine) / rms
     without = root_mean_square(fast - simulate(believed, ordinary, [], [0])[0]) / rms
     # Where joints stick or yield the two switch at slightly different moments.

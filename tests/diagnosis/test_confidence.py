@@ -81,7 +81,15 @@ def test_written_calibrations_are_read_back(tmp_path: Path) -> None:
 
 def test_pairs_are_lines_of_json(tmp_path: Path) -> None:
     file = tmp_path / "pairs.jsonl"
-    one = {"verdict": "effect_named", "nats": 1, "margin": 1, "visible": 1, "closed": 1, "effects": 1, "right": True}
+    one = {
+        "verdict": "effect_named",
+        "nats": 1,
+        "margin": 1,
+        "visible": 1,
+        "closed": 1,
+        "effects": 1,
+        "right": True,
+    }
     file.write_text(json.dumps(one) + "\n\n")
     assert read_pairs(file)[0][1] is True
     file.write_text('{"verdict": "effect_named"}\n')

@@ -36,7 +36,9 @@ def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0
     """What two tests of the bench would find with effects in it, exactly."""
     believed = alone(three_storeys().frames[0], Prior())
     blank = [
-        ModalDatum("bench", "frequency", mode, test, 1.0, noise) for test in ("free", "sweep") for mode in (1, 2, 3)
+        ModalDatum("bench", "frequency", mode, test, 1.0, noise)
+        for test in ("free", "sweep")
+        for mode in (1, 2, 3)
     ]
     blank.append(ModalDatum("bench", "roof_stiffness", None, "push", 1.0, noise))
     blank.append(ModalDatum("bench", "mass", None, "scales", 1.0, noise))
@@ -53,7 +55,9 @@ def acting(name: str, test: str | None = None, storey: int | None = None) -> Act
     return next(
         one
         for one in modal_candidates(believed, None, data)
-        if one.effect.name == name and one.test == test and storey in (None, one.effect.storey, one.effect.floor)
+        if one.effect.name == name
+        and one.test == test
+        and storey in (None, one.effect.storey, one.effect.floor)
     )
 
 
@@ -137,13 +141,16 @@ def test_joints_are_followed_from_rigid_to_soft() -> None:
     assert soft[4] == pytest.approx(29970, rel=2e-3)
 
 
-def modal(quantity: str = "frequency", value: object = 6.0, unit: str = "Hz", std: object = 0.05, more: str = "") -> str:
+def modal(
+    quantity: str = "frequency", value: object = 6.0, unit: str = "Hz", std: object = 0.05, more: str = ""
+) -> str:
     return f'[[modal]]\nquantity = "{quantity}"\nvalue = {value}\nunit = "{unit}"\nstd = {std}\n{more}\n'
 
 
 def test_a_modal_case_is_diagnosed_from_its_folder(tmp_path: Path) -> None:
     text = BENCH + "".join(
-        modal(value=value, std=0.01 * value, more=f"mode = {mode}") for mode, value in ((1, 6.0), (2, 16.8), (3, 24.3))
+        modal(value=value, std=0.01 * value, more=f"mode = {mode}")
+        for mode, value in ((1, 6.0), (2, 16.8), (3, 24.3))
     )
     (tmp_path / "case.toml").write_text(text)
     report = diagnose_case(tmp_path, tmp_path / "out")

@@ -71,7 +71,9 @@ def hidden(storey: int, damping: float, noise: float = 0.02) -> Believed:
         def rate_of(t: float, y: np.ndarray, a=acceleration, s=spline) -> np.ndarray:  # type: ignore[no-untyped-def]
             return np.concatenate([y[3:], a(y) - s(t)])
 
-        found = solve_ivp(rate_of, (0, time[-1]), np.zeros(6), t_eval=time, rtol=1e-6, atol=1e-9, max_step=1e-3)
+        found = solve_ivp(
+            rate_of, (0, time[-1]), np.zeros(6), t_eval=time, rtol=1e-6, atol=1e-9, max_step=1e-3
+        )
         output = np.array([np.concatenate([acceleration(y), y[[0, 2]]]) for y in found.y.T])
         output += noise * output.std(axis=0) * rng.standard_normal(output.shape)
         runs.append(RunData(f"run{seed}.csv", STEP_S, time, table, output, np.zeros((2000, 0))))
@@ -88,7 +90,9 @@ def found(believed: Believed, own: list[type[Effect]]) -> Findings:
 
 
 @pytest.mark.slow
-def test_what_nothing_in_the_catalogue_fits_is_named_once_the_user_offers_it(kinds: list[type[Effect]]) -> None:
+def test_what_nothing_in_the_catalogue_fits_is_named_once_the_user_offers_it(
+    kinds: list[type[Effect]],
+) -> None:
     believed = hidden(storey=1, damping=150.0)
     assert decide(found(believed, [])).verdict == "unknown_effect"
     with_own = found(believed, kinds)
@@ -120,9 +124,7 @@ def test_scoring_simulator_and_engine_are_the_same_function(kinds: list[type[Eff
         for run in full.observed.runs[:1]
     )  # fmt: skip
     believed = Believed(full.structure, replace(full.observed, runs=runs), full.prior)
-    baseline = run_baseline(
-        believed, np.zeros(len(believed.std)), starting_noise(believed, (0,), 0.01), (0,)
-    )
+    baseline = run_baseline(believed, np.zeros(len(believed.std)), starting_noise(believed, (0,), 0.01), (0,))
     effect = places(kinds[number], believed)[1]
     shape = effect.grid(scales(believed, baseline))[0]
     size = effect.size(believed, scales(believed, baseline), shape)

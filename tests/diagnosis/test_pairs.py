@@ -18,6 +18,9 @@ from tests.diagnosis.colliding_models import CONTACT, GAP_M, MASS, colliding, mo
 NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
 
 
+JANKOWSKI = Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0)
+
+
 def judged(case: Case) -> tuple[Pair, Touched, dict[str, Any]]:
     believed = model(case)
     pair = prepare(case, believed)
@@ -40,8 +43,8 @@ def value(report: dict[str, Any], name: str) -> Any:
         (Law("linear_viscoelastic", 0.0, 2e7, 1200.0, np.nan, 3.0), LinearViscoelastic(2e7, damping=1200.0)),
         (Law("hertz_damp", 0.0, 1e9, np.nan, 0.7, 3.0), HertzDamp(1e9, restitution=0.7)),
         (
-            Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0),
-            NonlinearViscoelastic(2e9, damping_ratio=Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0).numbers()[4], reduced_mass=3.0),
+            JANKOWSKI,
+            NonlinearViscoelastic(2e9, damping_ratio=JANKOWSKI.numbers()[4], reduced_mass=3.0),
         ),
     ],
 )  # fmt: skip

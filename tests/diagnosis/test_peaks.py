@@ -21,13 +21,20 @@ EFFECTS = {effect.name: effect for effect in CATALOGUE}
 def bench(peaks: list[Peak]) -> PeakModel:
     time = STEP_S * np.arange(1500)
     blank = np.zeros((1500, 0))
-    runs = [RunData(name, STEP_S, time, shaking(1500, seed), blank, blank) for seed, name in enumerate(RECORDS)]
+    runs = [
+        RunData(name, STEP_S, time, shaking(1500, seed), blank, blank) for seed, name in enumerate(RECORDS)
+    ]
     return PeakModel(three_storeys().frames[0], runs, peaks, Prior())
 
 
 def peaks_of(name: str, size: float) -> list[Peak]:
     """Peaks that the bench itself gives with an effect, three floors, four records, both sides."""
-    blank = [Peak(run, "bench", floor, side, 1.0, 0.1) for run in RECORDS for floor in (1, 2, 3) for side in ("max", "min")]
+    blank = [
+        Peak(run, "bench", floor, side, 1.0, 0.1)
+        for run in RECORDS
+        for floor in (1, 2, 3)
+        for side in ("max", "min")
+    ]
     found = bench(blank).predict(EFFECTS[name], size)
     return [
         Peak(one.run, "bench", one.floor, one.side, float(value), 0.03 * float(value))
@@ -35,7 +42,9 @@ def peaks_of(name: str, size: float) -> list[Peak]:
     ]
 
 
-@pytest.mark.parametrize(("name", "index"), [("damping_change", 8), ("table_gain", 3), ("stiffness_change", 4)])
+@pytest.mark.parametrize(
+    ("name", "index"), [("damping_change", 8), ("table_gain", 3), ("stiffness_change", 4)]
+)
 def test_the_effect_behind_the_peaks_wins_on_records_not_fitted(name: str, index: int) -> None:
     size = EFFECTS[name].sizes[index]
     peaks = peaks_of(name, size)
