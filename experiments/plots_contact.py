@@ -74,7 +74,7 @@ def force_histories(
     whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
     # Below the axes: the peaks take whatever room there is inside.
-    figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=5)
+    figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
     close.set(xlabel="time after first touch [ms]")
     close.set_title("first impact of each", fontsize=10)
     _save(figure, path)
