@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import cyclopts
-import numpy as np
 import pandas as pd
 from cyclopts import Parameter
 
@@ -88,7 +87,7 @@ def study(
     runs.insert(0, "case", [label(*row) for row in runs[["left", "right", "record"]].itertuples(index=False)])
     runs = runs.drop(columns=["left", "right", "record"])
     tables = {name: _table(runs, name) for name in COMPARISONS}
-    tables["summary"] = _summary(tables)
+    tables["summary"] = summary(tables)
     result = stamp({"reference": list(REFERENCE), "default": list(COLLIDING), "duration_s": duration_s})
     return result | {name: keyed(found) for name, found in tables.items()}, tables
 
@@ -104,9 +103,9 @@ def compare(
     modes = _impacts((left, right), KEEP_HZ, record, law, gap_mm, COLLIDING, duration_s, folder)
     wider = _impacts((left, right), None, record, law, gap_mm + WIDER_MM, COLLIDING, duration_s, folder)
     return {
-        "step": json_text.dumps(_compared(default, tight)),
-        "modes": json_text.dumps(_compared(default, modes)),
-        "gap": json_text.dumps(_compared(default, wider)),
+        "step": json_text.dumps(compared(default, tight)),
+        "modes": json_text.dumps(compared(default, modes)),
+        "gap": json_text.dumps(compared(default, wider)),
     }
 
 
@@ -133,8 +132,8 @@ def _impacts(
     return pound(*pair, shaken, chosen, 1e-3 * gap_mm, accuracy=accuracy, duration_s=end).impacts
 
 
-def _compared(found: list[Impact], reference: list[Impact]) -> dict[str, Any]:
-    """Compare impacts in order, as far as both runs have them."""
+def compared(found: list[Impact], reference: list[Impact]) -> dict[str, Any]:
+    """Return how impacts agree, in order, as far as both runs have them."""
     peak, time, impulse, good = [], [], [], 0
     for one, other in zip(found, reference, strict=False):
         peak.append(abs(one.peak_force_n / other.peak_force_n - 1))
@@ -160,7 +159,8 @@ def _table(runs: pd.DataFrame, name: str) -> pd.DataFrame:
     return pd.concat([runs[["case", "law"]].reset_index(drop=True), found], axis=1)
 
 
-def _summary(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+def summary(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
+    """Return counts and largest errors of each comparison's table."""
     rows = {}
     for name, found in tables.items():
         good = found[found["converged"]]
@@ -169,11 +169,11 @@ def _summary(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
             "converged": int(found["converged"].sum()),
             "impacts": int(found["impacts"].sum()),
             "impacts that agree": int(found["agree"].sum()),
-            "largest peak error of the converged": float(np.max(good["peak"], initial=0.0)),
-            "largest time error of the converged [ms]": float(np.max(good["time_ms"], initial=0.0)),
-            "largest impulse error of the converged": float(np.max(good["impulse"], initial=0.0)),
-            "largest peak error of a first impact": float(np.max(found["first_peak"], initial=0.0)),
-            "largest impulse error of a first impact": float(np.max(found["first_impulse"], initial=0.0)),
+            "largest peak error of the converged": max(good["peak"], default=0.0),
+            "largest time error of the converged [ms]": max(good["time_ms"], default=0.0),
+            "largest impulse error of the converged": max(good["impulse"], default=0.0),
+            "largest peak error of a first impact": max(found["first_peak"], default=0.0),
+            "largest impulse error of a first impact": max(found["first_impulse"], default=0.0),
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("against")
 
