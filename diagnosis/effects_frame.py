@@ -294,10 +294,6 @@ class Appendage(FrameEffect):
         highest = float(np.sort(omega)[min(2, len(omega) - 1)])
         return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
 
-    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
-        """Return frequencies up to the neighbours' of the grid."""
-        return [(float(shape[0] * factor),) for factor in np.geomspace(0.9, 1.11, 11)]
-
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a tenth of the floor's mass."""
         return 0.1 * floor_mass(believed.structure, self.index)

@@ -249,13 +249,15 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
         tried += [
             (shape, 1.0) for shape in sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))[1:3]
         ]
-    tried += [(shape, factor) for shape in effect.near(one.shape) for factor in (0.5, 1.0)]
+    scanned = effect.near(one.shape)
+    tried += [(shape, factor) for shape in scanned for factor in (0.5, 1.0)]
     limit = BOX * believed.std
     starts = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
         moved = np.clip(baseline.values + factor * one.ordinary, -limit, limit)
-        starts += [(values, moved), (values, baseline.values)]
+        # A scan over what is tuned is long enough with what the ordinary parameters give back.
+        starts += [(values, moved)] if shape in scanned else [(values, moved), (values, baseline.values)]
 
     def likely(start: tuple[np.ndarray, np.ndarray]) -> float:
         values, ordinary = start
