@@ -35,7 +35,7 @@ SHOWS = {
 """A test that shows one kind of effect and little else."""
 
 
-def tests_between(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> list[str]:
+def parting_tests(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> list[str]:
     """Return tests that would tell two places or effects apart, the cheapest first.
 
     Args:
@@ -101,5 +101,5 @@ def apart(report: Mapping[str, Any], measured: Mapping[str, Sequence[int]]) -> l
         first, *others = effect["class"]
         for other in others:
             floors = measured.get(str(first["frame"]), ())
-            found.append({"between": [first, other], "tests": tests_between(first, other, floors)})
+            found.append({"between": [first, other], "tests": parting_tests(first, other, floors)})
     return found

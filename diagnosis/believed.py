@@ -299,7 +299,7 @@ def _parameters(structure: Structure, observed: Observations, prior: Prior) -> l
     channels = range(len(observed.names))
     found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
     # One channel keeps the time: all of them late together are a table that is early; a force cell keeps its own.
-    first_free = 0 if observed.contact_floors else 1
+    first_free = 0 if observed.force_cell else 1
     found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
     return found
 

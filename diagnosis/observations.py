@@ -73,7 +73,8 @@ class Observations:
         names: Channel names. `to_si`: factor from the channel's own unit.
         quantity, floor: Kind (see `diagnosis.predictor`) and floor of each channel, shape (channels,).
         runs: The runs.
-        contact_floors: Left and right floor of each measured contact force.
+        contact_floors: Left and right floor of each contact force, measured or found.
+        force_cell: Whether a contact force was measured.
         warnings: What was odd.
     """
 
@@ -83,6 +84,7 @@ class Observations:
     floor: np.ndarray
     runs: tuple[RunData, ...]
     contact_floors: tuple[tuple[int, int], ...] = ()
+    force_cell: bool = False
     warnings: list[str] = field(default_factory=list)
 
     def rms(self, run: RunData) -> np.ndarray:
@@ -131,6 +133,7 @@ def observe(case: Case, structure: Structure) -> Observations:
         floor=np.array(floor),
         runs=runs,
         contact_floors=pairs,
+        force_cell=bool(forces),
         warnings=warnings,
     )
 

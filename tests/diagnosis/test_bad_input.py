@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.apart import tests_between
+from diagnosis.apart import parting_tests
 from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, CaseFrame, Channel, Prior, Run
@@ -249,4 +249,4 @@ def entry(effect: str, **place: Any) -> dict[str, Any]:
 def test_what_looks_alike_gets_a_test_that_tells(
     one: dict[str, Any], other: dict[str, Any], said: str
 ) -> None:
-    assert said in " ".join(tests_between(one, other, measured=[2, 5]))
+    assert said in " ".join(parting_tests(one, other, measured=[2, 5]))
