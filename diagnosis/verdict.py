@@ -30,7 +30,7 @@ PLAINLY_LEFT = 2.5
 """Gap over noise floor below which nothing is left to explain; from which on something is missing whatever the
 candidates say, and plainly so."""
 SECOND_NATS = 60.0
-SECOND_SHARE = 0.02
+SECOND_SHARE = 0.1
 SECOND_SIZE = 0.1
 """What a second effect must add to the evidence [nats], as a share of the first one's too, because laws that are not
 quite the catalogue's leave that much of a strong effect; and to what is seen, in units of a channel's noise."""
