@@ -24,8 +24,8 @@ COMMON_DAMPING = 0.7
 goes to all modes together; half the variance of the first mode, which is the one that was measured."""
 
 
-BASE_STIFFNESS = 0.06
-JOINT_STIFFNESS = 0.08
+BASE_STIFFNESS = 0.04
+JOINT_STIFFNESS = 0.05
 """The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
 rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
 models that agree in all frequencies differ in both."""
