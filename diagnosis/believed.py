@@ -93,6 +93,7 @@ class Believed:
             CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
+        self._own: np.ndarray | None = None
 
     def table_slope(self, run: RunData) -> np.ndarray:
         """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
@@ -143,6 +144,13 @@ class Believed:
             shapes[span, span] = block
             rows.append(block.T @ mass[span, span].sum(axis=1))
         return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
+
+    def overlap(self, modes: Modes) -> np.ndarray:
+        """Return which part of each of `modes` is each of the believed frames' own modes, shape (floors, modes)."""
+        if self._own is None:
+            assembly = self.assemble(np.zeros(len(self.std)))
+            self._own = self.plain_modes(assembly).floors.T @ assembly.mass
+        return np.square(self._own @ modes.floors)
 
     def predict(
         self,

@@ -15,6 +15,8 @@ from diagnosis.predictor import ACCELERATION
 from diagnosis.sensitivity import Term, signatures
 from diagnosis.storeys import Modes
 
+LEAST_SHARE = 0.02
+"""Part of a mode below which its damping is not followed."""
 BOX = 3.0
 """Prior standard deviations that an ordinary parameter may move: what lies beyond is not ordinary."""
 
@@ -211,10 +213,10 @@ def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place
         mass = floor_mass(structure, place)
         return [force_term(motion, lambda m: -mass * m.acceleration[:, place], shapes[place])]
     if kind == "mode_damping":
-        return [_damping_term(modes, motion, place)]
+        return _damping_terms(believed, modes, motion, [place])
     if kind == "frame_damping":
         span = structure.span(place)
-        return [_damping_term(modes, motion, mode) for mode in range(span.start, span.stop)]
+        return _damping_terms(believed, modes, motion, range(span.start, span.stop))
     if kind == "table_gain":
         return [table_term(modes, motion.run.table)]
     if kind == "table_delay":
@@ -242,9 +244,24 @@ def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> li
     ]
 
 
-def _damping_term(modes: Modes, motion: Motion, mode: int) -> Term:
-    factor = -2 * modes.ratio[mode] * modes.omega[mode]
-    return force_term(motion, lambda m: factor * m.eta_rate[:, mode], np.eye(len(modes.omega))[mode])
+def _damping_terms(believed: Believed, modes: Modes, motion: Motion, places: Sequence[int]) -> list[Term]:
+    """Return the terms of a unit relative change of the damping of the frames' own modes `places`.
+
+    With coordinates that the floors do not have there are more modes, each made of several of the frames' own.
+    """
+    if len(modes.omega) == believed.structure.floors:
+        share = np.eye(len(modes.omega))[list(places)].sum(axis=0)
+    else:
+        share = believed.overlap(modes)[list(places)].sum(axis=0)
+    return [
+        force_term(motion, _damper(modes, mode, float(share[mode])), np.eye(len(modes.omega))[mode])
+        for mode in np.flatnonzero(share > LEAST_SHARE)
+    ]
+
+
+def _damper(modes: Modes, mode: int, share: float) -> Callable[[Motion], np.ndarray]:
+    factor = -2 * share * modes.ratio[mode] * modes.omega[mode]
+    return lambda m: factor * m.eta_rate[:, mode]
 
 
 def table_term(modes: Modes, series: np.ndarray) -> Term:

@@ -201,12 +201,16 @@ class TorsionalEccentricity(FrameEffect):
     """Centres of mass and stiffness lie an eccentricity apart, so that the floors turn as they move.
 
     Displacements are those of the plan's centre, the centre of stiffness. Floors turn with the lateral shapes, at
-    `ratio` times the lateral frequencies where the centres coincide; the ratio is not in the believed model, so it is
-    scored on a grid and refined with the eccentricity.
+    `ratio` times the lateral frequencies where the centres coincide; neither that ratio nor the damping of turning, a
+    multiple of the lateral, is in the believed model: the one is scored on a grid, both are refined with the eccentricity.
     """
 
     name = "torsional_eccentricity"
-    quantities = (Quantity("eccentricity", "m"), Quantity("torsional_frequency_ratio", "1", reported=False))
+    quantities = (
+        Quantity("eccentricity", "m"),
+        Quantity("torsional_frequency_ratio", "1", reported=False),
+        Quantity("torsional_damping_factor", "1", reported=False),
+    )
     sign = 1
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
@@ -241,14 +245,14 @@ class TorsionalEccentricity(FrameEffect):
         return found
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return eccentricity and frequency ratio."""
-        return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0]])
+        """Return eccentricity, frequency ratio and a damping as that of the lateral motion."""
+        return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0], 1.0])
 
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Add the floors' rotations, scaled by the radius of gyration to displacements."""
         span, floors = self.span(believed), believed.structure.floors
         offset = float(values[0]) / self.storeys(believed).gyration_m
-        ratio = float(values[1])
+        ratio, damped = float(values[1]), float(values[2])
         n = span.stop - span.start
 
         def extend(
@@ -264,7 +268,7 @@ class TorsionalEccentricity(FrameEffect):
             larger[0][span, new_part] = offset * mass[span, span]
             larger[0][new_part, span] = offset * mass[span, span]
             larger[1][new_part, new_part] = ratio**2 * own
-            larger[2][new_part, new_part] = ratio * damping[span, span]
+            larger[2][new_part, new_part] = damped * ratio * damping[span, span]
             return larger[0], larger[1], larger[2]
 
         assert floors >= n
@@ -272,8 +276,8 @@ class TorsionalEccentricity(FrameEffect):
         assembly.influence.extend([0.0] * n)
 
     def logarithmic(self) -> tuple[bool, ...]:
-        """Both are positive."""
-        return (True, True)
+        """All are positive."""
+        return (True, True, True)
 
 
 @CATALOGUE.add

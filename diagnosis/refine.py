@@ -32,6 +32,8 @@ LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
 LARGEST_SLOPE = 1e12
 """Whitened derivative from which on the simulation has blown up."""
+LAST = 6
+"""Times as many steps at the end; a descent ends by itself when it gains nothing more."""
 LEAST_LATENT = 1e-4
 """[N] below which a latent force is none."""
 LATENT_STEP = 0.3
@@ -141,7 +143,7 @@ def refine(
     noise = matched_noise(believed, current)
     trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
     current = max(current, trial, key=lambda one: one.log_likelihood)
-    current, x = _descend(believed, current, coordinates, x, 2 * iterations)
+    current, x = _descend(believed, current, coordinates, x, LAST * iterations)
     return _finished(believed, current, coordinates, x)
 
 
