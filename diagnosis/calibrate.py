@@ -254,7 +254,7 @@ def _damping_terms(believed: Believed, modes: Modes, motion: Motion, places: Seq
     else:
         share = believed.overlap(modes)[list(places)].sum(axis=0)
     return [
-        force_term(motion, _damper(modes, mode, float(share[mode])), np.eye(len(modes.omega))[mode])
+        force_term(motion, _damper(modes, int(mode), float(share[mode])), np.eye(len(modes.omega))[mode])
         for mode in np.flatnonzero(share > LEAST_SHARE)
     ]
 

@@ -301,7 +301,7 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
     scanned = effect.near(one.shape)
     tried += [(shape, factor) for shape in scanned for factor in (0.5, 1.0)]
     limit = BOX * believed.std
-    starts = []
+    starts: list[tuple[np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
         moved = np.clip(baseline.values + factor * one.ordinary, -limit, limit)
