@@ -55,3 +55,8 @@ def bulky(x, log):
     with Path(log).open("a") as file:
         file.write(f"{x}\n")
     return {"numbers": xr.DataArray(x + np.arange(2000) / 7.0, dims="sample")}
+
+
+def heeding_ctrl_c():
+    """Let a child process heed Ctrl-C even where this one was started in the background and ignores it."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)

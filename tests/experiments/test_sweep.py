@@ -123,7 +123,13 @@ def start(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
     arguments = [sys.executable, str(script), str(HERE), str(tmp_path / "s"), str(tmp_path / "log")]
-    return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    return subprocess.Popen(
+        arguments,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        preexec_fn=cases.heeding_ctrl_c,
+    )
 
 
 def finished(tmp_path):

@@ -143,6 +143,7 @@ def test_the_command_interrupted_says_so_and_leaves_whole_files(tmp_path):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=cases.heeding_ctrl_c,
     )
     end = time.monotonic() + 100.0
     while not (tmp_path / "run" / "shake.nc").exists():
