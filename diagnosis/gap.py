@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline
 from diagnosis.kalman import Noise, discretise, linear_system, noise_density
-from diagnosis.observations import root_mean_square
+from diagnosis.observations import RunData, root_mean_square
 from diagnosis.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
 from diagnosis.storeys import Modes
 
@@ -60,6 +60,15 @@ def _slow(samples: int, step_s: float, below_hz: float) -> np.ndarray:
     time = np.linspace(0.0, 1.0, samples)
     cosines = int(2 * samples * step_s * below_hz)
     return np.column_stack([time - 0.5, *(np.cos(np.pi * k * time) for k in range(cosines + 1))])
+
+
+def differences(
+    believed: Believed, baseline: Baseline, runs: Sequence[int]
+) -> Iterator[tuple[RunData, np.ndarray]]:
+    """Yield each run with what a fit's simulation differs by from its channels in SI, (samples, channels), levelled."""
+    for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
+        data = believed.observed.runs[run]
+        yield data, levelled(believed, output - data.measured, data.step_s)
 
 
 def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:

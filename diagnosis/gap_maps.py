@@ -10,7 +10,7 @@ import numpy as np
 
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
-from diagnosis.gap import levelled, simulate
+from diagnosis.gap import differences
 from diagnosis.observations import root_mean_square
 from diagnosis.where import band, band_edges
 
@@ -45,9 +45,7 @@ def gap_maps(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Se
     edges = band_edges(baseline)
     bands, each, total, samples = [], [], 0.0, 0
     nyquist = np.inf
-    for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
-        data = believed.observed.runs[run]
-        difference = levelled(believed, output - data.measured, data.step_s)
+    for data, difference in differences(believed, baseline, runs):
         square = np.nan_to_num(root_mean_square(data.measured)) ** 2
         each.append(
             np.nan_to_num(root_mean_square(difference)) / np.sqrt(np.where(square > 0, square, np.nan))

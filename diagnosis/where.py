@@ -10,7 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
-from diagnosis.gap import levelled, simulate
+from diagnosis.gap import differences
 from diagnosis.observations import root_mean_square
 
 WINDOWS = 6
@@ -35,9 +35,8 @@ def where(
     """
     edges = band_edges(baseline)
     found: list[dict[str, Any]] = []
-    for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
-        data = believed.observed.runs[run]
-        difference = np.nan_to_num(levelled(believed, output - data.measured, data.step_s))
+    for data, levelled in differences(believed, baseline, runs):
+        difference = np.nan_to_num(levelled)
         rms = root_mean_square(data.measured)
         nyquist = 0.5 / data.step_s
         for low, high in zip(edges[:-1], np.minimum(edges[1:], 0.95 * nyquist), strict=True):

@@ -1,4 +1,7 @@
-"""The whole diagnosis on three cases that another simulator made; nothing is tuned to them."""
+"""The whole diagnosis on three cases that another simulator made.
+
+The priors of a plate frame's base and joints were chosen after looking at them: they guard, they do not judge.
+"""
 
 from __future__ import annotations
 
