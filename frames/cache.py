@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from frames.definition import PlateFrame
 
-VERSION = 3
+VERSION = 4
 """Raised whenever the same inputs would give other arrays, so that old files are not found."""
 
 LARGEST_BYTES = 1_000_000_000
