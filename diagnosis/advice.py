@@ -23,11 +23,12 @@ from diagnosis.calibrate import (
     run_baseline,
     whitened_innovations,
 )
+from diagnosis.findings import Findings, Judged
 from diagnosis.kalman import Noise
 from diagnosis.observations import RunData, root_mean_square
 from diagnosis.predictor import ACCELERATION, DISPLACEMENT
 from diagnosis.refine import Coordinates, Fit, effect_columns
-from diagnosis.search import Findings, Judged, widths
+from diagnosis.search import widths
 from diagnosis.storeys import Structure
 from diagnosis.verdict import Decision, decide
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from diagnosis.believed import Acting, Believed, Prediction, floor_mass, storey_pattern
+from diagnosis.believed import Acting, Believed, Prediction
 from diagnosis.kalman import Noise, SteadyFilter, linear_system, steady_filter
 from diagnosis.observations import RunData
+from diagnosis.ordinary import floor_mass, storey_pattern
 from diagnosis.predictor import ACCELERATION
 from diagnosis.sensitivity import Term, signatures
 from diagnosis.storeys import Modes

@@ -16,8 +16,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from diagnosis.believed import Assembly, Believed
+from diagnosis.believed import Believed
 from diagnosis.calibrate import Motion
+from diagnosis.ordinary import Assembly
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
 
@@ -75,7 +76,7 @@ class Effect:
     name: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
     where: ClassVar[str] = ""
-    """``storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
+    """``storey``, ``upper storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
     sign: ClassVar[int] = 0
     """+1 or -1 where only one sign of the amplitude makes sense, else 0."""
     linear: ClassVar[bool] = False
@@ -168,9 +169,14 @@ def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
     """Return a kind of effect at each of its places."""
     structure, observed = believed.structure, believed.observed
     where = kind.where
-    if where == "storey":
+    if where in ("storey", "upper storey"):
         spots = [structure.place(i) for i in range(structure.floors)]
-        return [kind(index=i, frame=frame, storey=number) for i, (frame, number) in enumerate(spots)]
+        lowest = 2 if where == "upper storey" else 1
+        return [
+            kind(index=i, frame=frame, storey=number)
+            for i, (frame, number) in enumerate(spots)
+            if number >= lowest
+        ]
     if where == "floor":
         spots = [structure.place(i) for i in range(structure.floors)]
         return [kind(index=i, frame=frame, floor=number) for i, (frame, number) in enumerate(spots)]

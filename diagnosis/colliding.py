@@ -18,8 +18,8 @@ from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline, run_baseline
 from diagnosis.case import Case
 from diagnosis.contacts import Fitted
+from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
-from diagnosis.search import Findings
 
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""

@@ -25,7 +25,7 @@ from diagnosis.errors import CaseError
 from frames.files import write_whole
 
 if TYPE_CHECKING:
-    from diagnosis.search import Findings
+    from diagnosis.findings import Findings
     from diagnosis.verdict import Decision
 
 VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")

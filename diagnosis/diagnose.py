@@ -12,10 +12,11 @@ from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
 from diagnosis.colliding import prepare, touch
 from diagnosis.errors import CaseError
+from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.observations import observe
 from diagnosis.pair_report import joined
-from diagnosis.search import Findings, search
+from diagnosis.search import search
 from diagnosis.sensors import screened, usable
 from diagnosis.storeys import Structure
 from diagnosis.verdict import report_of

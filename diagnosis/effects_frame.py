@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from diagnosis.believed import Assembly, Believed, floor_mass
+from diagnosis.believed import Believed
 from diagnosis.calibrate import Motion, force_term, matrix_terms
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
+from diagnosis.ordinary import Assembly, floor_mass
 from diagnosis.predictor import DRAG
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes, StoreyFrame

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from diagnosis.believed import Assembly, Believed, floor_mass, storey_pattern, storey_stiffness
+from diagnosis.believed import Believed
 from diagnosis.calibrate import Motion, force_term, pattern_terms
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
+from diagnosis.ordinary import Assembly, floor_mass, storey_pattern, storey_stiffness
 from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS, LOOSENING
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
@@ -268,3 +269,37 @@ class Bumper(StoreyEffect):
     def logarithmic(self) -> tuple[bool, ...]:
         """The stiffness is positive."""
         return (False, True)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class Tie(Bumper):
+    """A stop between floors two storeys apart, or the second floor and the table: nobody listed it, so it is a foil."""
+
+    name = "tie"
+    where = "upper storey"
+    foil = True
+
+    def row(self, believed: Believed) -> np.ndarray:
+        """Return the row of floors that gives the way of the upper against the lower end."""
+        return np.asarray(believed.structure.drift[self.index] + believed.structure.drift[self.index - 1])
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return gaps [m] on both sides, of both storeys' drifts together."""
+        both = slice(self.index - 1, self.index + 1)
+        ends = (float(scales.highest[both].sum()), float(scales.lowest[both].sum()))
+        return [(end * share,) for end in ends for share in (0.25, 0.55)]
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the penetration between the two floors."""
+
+        def stop(m: Motion) -> np.ndarray:
+            beyond = m.drift[:, self.index] + m.drift[:, self.index - 1] - shape[0]
+            return np.asarray(-np.maximum(beyond, 0.0) if shape[0] >= 0 else -np.minimum(beyond, 0.0))
+
+        return [force_term(motion, stop, self.row(believed) @ modes.floors)]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add the stop between the two floors."""
+        kind, parameters = self.law(believed, values)
+        assembly.laws.append((kind, self.row(believed), parameters, (0, 0)))

@@ -12,11 +12,12 @@ import numpy as np
 import diagnosis.effects_frame
 import diagnosis.effects_input
 import diagnosis.effects_storey  # noqa: F401  (the catalogue is whole once these are imported)
-from diagnosis.believed import Assembly, Believed
+from diagnosis.believed import Believed
 from diagnosis.calibrate import Motion, force_term
 from diagnosis.candidate_file import UserForce, UserParameter
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.errors import CaseError
+from diagnosis.ordinary import Assembly
 from diagnosis.predictor import USER
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes

@@ -17,9 +17,10 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.linalg import eigh
 
 import frames
-from diagnosis.believed import Acting, Assembly, Believed
+from diagnosis.believed import Acting, Believed
 from diagnosis.calling import called
 from diagnosis.errors import CaseError
+from diagnosis.ordinary import Assembly
 from diagnosis.predictor import (
     ABSOLUTE_DISPLACEMENT,
     ACCELERATION,

@@ -14,12 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from diagnosis.case import Case
+from diagnosis.findings import Findings
 from diagnosis.gap import levelled, simulate
 from diagnosis.gap_maps import gap_maps
 from diagnosis.leftover_figure import leftover_figure
 from diagnosis.more import after_runs
 from diagnosis.palette import BLUE, GREY, ORANGE
-from diagnosis.search import Findings
 from diagnosis.verdict import Decision, decide
 
 SHOWN_S = 3.0

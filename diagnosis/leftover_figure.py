@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from diagnosis.findings import Findings
 from diagnosis.leftover import Leftover, leftover_forces
 from diagnosis.palette import BLUE, GREY, ORANGE
-from diagnosis.search import Findings
 from diagnosis.storey_force import storey_force
 from diagnosis.verdict import Decision
 

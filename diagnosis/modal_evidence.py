@@ -15,12 +15,13 @@ from typing import ClassVar
 import numpy as np
 from scipy.special import logsumexp
 
-from diagnosis.believed import Assembly, Believed
+from diagnosis.believed import Believed
 from diagnosis.case_numbers import ModalDatum
 from diagnosis.catalogue import Effect, Quantity, Scales, places
 from diagnosis.effects_frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from diagnosis.effects_storey import StiffnessChange
 from diagnosis.modal_model import Joints, predicted, scatter
+from diagnosis.ordinary import Assembly
 
 POINTS = {1: 121, 2: 31}
 """Grid points of a size, by how many sizes there are."""

@@ -17,12 +17,13 @@ from scipy.linalg import eigh
 
 import frames
 from diagnosis.believe import definition
-from diagnosis.believed import Assembly, Believed
+from diagnosis.believed import Believed
 from diagnosis.case import CaseFrame, Prior
 from diagnosis.case_numbers import ModalDatum
 from diagnosis.catalogue import Quantity, Scales
 from diagnosis.effects_frame import FrameEffect
 from diagnosis.observations import Observations
+from diagnosis.ordinary import Assembly
 from diagnosis.storeys import StoreyFrame, Structure, from_reduced
 from frames.calibration import with_joint_stiffness
 

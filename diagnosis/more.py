@@ -8,9 +8,9 @@ import numpy as np
 
 from diagnosis.apart import apart
 from diagnosis.case import Case
+from diagnosis.findings import Findings
 from diagnosis.gap import channel_gaps, simulate
 from diagnosis.origin import origin
-from diagnosis.search import Findings
 from diagnosis.smallest import smallest
 from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, Decision, decide
 

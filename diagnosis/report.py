@@ -17,8 +17,8 @@ from rich.text import Text
 from diagnosis.case import Case
 from diagnosis.errors import CaseError
 from diagnosis.figures import figures
+from diagnosis.findings import Findings
 from diagnosis.more import completed
-from diagnosis.search import Findings
 from diagnosis.words import advice, assumptions, kind_and_place, percent, sentence
 from frames.errors import FrameError
 from frames.files import write_whole

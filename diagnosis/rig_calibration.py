@@ -21,8 +21,9 @@ from joblib import Parallel, delayed
 from diagnosis.believed import Believed
 from diagnosis.catalogue import Effect
 from diagnosis.confidence import Calibration, Features, basis, confidence, fit, shipped
+from diagnosis.findings import Findings, Judged
 from diagnosis.observations import RunData, root_mean_square
-from diagnosis.search import Findings, Judged, search
+from diagnosis.search import search
 from diagnosis.verdict import decide, features
 from experiments.provenance import software_version
 

@@ -12,9 +12,9 @@ from diagnosis.calibrate import Baseline, boxed_step
 from diagnosis.case import Case
 from diagnosis.catalogue import Effect
 from diagnosis.evidence import Score, Scores
+from diagnosis.findings import Findings
 from diagnosis.gap import simulate
 from diagnosis.observations import root_mean_square
-from diagnosis.search import Findings
 from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, Decision, parameters
 
 LARGEST_LOSS = 0.95

@@ -10,9 +10,10 @@ import numpy as np
 from diagnosis.case import Case
 from diagnosis.catalogue import CHANNEL_UNIT, Effect
 from diagnosis.confidence import Features, basis, confidence, features_of
+from diagnosis.doubts import doubts
 from diagnosis.engine import simulate_engine
+from diagnosis.findings import Findings, Judged
 from diagnosis.gap import gap
-from diagnosis.search import Findings, Judged
 from diagnosis.where import where
 
 DETECTED_NATS = 30.0
@@ -20,11 +21,10 @@ DETECTED_SIZE = 0.2
 """Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
 CLASS_NATS = 5.0
 """Refined candidates within this of the best cannot be told from it."""
-EXPLAINED = 0.6
+EXPLAINED = 0.8
 MOSTLY_EXPLAINED = 0.85
 """Share of the explainable gap that effects must close on the held-out run, or else something else is missing; the
 larger one where more than `PLAINLY_LEFT` is left."""
-NOTHING_LEFT = 1.1
 UNEXPLAINED = 1.15
 PLAINLY_LEFT = 2.5
 """Gap over noise floor below which nothing is left to explain; from which on something is missing whatever the
@@ -37,31 +37,39 @@ quite the catalogue's leave that much of a strong effect; and to what is seen, i
 SAME_STOREY = 0.8
 """Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
 LEFT = 1.6
-"""Gap over noise floor below which nothing is left to explain."""
+"""Gap over noise floor below which a confidence sees nothing left to explain."""
 
 
 @dataclass(frozen=True)
 class Decision:
-    """A verdict: its name, the candidate behind it, and candidates that cannot be told from it."""
+    """A verdict: its name, the candidate behind it, candidates that cannot be told from it, and what speaks against it."""
 
     verdict: str
     judged: Judged
     alike: tuple[Judged, ...]
+    doubts: tuple[str, ...] = ()
 
 
 def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
     single = [one for one in found.judged if len(one.effects) == 1]
     if not single or single[0].nats < DETECTED_NATS or visible(found, single[0]) < DETECTED_SIZE:
-        if leftover(found, found.null) > UNEXPLAINED:
-            return Decision("unknown_effect", single[0] if single else found.null, ())
+        doubted = _doubts(found, found.null)
+        if doubted or leftover(found, found.null) > UNEXPLAINED:
+            return Decision("unknown_effect", single[0] if single else found.null, (), doubted)
         return Decision("nothing_missing", found.null, ())
-    chosen = single[0]
+    chosen = _listed(single)
     doubles = [one for one in found.judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
-    if any(effect.foil for effect in chosen.effects) or not _explained(found, chosen) or _spread(chosen):
-        return Decision("unknown_effect", chosen, ())
+    doubted = _doubts(found, chosen)
+    if (
+        any(effect.foil for effect in chosen.effects)
+        or doubted
+        or not _explained(found, chosen)
+        or _spread(chosen)
+    ):
+        return Decision("unknown_effect", chosen, (), doubted)
     alike = tuple(
         other
         for other in single
@@ -74,12 +82,23 @@ def decide(found: Findings) -> Decision:
     return Decision(verdict, chosen, alike)
 
 
+def _listed(single: list[Judged]) -> Judged:
+    """Return the best single effect; one of the catalogue where a foil is not told from it."""
+    catalogue = [one for one in single if not one.effects[0].foil]
+    near = catalogue and catalogue[0].nats > single[0].nats - CLASS_NATS
+    return catalogue[0] if near else single[0]
+
+
+def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
+    return tuple(doubts(found.believed, judged.fit.baseline))
+
+
 def _explained(found: Findings, judged: Judged) -> bool:
     """Return whether effects close enough of the gap on runs that they were not fitted to."""
     left = leftover(found, judged)
-    if left < NOTHING_LEFT:
+    if left < UNEXPLAINED:
         return True
-    return closed(found, judged) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
+    return closed(found, judged, 1.0) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
 
 
 def _spread(judged: Judged) -> bool:
@@ -115,14 +134,20 @@ def visible(found: Findings, judged: Judged, without: Judged | None = None) -> f
     return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
 
 
-def closed(found: Findings, judged: Judged) -> float:
-    """Return the share of the explainable gap that is closed, on the held-out runs if there are any."""
+def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
+    """Return the share of the explainable gap that is closed, on the held-out runs if there are any.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+        nothing: Gap over noise floor of a channel that counts as wholly explained.
+    """
     which = 1 if found.held_out else 0
     before, after = found.null.channel_gap[which], judged.channel_gap[which]
     floor = found.floor[which]
     # Over all channels together, by power: a channel that never saw the effect should not decide.
     explainable = np.nansum(np.maximum((before / floor) ** 2 - 1, 0.0))
-    left = np.nansum(np.maximum((after / floor) ** 2 - LEFT**2, 0.0))
+    left = np.nansum(np.maximum((after / floor) ** 2 - nothing**2, 0.0))
     return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
 
 
@@ -166,7 +191,7 @@ def report_of(case: Case, found: Findings) -> dict[str, Any]:
             [*found.training, *found.held_out],
         ),
         "candidates": _candidates(found),
-        "warnings": [*case.warnings, *found.believed.observed.warnings],
+        "warnings": [*case.warnings, *found.believed.observed.warnings, *decision.doubts],
     }
 
 

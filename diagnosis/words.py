@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from diagnosis.case import Case
+from diagnosis.findings import Findings
 from diagnosis.quantities import UNITS
-from diagnosis.search import Findings
 
 HIDDEN = 3.0
 """Gap of the worst channel over the median of all from which the worst is told too."""

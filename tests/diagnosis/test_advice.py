@@ -10,7 +10,8 @@ import pytest
 from diagnosis.advice import advice, as_it_was, expected, measurements, rivals
 from diagnosis.believed import Believed
 from diagnosis.catalogue import Effect, candidates
-from diagnosis.search import Findings, search
+from diagnosis.findings import Findings
+from diagnosis.search import search
 from diagnosis.verdict import decide
 from tests.diagnosis.models import measured
 

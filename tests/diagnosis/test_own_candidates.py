@@ -20,10 +20,11 @@ from diagnosis.effects_user import user_kinds
 from diagnosis.engine import simulate_engine
 from diagnosis.errors import CaseError
 from diagnosis.evidence import scales
+from diagnosis.findings import Findings
 from diagnosis.gap import simulate
 from diagnosis.observations import Observations, RunData, root_mean_square
 from diagnosis.predictor import ACCELERATION, DISPLACEMENT
-from diagnosis.search import Findings, search
+from diagnosis.search import search
 from diagnosis.verdict import decide, parameters
 from tests.diagnosis.models import STEP_S, measured, shaking, three_storeys
 

@@ -13,6 +13,7 @@ from diagnosis.catalogue import candidates
 from diagnosis.confidence import shipped
 from diagnosis.diagnose import diagnose_case
 from diagnosis.errors import CaseError
+from diagnosis.findings import Findings
 from diagnosis.rig_calibration import (
     Outcome,
     calibrate,
@@ -22,7 +23,7 @@ from diagnosis.rig_calibration import (
     simulated,
     stated,
 )
-from diagnosis.search import Findings, search
+from diagnosis.search import search
 from diagnosis.verdict import decide, features
 from tests.diagnosis.models import measured
 

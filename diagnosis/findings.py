@@ -1,0 +1,109 @@
+"""What a search finds: fits with their evidence and their gaps, about the null model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from diagnosis.believed import Believed
+from diagnosis.catalogue import Effect, Scales
+from diagnosis.evidence import Scores
+from diagnosis.gap import channel_gaps, floors, simulate
+from diagnosis.refine import Fit
+
+if TYPE_CHECKING:
+    from diagnosis.colliding import Pair
+
+UNEXPLAINED = 1.5
+"""Gap over noise floor above which the search goes on: larger amplitudes, second effects."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A refined candidate as it is judged.
+
+    Attributes:
+        fit: The fit. nats: Its log evidence against the null model.
+        gap: Median gap over the training and over the held-out runs (NaN without any).
+        channel_gap: Gap of each channel over the training and the held-out runs, shape (2, channels).
+    """
+
+    fit: Fit
+    nats: float
+    gap: tuple[float, float]
+    channel_gap: np.ndarray
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects in the fit."""
+        return self.fit.effects
+
+
+@dataclass
+class Findings:
+    """What the search found.
+
+    Attributes:
+        null: The refined null model. scores: All candidates about it.
+        judged: Refined candidates, best first.
+        floor: Gap that a perfect model would leave over the training and the held-out runs, (2, channels).
+        sizes: Typical sizes of motion.
+        training, held_out: Numbers of the runs.
+    """
+
+    believed: Believed
+    null: Judged
+    scores: Scores
+    sizes: Scales
+    training: tuple[int, ...]
+    held_out: tuple[int, ...]
+    judged: list[Judged] = field(default_factory=list)
+    floor: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
+    later: Scores | None = None
+    """Scores of second effects about the best fit."""
+    pair: Pair | None = None
+    """Two frames that touch, at the rate of the logger."""
+    engine: dict[int, np.ndarray] = field(default_factory=dict)
+    """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
+
+
+def judge(
+    believed: Believed, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]
+) -> Judged:
+    """Return a fit with its evidence and its gaps."""
+    each = [fit_gaps(believed, fit, runs) for runs in (training, held_out)]
+    median = [float(np.nanmedian(gaps)) if np.isfinite(gaps).any() else float("nan") for gaps in each]
+    return Judged(fit, fit.log_posterior - null.log_posterior, (median[0], median[1]), np.array(each))
+
+
+def fit_gaps(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> np.ndarray:
+    """Return the gap of each channel that a fit leaves over some runs, NaN without any."""
+    if not runs:
+        return np.full(len(believed.observed.names), np.nan)
+    outputs = simulate(believed, fit.baseline.values, fit.baseline.effects, runs)
+    return channel_gaps(believed, outputs, runs)
+
+
+def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
+    """Return the gap that a perfect model would leave over the training and the held-out runs, (2, channels)."""
+    nothing = np.full(len(found.believed.observed.names), np.nan)
+    return np.array(
+        [
+            floors(found.believed, fit.baseline, runs) if runs else nothing
+            for runs in (found.training, found.held_out)
+        ]
+    )
+
+
+def best(found: Findings) -> Judged:
+    """Return the candidate with most evidence, or the null model."""
+    return found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
+
+
+def unexplained(found: Findings, judged: Judged) -> bool:
+    """Return whether a fit leaves much more than noise in the training runs."""
+    floor = floors(found.believed, judged.fit.baseline, found.training)
+    with np.errstate(invalid="ignore"):
+        return bool(np.nanmedian(judged.channel_gap[0] / floor) > UNEXPLAINED)

@@ -1,0 +1,83 @@
+"""What speaks against a model that fits: a frame beyond its priors, a tone that nothing makes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.baseline import starting_noise
+from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline, run_baseline
+from diagnosis.doubts import doubts, strain, tones
+from tests.diagnosis.models import STEP_S, measured
+
+SAMPLES = 2000
+TIME = STEP_S * np.arange(SAMPLES)
+
+
+def noise(channels: int, seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal((SAMPLES, channels))
+
+
+def with_tone(frequency: float, size: float, channels: list[int]) -> Believed:
+    """The bench with a tone on some channels of its first run, as a share of the channel's rms."""
+    believed = measured()
+    first, *others = believed.observed.runs
+    series = first.measured.copy()
+    for channel in channels:
+        series[:, channel] += size * series[:, channel].std() * np.sin(2 * np.pi * frequency * TIME)
+    runs = (replace(first, measured=series), *others)
+    return Believed(believed.structure, replace(believed.observed, runs=runs), believed.prior)
+
+
+def null_model(believed: Believed, values: np.ndarray | None = None) -> Baseline:
+    started = np.zeros(len(believed.std)) if values is None else values
+    return run_baseline(believed, started, starting_noise(believed, (0, 1), 0.01), (0, 1))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_has_no_tone(seed: int) -> None:
+    assert tones(noise(8, seed), STEP_S) == []
+
+
+def test_a_tone_in_two_channels_is_found_and_in_one_of_two_it_is_not() -> None:
+    tone = np.sin(2 * np.pi * 33.3 * TIME)[:, None]
+    assert tones(noise(3) + tone * [1.0, 0.0, 1.5], STEP_S) == pytest.approx([33.3], abs=0.3)
+    assert tones(noise(3) + tone * [2.0, 0.0, 0.0], STEP_S) == []
+    assert tones(noise(1) + tone, STEP_S) == pytest.approx([33.3], abs=0.3)
+
+
+def test_a_good_model_is_not_doubted() -> None:
+    believed = measured()
+    assert doubts(believed, null_model(believed)) == []
+
+
+def test_a_fan_is_told_with_its_frequency_and_run() -> None:
+    believed = with_tone(23.0, 0.3, [0, 1, 2])
+    (said,) = doubts(believed, null_model(believed))
+    assert "run1.csv" in said
+    assert "23.0 Hz" in said
+
+
+def test_hum_of_the_mains_is_no_fan() -> None:
+    for frequency in (50.0, 60.0, 100.0, 180.0):
+        believed = with_tone(frequency, 0.3, [0, 1, 2])
+        assert doubts(believed, null_model(believed)) == []
+
+
+def test_another_frame_is_told() -> None:
+    believed = measured()
+    values = np.zeros(len(believed.std))
+    ours = [
+        number
+        for number, one in enumerate(believed.parameters)
+        if one.kind in ("storey_stiffness", "floor_mass")
+    ]
+    values[ours] = 3.0 * believed.std[ours]
+    squares, count = strain(believed, null_model(believed, values))
+    assert squares == pytest.approx(6 * 3.0**2)
+    assert count == 7
+    said = doubts(believed, null_model(believed, values))
+    assert any("case.toml" in sentence for sentence in said)
