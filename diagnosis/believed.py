@@ -71,6 +71,7 @@ class Believed:
             channel_gain=np.zeros(channels),
             channel_delay_s=np.zeros(channels),
             channel_offset=np.zeros(channels),
+            touch_gain=np.zeros(len(self.observed.touches)),
         )
         for number, frame in enumerate(structure.frames):
             span = structure.span(number)
@@ -182,12 +183,19 @@ class Believed:
         at = np.arange(samples) * run.step_s
         for column, (left, right) in enumerate(self.observed.contact_floors):
             direction = modes.floors[right] - modes.floors[left]
-            force = run.contact[:, column]
-            known_at += force[:, None] * direction
-            known_mid += run.contact_at(middle, column)[..., None] * direction
+            known_at += self.contact_force(assembly, number, column, at)[..., None] * direction
+            known_mid += self.contact_force(assembly, number, column, middle)[..., None] * direction
         if assembly.table_tilt:
             tilt_inputs(self, assembly, modes, number, middle, at, known_mid, known_at, added)
         return known_mid, known_at, table_mid, added
+
+    def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
+        """Return a contact force [N] of a run at times [s] from its start, as large in each touch as the assembly says."""
+        force = self.observed.runs[number].contact_at(times_s, column)
+        for touch, gain in zip(self.observed.touches, assembly.touch_gain, strict=True):
+            if gain and (touch.run, touch.column) == (number, column):
+                force[touch.within(times_s)] *= 1.0 + gain
+        return force
 
     def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray) -> np.ndarray:
         """Return the measured channels without the gain, delay and offset that the assembly gives their sensors."""

@@ -222,9 +222,22 @@ def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place
         return [table_term(modes, motion.run.table)]
     if kind == "table_delay":
         return [table_term(modes, -believed.table_slope(motion.run))]
+    if kind == "touch_gain":
+        return _touch_terms(believed, modes, motion, place)
     if kind == "channel_gain":
         return [channel_term(believed, place, motion.outputs[:, place])]
     return [channel_term(believed, place, -motion.output_rate[:, place])]
+
+
+def _touch_terms(believed: Believed, modes: Modes, motion: Motion, place: int) -> list[Term]:
+    """Return the contact force in one touch, nothing in other runs."""
+    touch, run = believed.observed.touches[place], motion.run
+    if believed.observed.runs[touch.run] is not run:
+        return []
+    left, right = believed.observed.contact_floors[touch.column]
+    within = touch.within(np.arange(len(run.table)) * run.step_s)
+    pushed = np.where(within, run.contact[:, touch.column], 0.0)
+    return [force_term(motion, lambda _: pushed, modes.floors[right] - modes.floors[left])]
 
 
 def matrix_terms(motion: Motion, stiffness: np.ndarray, shapes: np.ndarray, span: slice) -> list[Term]:

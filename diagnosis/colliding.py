@@ -20,6 +20,7 @@ from diagnosis.case import Case
 from diagnosis.contacts import Fitted
 from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
+from diagnosis.observations import Observations, Touch
 
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
@@ -30,6 +31,11 @@ SECOND_SHARE = 0.5
 """After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
 the share of its approaches beyond its gap in which it has to push."""
 LEAST_IMPACTS = 2
+CELL_FORCE, FOUND_FORCE = 0.03, 0.1
+AROUND_S = 0.01
+MOST_TOUCHES = 60
+"""How well the size of a contact force is known, relative, from a cell and from the motion; how far a touch reaches
+beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free."""
 
 
 @dataclass
@@ -94,8 +100,30 @@ def prepare(case: Case, believed: Believed) -> Pair:
     second = None
     if len(full.observed.contact_floors) == 1:
         full, second = _second(full, floors, touching, column, noise, runs)
-    slow = Believed(structure, pairs.slowed(full.observed), case.prior)
+    slow = Believed(structure, pairs.slowed(_with_touches(full.observed, noise, column, cell)), case.prior)
     return Pair(full, slow, column, noise, cell, second, warnings)
+
+
+def _with_touches(
+    observed: Observations, noise: Sequence[float], column: int, cell: Cell | None
+) -> Observations:
+    """Return the observations with the largest touches, whose forces are known as well as their source lets them."""
+    std = FOUND_FORCE if cell is None else CELL_FORCE
+    touches: list[tuple[float, Touch]] = []
+    for number, (run, level) in enumerate(zip(observed.runs, noise, strict=True)):
+        force = run.contact[:, column]
+        merged: list[tuple[int, int]] = []
+        for first, last in impacts.groups(force, level, run.step_s):
+            if merged and (first - merged[-1][1]) * run.step_s < 2 * AROUND_S:
+                merged[-1] = (merged[-1][0], last)
+            else:
+                merged.append((first, last))
+        for first, last in merged:
+            size = float(force[first : last + 1].sum()) * run.step_s
+            span = (first * run.step_s - AROUND_S, last * run.step_s + AROUND_S)
+            touches.append((size, Touch(number, column, *span, std)))
+    touches.sort(key=lambda one: -one[0])
+    return replace(observed, touches=tuple(touch for _, touch in touches[:MOST_TOUCHES]))
 
 
 def found_force(
@@ -190,6 +218,8 @@ def touched(
 ) -> Touched:
     """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
     full, noise = pair.full, [pair.noise[run] for run in runs]
+    # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
+    values = values[: len(full.std)]
     start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
     if pair.cell is None and pair.second is None:
         # The force was found with frames as believed; once more with frames as they are.

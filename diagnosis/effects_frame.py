@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Motion, force_term, matrix_terms
+from diagnosis.calibrate import Baseline, Motion, force_term, matrix_terms
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.ordinary import Assembly, floor_mass
 from diagnosis.predictor import DRAG
@@ -248,6 +248,25 @@ class TorsionalEccentricity(FrameEffect):
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return eccentricity, frequency ratio and a damping as that of the lateral motion."""
         return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0], 1.0])
+
+    def like_appendage(
+        self, believed: Believed, baseline: Baseline, floor: int, appendage: np.ndarray
+    ) -> np.ndarray:
+        """Return the parameters with which the first mode meets what an appendage on a floor makes it meet.
+
+        Args:
+            believed: The believed model.
+            baseline: The fit with the appendage in it.
+            floor: The appendage's floor among all.
+            appendage: Its mass [kg], frequency [Hz] and damping ratio.
+        """
+        plain = believed.plain_modes(believed.assemble(baseline.values))
+        first = self.span(believed).start
+        mass, frequency, ratio = (float(value) for value in appendage)
+        share = mass * float(plain.floors[floor, first]) ** 2
+        offset = self.storeys(believed).gyration_m * np.sqrt(max(share, 1e-9))
+        own = 2 * np.pi * frequency / float(plain.omega[first])
+        return np.array([offset, own, max(ratio, 1e-4) / float(plain.ratio[first])])
 
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Add the floors' rotations, scaled by the radius of gyration to displacements."""

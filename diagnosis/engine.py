@@ -155,7 +155,7 @@ def _known_forces(believed: Believed, assembly: Assembly, number: int, at: np.nd
     times = np.arange(len(run.table)) * run.step_s
     forces = np.zeros((len(at), believed.structure.floors))
     for column, (left, right) in enumerate(believed.observed.contact_floors):
-        pushed = run.contact_at(at, column)
+        pushed = believed.contact_force(assembly, number, column, at)
         forces[:, left] -= pushed
         forces[:, right] += pushed
     if assembly.table_tilt:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import expm
 
 from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline
@@ -84,7 +85,9 @@ def simulate(
 
 
 def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.ndarray:
-    """Return the gap that a perfect model would leave in each channel: its noise, and what the table's noise does.
+    """Return the gap that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
+
+    Contact forces are as uncertain as their touches say in runs that were not fitted.
 
     Args:
         believed: The believed model.
@@ -98,7 +101,8 @@ def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.nd
         rms = np.nan_to_num(believed.observed.rms(run))
         table = table_share * float(root_mean_square(run.table))
         carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * table
-        squares = squares + len(run.table) * ((shares * rms) ** 2 + carried**2)
+        pushed = 0.0 if number in baseline.runs else touch_response(believed, baseline.modes, number)
+        squares = squares + len(run.table) * ((shares * rms) ** 2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
         count += len(run.table)
     del count
@@ -138,3 +142,32 @@ def table_response(believed: Believed, modes: Modes, step_s: float, samples: int
     output[:, -2:] = 0.0
     variance = np.einsum("ci,ij,cj->c", output, covariance, output)
     return np.sqrt(np.maximum(variance, 0.0))
+
+
+def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
+    """Return the mean square of each channel over a run that the uncertain sizes of its contact forces make."""
+    run, observed = believed.observed.runs[number], believed.observed
+    total = np.zeros(len(observed.names))
+    touches = [touch for touch in observed.touches if touch.run == number]
+    if not touches:
+        return total
+    system = linear_system(modes, believed.structure.drift @ modes.floors, observed.quantity, observed.floor)
+    swaying = slice(0, 2 * len(modes.omega))
+    step = expm(system.rate[swaying, swaying] * run.step_s)
+    times, samples = np.arange(len(run.table)) * run.step_s, len(run.table)
+    for column, (left, right) in enumerate(observed.contact_floors):
+        direction = modes.floors[right] - modes.floors[left]
+        state = np.concatenate([np.zeros(len(direction)), direction])
+        after = np.zeros((samples, len(total)))
+        for k in range(samples):
+            after[k] = system.output[:, swaying] @ state
+            state = step @ state
+        energy = np.cumsum(after**2, axis=0)
+        for touch in touches:
+            if touch.column == column:
+                force = np.where(touch.within(times), run.contact[:, column], 0.0)
+                left_over = samples - 1 - min(int(touch.first_s / run.step_s), samples - 1)
+                impulse = force.sum() * run.step_s
+                at_once = (system.direct @ direction) ** 2 * np.sum(force**2)
+                total += touch.std**2 * (impulse**2 * energy[left_over] + at_once)
+    return total / samples

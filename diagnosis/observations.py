@@ -66,6 +66,24 @@ class RunData:
 
 
 @dataclass(frozen=True)
+class Touch:
+    """A time in which two floors touch: its run, the column of its force, first and last moment [s] from the run's start.
+
+    `std` is how well the size of the force is known there, relative.
+    """
+
+    run: int
+    column: int
+    first_s: float
+    last_s: float
+    std: float
+
+    def within(self, times_s: np.ndarray) -> np.ndarray:
+        """Return which of some times [s] from the start of the run lie in it."""
+        return (times_s >= self.first_s) & (times_s <= self.last_s)
+
+
+@dataclass(frozen=True)
 class Observations:
     """All that was measured on a structure.
 
@@ -75,6 +93,7 @@ class Observations:
         runs: The runs.
         contact_floors: Left and right floor of each contact force, measured or found.
         force_cell: Whether a contact force was measured.
+        touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
         warnings: What was odd.
     """
 
@@ -85,6 +104,7 @@ class Observations:
     runs: tuple[RunData, ...]
     contact_floors: tuple[tuple[int, int], ...] = ()
     force_cell: bool = False
+    touches: tuple[Touch, ...] = ()
     warnings: list[str] = field(default_factory=list)
 
     def rms(self, run: RunData) -> np.ndarray:

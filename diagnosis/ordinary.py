@@ -14,8 +14,10 @@ from diagnosis.storeys import Structure
 CHANNEL_GAIN = 0.003
 CHANNEL_DELAY_S = 2e-4
 COMMON_DAMPING = 0.7
+STRUCK_DAMPING = 2.0
 """What a case does not state: prior standard deviations of a sensor's gain and delay, and how much of the damping's
-goes to all modes together; half the variance of the first mode, which is the one that was measured."""
+goes to all modes together; half the variance of the first mode, which is the one that was measured; and how many times
+wider that of the higher modes is where frames collide, because an impact shows those that a shaking hardly does."""
 
 
 BASE_STIFFNESS = 0.04
@@ -47,6 +49,8 @@ class Assembly:
     channel_gain: np.ndarray
     channel_delay_s: np.ndarray
     channel_offset: np.ndarray
+    touch_gain: np.ndarray
+    """Relative change of the contact force in each of the observations' touches."""
     laws: list[tuple[int, np.ndarray, tuple[float, ...], tuple[int, int]]] = field(default_factory=list)
     """Kind, row of floors that gives the drift, SI parameters, floor range (drag)."""
     extensions: list[
@@ -76,9 +80,10 @@ def ordinary_parameters(structure: Structure, observed: Observations, prior: Pri
         for number, frame in enumerate(structure.frames)
         if frame.joint_derivative is not None
     ]
+    higher = STRUCK_DAMPING if observed.contact_floors else 1.0
     found += [Parameter("floor_mass", floor, prior.floor_mass) for floor in range(floors)]
     found += [
-        Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else 1.0) * prior.damping_ratio)
+        Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else higher) * prior.damping_ratio)
         for mode in range(floors)
     ]
     found += [Parameter("table_gain", 0, prior.table_gain)]
@@ -88,6 +93,7 @@ def ordinary_parameters(structure: Structure, observed: Observations, prior: Pri
     # One channel keeps the time: all of them late together are a table that is early; a force cell keeps its own.
     first_free = 0 if observed.force_cell else 1
     found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
+    found += [Parameter("touch_gain", number, touch.std) for number, touch in enumerate(observed.touches)]
     return found
 
 
@@ -116,6 +122,8 @@ def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: 
         assembly.channel_gain[place] += value
     elif parameter.kind == "channel_delay":
         assembly.channel_delay_s[place] += value
+    elif parameter.kind == "touch_gain":
+        assembly.touch_gain[place] += value
 
 
 def storey_stiffness(structure: Structure, storey: int) -> float:

@@ -11,6 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import BOX, Baseline, log_likelihood, run_baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.doubts import bent
+from diagnosis.effects_frame import TorsionalEccentricity
 from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.findings import Findings, best, judge, noise_floor, unexplained
 from diagnosis.null_model import RESCUE_LEVEL, best_null, null_again, unswapped
@@ -20,7 +21,9 @@ from diagnosis.refine import Fit, refine
 REFINED = 8
 THOROUGH = 3
 WORTH = 2.0
-"""Candidates refined at most, those of them refined to the end, and the least evidence [nats] for which one is."""
+FOILS = 2
+"""Candidates refined at most, those of them refined to the end, the least evidence [nats] for which one is, and how many
+may be foils."""
 START_FACTORS = (0.5, 2.0)
 """Sizes tried beside the scored one before a refinement."""
 RESCUE_FACTORS = (0.5, 1.5, 4.0, 12.0)
@@ -31,8 +34,9 @@ RESCUED_SCORES = 4
 RESCUED_FACTORS = (1.0, 2.0)
 """Where nothing fits: sizes tried, evidence [nats] that is worth a refinement, how many, where, and how
 many of what scores best are tried and at which multiples of their scored size."""
-RESTARTS, RESTARTED = 2, 5.0
-"""How often, and for which gain [nats], the null model is calibrated again from where the likeliest effect led."""
+RESTARTS, RESTARTED, RESTARTED_SHARE = 2, 5.0, 0.05
+"""How often, and for which gain [nats] and which share of the evidence, the null model is calibrated again from where the
+likeliest effect led."""
 GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
 """Relative changes tried for a sensor's gain: a wrong polarity, a unit typed wrong."""
 SECOND = 12.0
@@ -57,7 +61,8 @@ def search(
     found = _refined_best(believed, null, effects, runs, progress)
     for _ in range(RESTARTS):
         again = null_again(found)
-        if again.log_posterior < null.log_posterior + RESTARTED:
+        worth = max(RESTARTED, RESTARTED_SHARE * best(found).nats)
+        if again.log_posterior < null.log_posterior + worth:
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
         null = again
@@ -92,6 +97,7 @@ def _refined_best(
     for count, i in enumerate(order[:THOROUGH]):
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
         _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
+    _turned(found, effects)
     if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
@@ -111,10 +117,14 @@ def _keep(found: Findings, fit: Fit) -> None:
 def _chosen(scores: Scores) -> list[Score]:
     """Return the candidates to refine: the best ones, and the best of those that look like none of them."""
     chosen: list[Score] = []
+    foils = 0
     for one in scores.ranked:
         if one.nats < WORTH or len(chosen) >= REFINED:
             break
-        chosen.append(one)
+        # A foil acts alike on neighbouring floors, and two of them say enough.
+        foils += one.effect.foil
+        if not one.effect.foil or foils <= FOILS:
+            chosen.append(one)
     return chosen
 
 
@@ -184,6 +194,24 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
         return found_there if np.isfinite(found_there) else -np.inf
 
     return max(starts, key=likely)
+
+
+def _turned(found: Findings, effects: Sequence[Effect]) -> None:
+    """Refine floors that turn from where a mass on a spring led: the frequency of turning is as sharp as that of a mass."""
+    leading = best(found)
+    if [effect.name for effect in leading.effects] != ["appendage"]:
+        return
+    foil, fit = leading.effects[0], leading.fit
+    for effect in effects:
+        if isinstance(effect, TorsionalEccentricity) and effect.frame == foil.frame:
+            values = effect.like_appendage(found.believed, fit.baseline, foil.index, fit.values[0])
+            width = np.maximum(np.abs(values), 1e-12)
+            _keep(
+                found,
+                refine(
+                    found.believed, fit.baseline, (effect,), (values,), (width,), ordinary=fit.baseline.values
+                ),
+            )
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
@@ -277,6 +305,6 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     found.later = score(believed, fit.baseline, others, found.sizes, fit.columns)
     if found.later.ranked[0].nats < SECOND:
         return
-    for one in found.later.ranked[:2]:
-        if one.nats > SECOND:
+    for number, one in enumerate(found.later.ranked[:2]):
+        if one.nats > SECOND and not (number and one.effect.foil):
             _keep(found, _refined(found, fit.baseline, one, fit))

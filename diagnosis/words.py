@@ -6,10 +6,14 @@ from typing import Any
 
 from diagnosis.case import Case
 from diagnosis.findings import Findings
+from diagnosis.ordinary import BASE_STIFFNESS, CHANNEL_DELAY_S, CHANNEL_GAIN, JOINT_STIFFNESS, STRUCK_DAMPING
 from diagnosis.quantities import UNITS
 
 HIDDEN = 3.0
 """Gap of the worst channel over the median of all from which the worst is told too."""
+_STRUCK = (
+    f"Frames that collide show their higher modes, whose damping is known {STRUCK_DAMPING:g} times less well."
+)
 LIKE = 0.03
 """Relative difference below which a sensor's gain is taken for another unit or the wrong polarity."""
 
@@ -141,9 +145,12 @@ def assumptions(case: Case, found: Findings) -> list[str]:
     return [
         f"Ordinary parameters are free inside their priors (standard deviations: storey stiffness "
         f"{prior.storey_stiffness:.1%}, frame stiffness {prior.frame_stiffness:.1%}, floor mass {prior.floor_mass:.1%}, "
-        f"first mode's damping {prior.damping_ratio:.0%}, table gain {prior.table_gain:.1%}, table delay "
+        f"each mode's damping {prior.damping_ratio:.0%}, table gain {prior.table_gain:.1%}, table delay "
         f"{prior.table_delay_ms:g} ms), none beyond three of them.",
-        "A sensor's gain is known to 0.3 %, its delay against the others to 0.2 ms, damping of higher modes to 40 %.",
+        f"A sensor's gain is known to {CHANNEL_GAIN:.1%}, its delay against the others to {CHANNEL_DELAY_S * 1e3:g} ms; "
+        f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
+        f"{JOINT_STIFFNESS:.0%}.",
+        *([_STRUCK] if case.contacts else []),
         "Standard errors are those of the noise alone; a law that is not quite the catalogue's adds its own error.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
