@@ -107,23 +107,35 @@ def prepare(case: Case, believed: Believed) -> Pair:
 def _with_touches(
     observed: Observations, noise: Sequence[float], column: int, cell: Cell | None
 ) -> Observations:
-    """Return the observations with the largest touches, whose forces are known as well as their source lets them."""
+    """Return the observations with the contact's touches: what a cell reads between them is noise and shakes no frame.
+
+    The sizes of the largest touches are as well known as their source lets them.
+    """
     std = FOUND_FORCE if cell is None else CELL_FORCE
     touches: list[tuple[float, Touch]] = []
+    runs = []
     for number, (run, level) in enumerate(zip(observed.runs, noise, strict=True)):
-        force = run.contact[:, column]
-        merged: list[tuple[int, int]] = []
-        for first, last in impacts.groups(force, level, run.step_s):
-            if merged and (first - merged[-1][1]) * run.step_s < 2 * AROUND_S:
-                merged[-1] = (merged[-1][0], last)
-            else:
-                merged.append((first, last))
-        for first, last in merged:
-            size = float(force[first : last + 1].sum()) * run.step_s
-            span = (first * run.step_s - AROUND_S, last * run.step_s + AROUND_S)
-            touches.append((size, Touch(number, column, *span, std)))
+        times, contact = np.arange(len(run.table)) * run.step_s, run.contact.copy()
+        closed = np.zeros(len(times), bool)
+        for first, last in _merged(impacts.groups(run.contact[:, column], level, run.step_s), run.step_s):
+            touch = Touch(number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std)
+            closed |= touch.within(times)
+            touches.append((float(contact[first : last + 1, column].sum()) * run.step_s, touch))
+        contact[~closed, column] = 0.0
+        runs.append(replace(run, contact=contact))
     touches.sort(key=lambda one: -one[0])
-    return replace(observed, touches=tuple(touch for _, touch in touches[:MOST_TOUCHES]))
+    return replace(observed, runs=tuple(runs), touches=tuple(touch for _, touch in touches[:MOST_TOUCHES]))
+
+
+def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int, int]]:
+    """Return first and last sample of touches, those joined that are too near to be told apart at the lower rate."""
+    merged: list[tuple[int, int]] = []
+    for first, last in groups:
+        if merged and (first - merged[-1][1]) * step_s < 2 * AROUND_S:
+            merged[-1] = (merged[-1][0], last)
+        else:
+            merged.append((first, last))
+    return merged
 
 
 def found_force(

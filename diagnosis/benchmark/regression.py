@@ -149,7 +149,7 @@ def thresholded_by_pysindy(
     try:
         from pysindy.optimizers import STLSQ
     except ImportError:
-        raise CaseError("pysindy is not installed; pip install 'pounding[sparse]'") from None
+        raise CaseError("pysindy is not installed; pip install '.[sparse]' in the checkout") from None
     base = columns[:, :always]
     known = np.linalg.lstsq(base, np.column_stack([columns[:, always:], target]), rcond=None)[0]
     left = np.column_stack([columns[:, always:], target]) - base @ known

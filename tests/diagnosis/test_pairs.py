@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
+from diagnosis import pairs
+from diagnosis.calibrate import grouped_signatures, motions, ordinary_terms, whitened
 from diagnosis.case import Case, Contact
 from diagnosis.colliding import Pair, Touched, prepare, touched
 from diagnosis.impacts import STEP_S, Law, strike
@@ -168,3 +170,57 @@ def test_a_gap_believed_closed_is_corrected() -> None:
 
 def test_the_sticks_are_those_of_the_case() -> None:
     assert model(colliding(CONTACT)).structure.frames[0].floor_mass == pytest.approx(MASS)
+
+
+def test_what_a_cell_reads_between_touches_shakes_no_frame() -> None:
+    pair, *_ = judged(colliding(CONTACT))
+    force = pair.slow.observed.runs[0].contact[:, 0]
+    touches = [touch for touch in pair.slow.observed.touches if touch.run == 0]
+    times = np.arange(len(force)) * pair.slow.observed.runs[0].step_s
+    # The filter of the lower rate rings for some samples beyond a touch.
+    near = np.any([(times > t.first_s - 0.05) & (times < t.last_s + 0.05) for t in touches], axis=0)
+    assert len(touches) > 3
+    assert force[near].max() > 50.0
+    assert not near.all()
+    assert np.abs(force[~near]).max() < 1e-3
+    # As recorded, the cell is as noisy as ever.
+    assert np.abs(pair.full.observed.runs[0].contact[:40, 0]).max() > 0.5
+
+
+def test_the_size_of_a_touch_changes_that_push_alone() -> None:
+    pair, *_ = judged(colliding(CONTACT))
+    believed = pair.slow
+    place, touch = 1, pair.slow.observed.touches[1]
+    number = next(
+        i for i, one in enumerate(believed.parameters) if (one.kind, one.place) == ("touch_gain", place)
+    )
+    values = np.zeros(len(believed.std))
+    values[number] = 0.1
+    times = np.linspace(0.0, believed.observed.runs[touch.run].time_s[-1], 4001)
+    plain, larger = (
+        believed.contact_force(believed.assemble(v), touch.run, touch.column, times)
+        for v in (np.zeros(len(believed.std)), values)
+    )
+    within = touch.within(times)
+    assert larger[within] == pytest.approx(1.1 * plain[within])
+    assert np.array_equal(larger[~within], plain[~within])
+
+
+def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
+    pair, *_ = judged(colliding(CONTACT))
+    believed = pair.slow
+    start = pairs.quick_baseline(believed, (0, 1))
+    number = next(i for i, one in enumerate(believed.parameters) if one.kind == "touch_gain")
+    touch = believed.observed.touches[0]
+    values = np.zeros(len(believed.std))
+    values[number] = 0.01
+    gains = [steady.gain for steady in start.filters]
+    place = start.runs.index(touch.run)
+    before, after = (
+        whitened(believed.predict(v, gains, (), start.runs).innovations[place], start.filters[place]).ravel()
+        for v in (start.values, start.values + values)
+    )
+    groups = [ordinary_terms(believed, start.modes, motion) for motion in motions(believed, start)]
+    column = grouped_signatures(believed, start, groups)[place][:, number]
+    change = (before - after) / 0.01
+    assert column @ change / np.linalg.norm(column) / np.linalg.norm(change) > 0.95
