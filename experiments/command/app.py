@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from cyclopts import App, CycloptsError
@@ -45,8 +47,19 @@ VERBS = {
     "diagnose": "experiments.command.diagnose:diagnose",
     "hide": "experiments.command.hide:hide",
 }
+
+
+def described(function: str) -> str:
+    """Return what the docstring of ``module:function`` says before its arguments, read without importing the module."""
+    module, name = function.split(":")
+    source = Path(__file__).parents[2].joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
+    body = ast.parse(source).body
+    found = next(node for node in body if isinstance(node, ast.FunctionDef) and node.name == name)
+    return (ast.get_docstring(found) or "").split("\n\nArgs:")[0]
+
+
 for _verb, _function in VERBS.items():
-    app.command(_function, name=_verb)
+    app.command(_function, name=_verb, help=described(_function))
 
 study = App(name="study", help="Replicate a chapter or table of the thesis.")
 app.command(study)
@@ -72,7 +85,7 @@ STUDIES = {
 """The studies by name, each a function that `python -m` and the tests call too."""
 
 for _name, _function in STUDIES.items():
-    study.command(_function, name=_name)
+    study.command(_function, name=_name, help=described(_function))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from experiments.command.app import STUDIES, VERBS
+from experiments.command.app import STUDIES, VERBS, described
 
 
 def pounding(*words: str) -> subprocess.CompletedProcess[str]:
@@ -60,3 +60,10 @@ def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) ->
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert named.lower() in done.stderr.lower()
+
+
+@pytest.mark.parametrize("function", [*VERBS.values(), *STUDIES.values()])
+def test_every_verb_and_study_says_in_the_list_what_it_does(function: str) -> None:
+    said = described(function)
+    assert said.split("\n")[0].endswith(".")
+    assert "Args:" not in said
