@@ -10,7 +10,7 @@ import numpy as np
 from diagnosis.believed import Believed
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Scores
-from diagnosis.gap import channel_gaps, floors, simulate
+from diagnosis.gap import channel_gaps, floors, over_floor, simulate
 from diagnosis.refine import Fit
 
 if TYPE_CHECKING:
@@ -105,5 +105,4 @@ def best(found: Findings) -> Judged:
 def unexplained(found: Findings, judged: Judged) -> bool:
     """Return whether a fit leaves much more than noise in the training runs."""
     floor = floors(found.believed, judged.fit.baseline, found.training)
-    with np.errstate(invalid="ignore"):
-        return bool(np.nanmedian(judged.channel_gap[0] / floor) > UNEXPLAINED)
+    return bool(np.nanmedian(over_floor(found.believed, judged.channel_gap[0], floor)) > UNEXPLAINED)

@@ -72,6 +72,17 @@ def differences(
         yield data, levelled(believed, output - data.measured, data.step_s)
 
 
+def over_floor(believed: Believed, gaps: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return gaps over the noise floor as they would be at the rate of the logger.
+
+    Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
+    was recorded.
+    """
+    slower = believed.observed.slower
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(((gaps / floor) ** 2 + slower - 1) / slower))
+
+
 def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
     """Return the median of the channels' gaps."""
     return float(np.nanmedian(channel_gaps(believed, outputs, runs)))

@@ -11,7 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import run_baseline
 from diagnosis.doubts import bent
 from diagnosis.findings import UNEXPLAINED, Findings, best, fit_gaps
-from diagnosis.gap import floors
+from diagnosis.gap import floors, over_floor
 from diagnosis.refine import Fit, refine
 from diagnosis.sensors import SWAPPED_NATS, exchange, exchanged
 
@@ -31,9 +31,8 @@ def best_null(believed: Believed, null: Fit) -> Fit:
 
 
 def _leaves(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> bool:
-    with np.errstate(invalid="ignore"):
-        over = fit_gaps(believed, fit, runs) / floors(believed, fit.baseline, runs)
-        return bool(np.nanmedian(over) > UNEXPLAINED)
+    over = over_floor(believed, fit_gaps(believed, fit, runs), floors(believed, fit.baseline, runs))
+    return bool(np.nanmedian(over) > UNEXPLAINED)
 
 
 def null_again(found: Findings) -> Fit:

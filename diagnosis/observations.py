@@ -93,6 +93,7 @@ class Observations:
         runs: The runs.
         contact_floors: Left and right floor of each contact force, measured or found.
         force_cell: Whether a contact force was measured.
+        slower: How many samples of the logger one of these stands for, if they were made fewer.
         touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
         warnings: What was odd.
     """
@@ -105,6 +106,7 @@ class Observations:
     contact_floors: tuple[tuple[int, int], ...] = ()
     force_cell: bool = False
     touches: tuple[Touch, ...] = ()
+    slower: int = 1
     warnings: list[str] = field(default_factory=list)
 
     def rms(self, run: RunData) -> np.ndarray:

@@ -58,11 +58,16 @@ class Pushes:
 
 def slowed(observed: Observations) -> Observations:
     """Return the observations low-passed without delay and sampled at `RATE_HZ` or a little more."""
-    return replace(observed, runs=tuple(_slowed(run) for run in observed.runs))
+    slower = min(_every(run) for run in observed.runs)
+    return replace(observed, runs=tuple(_slowed(run) for run in observed.runs), slower=slower)
+
+
+def _every(run: RunData) -> int:
+    return max(1, int(1.0 / (run.step_s * RATE_HZ) + 1e-6))
 
 
 def _slowed(run: RunData) -> RunData:
-    every = int(1.0 / (run.step_s * RATE_HZ) + 1e-6)
+    every = _every(run)
     if every < 2:
         return run
 

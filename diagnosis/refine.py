@@ -13,6 +13,7 @@ from diagnosis.calibrate import (
     Baseline,
     bounded_step,
     grouped_signatures,
+    log_likelihood,
     matched_noise,
     motions,
     ordinary_terms,
@@ -174,10 +175,27 @@ def _table_noise(believed: Believed, baseline: Baseline) -> Baseline:
         for _ in range(3):
             noise = tuple(replace(one, table=factor * one.table) for one in best.noise)
             trial = run_baseline(believed, best.values, noise, best.runs, best.effects)
+            if believed.observed.touches:
+                trial = _run_by_run(believed, best, trial)
             if trial.log_likelihood < best.log_likelihood + 0.5:
                 break
             best = trial
     return best
+
+
+def _run_by_run(believed: Believed, one: Baseline, other: Baseline) -> Baseline:
+    """Return a baseline with the likelier noise in each run: what a collision leaves is no noise of a run without one."""
+    likely = [
+        [
+            log_likelihood(believed, [series], [steady], [run])
+            for series, steady, run in zip(each.prediction.innovations, each.filters, each.runs, strict=True)
+        ]
+        for each in (one, other)
+    ]
+    noise = [
+        (one, other)[later > first].noise[i] for i, (first, later) in enumerate(zip(*likely, strict=True))
+    ]
+    return run_baseline(believed, one.values, noise, one.runs, one.effects)
 
 
 def _descend(

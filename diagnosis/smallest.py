@@ -148,6 +148,7 @@ class _Sight:
         )
         rms = np.nan_to_num(believed.observed.rms(believed.observed.runs[run]), nan=np.inf)
         noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
+        noise = noise * np.sqrt(believed.observed.slower)
         output = simulate(believed, baseline.values, baseline.effects, [run])[0]
         columns = []
         for number, std in enumerate(believed.std):

@@ -13,7 +13,7 @@ from diagnosis.confidence import Features, basis, confidence, features_of
 from diagnosis.doubts import doubts
 from diagnosis.engine import simulate_engine
 from diagnosis.findings import Findings, Judged
-from diagnosis.gap import gap
+from diagnosis.gap import gap, over_floor
 from diagnosis.where import where
 
 DETECTED_NATS = 30.0
@@ -113,12 +113,13 @@ def _spread(judged: Judged) -> bool:
 
 def leftover(found: Findings, judged: Judged) -> float:
     """Return the gap over the noise floor, median over the channels, mean of training and held-out runs."""
-    each = [
-        float(np.nanmedian(gaps / floor))
-        for gaps, floor in zip(judged.channel_gap, found.floor, strict=True)
-        if np.isfinite(gaps / floor).any()
-    ]
+    each = [float(np.nanmedian(over)) for over in _over(found, judged) if np.isfinite(over).any()]
     return float(np.mean(each)) if each else 1.0
+
+
+def _over(found: Findings, judged: Judged) -> np.ndarray:
+    """Return gaps over the noise floor of each channel, training and held-out runs, (2, channels)."""
+    return over_floor(found.believed, judged.channel_gap, found.floor)
 
 
 def visible(found: Findings, judged: Judged, without: Judged | None = None) -> float:
@@ -129,8 +130,8 @@ def visible(found: Findings, judged: Judged, without: Judged | None = None) -> f
         judged: The effects.
         without: What they are compared with; the null model when None.
     """
-    before, after = (without or found.null).channel_gap, judged.channel_gap
-    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0)) / found.floor
+    before, after = _over(found, without or found.null), _over(found, judged)
+    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))
     return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
 
 
@@ -143,11 +144,10 @@ def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
         nothing: Gap over noise floor of a channel that counts as wholly explained.
     """
     which = 1 if found.held_out else 0
-    before, after = found.null.channel_gap[which], judged.channel_gap[which]
-    floor = found.floor[which]
+    before, after = _over(found, found.null)[which], _over(found, judged)[which]
     # Over all channels together, by power: a channel that never saw the effect should not decide.
-    explainable = np.nansum(np.maximum((before / floor) ** 2 - 1, 0.0))
-    left = np.nansum(np.maximum((after / floor) ** 2 - nothing**2, 0.0))
+    explainable = np.nansum(np.maximum(before**2 - 1, 0.0))
+    left = np.nansum(np.maximum(after**2 - nothing**2, 0.0))
     return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
 
 
@@ -160,8 +160,7 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
         return True
     # In the same storey it is more likely that the first one's law is not quite the catalogue's.
     which = 1 if found.held_out else 0
-    floor = found.floor[which]
-    left = [np.nansum(np.maximum((one.channel_gap[which] / floor) ** 2 - 1, 0.0)) for one in (single, double)]
+    left = [np.nansum(np.maximum(_over(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
     return bool(left[1] < (1 - SAME_STOREY) * left[0])
 
 

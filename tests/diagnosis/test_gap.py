@@ -1,0 +1,32 @@
+"""How far a simulation is from what was measured, and what that is at the rate of the logger."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.believed import Believed
+from diagnosis.gap import over_floor
+from tests.diagnosis.models import measured
+
+
+def slowed(believed: Believed, slower: int) -> Believed:
+    return Believed(believed.structure, replace(believed.observed, slower=slower), believed.prior)
+
+
+def test_a_gap_over_its_floor_is_their_ratio() -> None:
+    believed = measured(runs=1)
+    assert over_floor(believed, np.array([0.02, 0.06]), np.array([0.02, 0.03])) == pytest.approx([1.0, 2.0])
+
+
+def test_a_model_error_stands_out_less_of_the_noise_that_was_recorded() -> None:
+    """White noise of 4 units and an error of 3: at a quarter of the rate the noise is 2, the error as before."""
+    recorded = over_floor(measured(runs=1), np.array([5.0]), np.array([4.0]))
+    fewer = over_floor(slowed(measured(runs=1), 4), np.array([np.hypot(2.0, 3.0)]), np.array([2.0]))
+    assert fewer == pytest.approx(recorded)
+
+
+def test_what_was_not_measured_stays_so() -> None:
+    assert np.isnan(over_floor(measured(runs=1), np.array([np.nan]), np.array([0.1]))).all()
