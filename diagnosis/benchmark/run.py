@@ -95,6 +95,7 @@ def run_benchmark(
     out: Path | None = None,
     workers: int | None = None,
     console: Console | None = None,
+    first: int | None = None,
 ) -> dict[str, Any]:
     """Judge a way of diagnosis on a drawn set.
 
@@ -108,6 +109,7 @@ def run_benchmark(
             None keeps nothing.
         workers: Processes; one a core when None, 0 runs in this process.
         console: Where progress is shown.
+        first: Judge only so many cases of the set, in its random order; all when None.
 
     Returns:
         The figures of `summarise`, and ``parameters``, ``method``, ``motion_records``, ``failures``,
@@ -117,7 +119,9 @@ def run_benchmark(
         CaseError: An unknown method, a set without cases, or not one that could be finished.
     """
     method(way)
-    cases = [{"index": drawn.index} for drawn in draw_set(count, seed, pairs=pairs)]
+    if first is not None and not 1 <= first <= count:
+        raise CaseError(f"the first {first} of {count} cases: give 1 to {count}")
+    cases = [{"index": drawn.index} for drawn in draw_set(count, seed, pairs=pairs)][:first]
     settings = {"count": count, "seed": seed, "way": way, "motions": motions, "pairs": pairs}
     done = sweep(
         one_case,
@@ -134,7 +138,7 @@ def run_benchmark(
     finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
     judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
     result = {
-        **stamp(settings),
+        **stamp(settings | {"first": first or count}),
         "method": way,
         "motion_records": available() if motions != "artificial" else [],
         **summarise(judged),

@@ -47,6 +47,12 @@ def diagnose(
     seed: Annotated[
         int | None, Parameter(group=OF_BENCHMARK, help="Seed of the cases that are drawn; default: 0.")
     ] = None,
+    first: Annotated[
+        int | None,
+        Parameter(
+            group=OF_BENCHMARK, help="Judge only so many of the cases that are drawn, in their random order."
+        ),
+    ] = None,
     pairs: Annotated[
         bool,
         Parameter(
@@ -70,9 +76,9 @@ def diagnose(
             raise CaseError(
                 "--benchmark draws its own cases; leave out the case, --candidates and --calibrate"
             )
-        _benchmark(benchmark, seed or 0, pairs, way or "diagnosis", out, json)
+        _benchmark(benchmark, seed or 0, first, pairs, way or "diagnosis", out, json)
         return
-    for name, value in (("--seed", seed), ("--pairs", pairs or None), ("--way", way)):
+    for name, value in (("--seed", seed), ("--first", first), ("--pairs", pairs or None), ("--way", way)):
         if value is not None:
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
@@ -93,10 +99,14 @@ def _written(out: Path | None) -> list[str]:
     return [f"the report is {out / 'report.html'}"]
 
 
-def _benchmark(cases: int, seed: int, pairs: bool, way: str, out: Path | None, json: bool) -> None:
+def _benchmark(
+    cases: int, seed: int, first: int | None, pairs: bool, way: str, out: Path | None, json: bool
+) -> None:
     from diagnosis.benchmark.run import run_benchmark, tables
 
-    result = run_benchmark(cases, seed=seed, pairs=pairs, way=way, out=out, console=progress_console())
+    result = run_benchmark(
+        cases, seed=seed, pairs=pairs, way=way, out=out, console=progress_console(), first=first
+    )
     emit(result, as_json=json, show=lambda: tables(result))
 
 

@@ -171,6 +171,11 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
     again = run.run_benchmark(3, 3, **options)
     assert len(seen) == 3
     assert [case["seed"] for case in again["judged"]] == [case["seed"] for case in result["judged"]]
+    fewer = run.run_benchmark(3, 3, first=2, **options)
+    assert len(seen) == 3
+    assert [case["seed"] for case in fewer["judged"]] == [case["seed"] for case in result["judged"]][:2]
+    with pytest.raises(CaseError, match="give 1 to 3"):
+        run.run_benchmark(3, 3, first=4, **options)
     monkeypatch.setattr(run, "_version", lambda: "two")
     run.run_benchmark(3, 3, **options)
     assert len(seen) == 6
