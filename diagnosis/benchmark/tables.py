@@ -64,20 +64,15 @@ def _detection(result: Mapping[str, Any]) -> Table:
 
 
 def _confusion(result: Mapping[str, Any]) -> Table:
-    """Return the confusion matrix; columns are numbered like the rows to keep it narrow."""
-    truths = list(result["confusion"])
-    called = {name for row in result["confusion"].values() for name in row}
-    columns = [*(name for name in truths if name in called), *sorted(called - set(truths))]
-    table = Table("hidden", *(str(i) for i in range(1, len(columns) + 1)), "exact if detected")
-    table.title, table.title_justify = "Called what (columns as named below)", "left"
-    for truth in truths:
-        row = result["confusion"][truth]
-        right = result["by_effect"].get(truth)
-        cells = [str(row[name]) if name in row else "" for name in columns]
-        table.add_row(truth, *cells, _percent(right) if right else "")
+    """Return what each hidden effect was called and how often, most often first."""
     names = {NOTHING: "nothing missing", UNKNOWN: "unknown effect"}
-    table.caption = ", ".join(f"{i} {names.get(name, name)}" for i, name in enumerate(columns, 1))
-    table.caption_justify = "left"
+    table = Table("hidden", "called, how often", "exact if detected", title="Called what")
+    table.title_justify = "left"
+    for truth, row in result["confusion"].items():
+        right = result["by_effect"].get(truth)
+        called = sorted(row.items(), key=lambda one: -one[1])
+        cells = ", ".join(f"{names.get(name, name)} {times}" for name, times in called)
+        table.add_row(names.get(truth, truth), cells, _percent(right) if right else "")
     return table
 
 
