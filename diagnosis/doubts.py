@@ -66,7 +66,8 @@ def _tones(believed: Believed, baseline: Baseline) -> list[str]:
             if not mode and not _hum(frequency) and not any(abs(frequency - f) < 0.5 for f in found):
                 found[frequency] = run.name
     return [
-        f"{name}: a steady tone of {frequency:.1f} Hz in several channels, which neither the table nor a mode makes"
+        f"{name}: a tone of {frequency:.1f} Hz in several channels, which neither the table nor a mode makes; "
+        "is it a machine, or a part that sways by itself?"
         for frequency, name in found.items()
     ]
 

@@ -19,8 +19,10 @@ from diagnosis.where import where
 DETECTED_NATS = 30.0
 DETECTED_SIZE = 0.2
 """Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
-CLASS_NATS = 5.0
-"""Refined candidates within this of the best cannot be told from it."""
+CLASS_NATS = 12.0
+FOIL_NATS = 5.0
+"""Refined candidates within this of the best cannot be told from it: two that are one and the same to a single channel, a
+late table and a late sensor, end ten apart. A foil has to be better than the catalogue by the second."""
 EXPLAINED = 0.8
 MOSTLY_EXPLAINED = 0.85
 """Share of the explainable gap that effects must close on the held-out run, or else something else is missing; the
@@ -85,7 +87,7 @@ def decide(found: Findings) -> Decision:
 def _listed(single: list[Judged]) -> Judged:
     """Return the best single effect; one of the catalogue where a foil is not told from it."""
     catalogue = [one for one in single if not one.effects[0].foil]
-    near = catalogue and catalogue[0].nats > single[0].nats - CLASS_NATS
+    near = catalogue and catalogue[0].nats > single[0].nats - FOIL_NATS
     return catalogue[0] if near else single[0]
 
 

@@ -38,10 +38,12 @@ def sentence(report: dict[str, Any]) -> str:
     change = f"the gap {run} {_moves(before, after)}, where noise alone leaves {noise}{_worst(report)}"
     if verdict == "effect_class":
         alike = report["effects"][0]["class"][1:]
-        others = "one other" if len(alike) == 1 else f"{len(alike)} others"
-        return (
-            f"Missing is {names}, or one of {others} that this data cannot tell from it; {change} ({sure})."
+        others = (
+            f"{kind_and_place(alike[0])}, which this data cannot tell from it"
+            if len(alike) == 1
+            else f"one of {len(alike)} others that this data cannot tell from it"
         )
+        return f"Missing is {names}, or {others}; {change} ({sure})."
     return f"Missing is {names}; {change} ({sure})."
 
 
