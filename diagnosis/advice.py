@@ -15,14 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import (
-    Baseline,
-    grouped_signatures,
-    motions,
-    ordinary_terms,
-    run_baseline,
-    whitened_innovations,
-)
+from diagnosis.calibrate import Baseline, grouped_signatures, motions, run_baseline, whitened_innovations
 from diagnosis.findings import Findings, Judged
 from diagnosis.kalman import Noise
 from diagnosis.observations import RunData, root_mean_square
@@ -30,6 +23,7 @@ from diagnosis.predictor import ACCELERATION, DISPLACEMENT
 from diagnosis.refine import Coordinates, Fit, effect_columns
 from diagnosis.search import widths
 from diagnosis.storeys import Structure
+from diagnosis.terms import ordinary_terms
 from diagnosis.verdict import Decision, decide
 
 WEAK_NATS = 20.0

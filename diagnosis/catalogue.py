@@ -17,10 +17,10 @@ from typing import ClassVar
 import numpy as np
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Motion
 from diagnosis.ordinary import Assembly
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
+from diagnosis.terms import Motion
 
 CHANNEL_UNIT = "unit of the channel"
 

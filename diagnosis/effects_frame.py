@@ -8,12 +8,13 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Baseline, Motion, force_term, matrix_terms
+from diagnosis.calibrate import Baseline
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.ordinary import Assembly, floor_mass
 from diagnosis.predictor import DRAG
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes, StoreyFrame
+from diagnosis.terms import Motion, force_term, matrix_terms
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Motion, channel_term, table_term
 from diagnosis.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
 from diagnosis.ordinary import Assembly
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
+from diagnosis.terms import Motion, channel_term, table_term
 from diagnosis.tilt import tilt_series
 
 

@@ -8,12 +8,12 @@ import numpy as np
 from numba import njit
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Motion, force_term, pattern_terms
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.ordinary import Assembly, floor_mass, storey_pattern, storey_stiffness
 from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS, LOOSENING
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
+from diagnosis.terms import Motion, force_term, pattern_terms
 
 SHARPNESS = 8.0
 SHARPEST = 30.0
@@ -48,8 +48,17 @@ class StoreyEffect(Effect):
 
     def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force as a term."""
-        row = believed.structure.drift[self.index] @ modes.floors
-        return [force_term(motion, lambda m: -self.force(believed, m, shape), row)]
+        return [
+            force_term(motion, lambda m: -self.force(believed, m, shape), self.row(believed) @ modes.floors)
+        ]
+
+    def row(self, believed: Believed) -> np.ndarray:
+        """Return the row of floors that gives the drift the law acts on, (floors,)."""
+        return np.asarray(believed.structure.drift[self.index])
+
+    def drift(self, motion: Motion) -> np.ndarray:
+        """Return that drift [m], (samples,)."""
+        return np.asarray(motion.drift[:, self.index])
 
     def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return kind and parameters of the law in `diagnosis.predictor`."""
@@ -58,7 +67,7 @@ class StoreyEffect(Effect):
     def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
         """Add the law to the assembly."""
         kind, parameters = self.law(believed, values)
-        assembly.laws.append((kind, believed.structure.drift[self.index], parameters, (0, 0)))
+        assembly.laws.append((kind, self.row(believed), parameters, (0, 0)))
 
     def stiffness(self, believed: Believed) -> float:
         """Return the believed stiffness of the storey [N/m]."""
@@ -255,7 +264,7 @@ class Bumper(StoreyEffect):
 
     def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the penetration."""
-        beyond = motion.drift[:, self.index] - shape[0]
+        beyond = self.drift(motion) - shape[0]
         return np.maximum(beyond, 0.0) if shape[0] >= 0 else np.minimum(beyond, 0.0)
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
@@ -281,25 +290,15 @@ class Tie(Bumper):
     foil = True
 
     def row(self, believed: Believed) -> np.ndarray:
-        """Return the row of floors that gives the way of the upper against the lower end."""
-        return np.asarray(believed.structure.drift[self.index] + believed.structure.drift[self.index - 1])
+        """Return the row of both storeys' drifts together, (floors,)."""
+        return np.asarray(believed.structure.drift[self.index - 1 : self.index + 1].sum(axis=0))
+
+    def drift(self, motion: Motion) -> np.ndarray:
+        """Return both storeys' drifts together [m], (samples,)."""
+        return np.asarray(motion.drift[:, self.index - 1 : self.index + 1].sum(axis=1))
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return gaps [m] on both sides, of both storeys' drifts together."""
         both = slice(self.index - 1, self.index + 1)
         ends = (float(scales.highest[both].sum()), float(scales.lowest[both].sum()))
         return [(end * share,) for end in ends for share in (0.25, 0.55)]
-
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the penetration between the two floors."""
-
-        def stop(m: Motion) -> np.ndarray:
-            beyond = m.drift[:, self.index] + m.drift[:, self.index - 1] - shape[0]
-            return np.asarray(-np.maximum(beyond, 0.0) if shape[0] >= 0 else -np.minimum(beyond, 0.0))
-
-        return [force_term(motion, stop, self.row(believed) @ modes.floors)]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
-        """Add the stop between the two floors."""
-        kind, parameters = self.law(believed, values)
-        assembly.laws.append((kind, self.row(believed), parameters, (0, 0)))

@@ -13,7 +13,6 @@ import diagnosis.effects_frame
 import diagnosis.effects_input
 import diagnosis.effects_storey  # noqa: F401  (the catalogue is whole once these are imported)
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Motion, force_term
 from diagnosis.candidate_file import UserForce, UserParameter
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.errors import CaseError
@@ -21,6 +20,7 @@ from diagnosis.ordinary import Assembly
 from diagnosis.predictor import USER
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
+from diagnosis.terms import Motion, force_term
 
 SHAPES = {0: 1, 1: 5, 2: 4, 3: 3, 4: 2}
 """How many values of each parameter but the first are scored, by how many such parameters there are."""

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from diagnosis.believed import Believed
-from diagnosis.calibrate import Baseline, grouped_signatures, motions, ordinary_terms, whitened_innovations
+from diagnosis.calibrate import Baseline, grouped_signatures, motions, whitened_innovations
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.observations import root_mean_square
 from diagnosis.sensitivity import Term
+from diagnosis.terms import ordinary_terms
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import expm
+from scipy.signal import fftconvolve
 
 from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline
@@ -156,7 +157,7 @@ def table_response(believed: Believed, modes: Modes, step_s: float, samples: int
 
 
 def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
-    """Return the mean square of each channel over a run that the uncertain sizes of its contact forces make."""
+    """Return the mean square of each channel in SI, (channels,), that the uncertain sizes of a run's contact forces make."""
     run, observed = believed.observed.runs[number], believed.observed
     total = np.zeros(len(observed.names))
     touches = [touch for touch in observed.touches if touch.run == number]
@@ -173,12 +174,11 @@ def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
         for k in range(samples):
             after[k] = system.output[:, swaying] @ state
             state = step @ state
-        energy = np.cumsum(after**2, axis=0)
+        after[0] /= 2.0  # The trapezoidal rule: half of an impulse lies before its sample.
         for touch in touches:
             if touch.column == column:
-                force = np.where(touch.within(times), run.contact[:, column], 0.0)
-                left_over = samples - 1 - min(int(touch.first_s / run.step_s), samples - 1)
-                impulse = force.sum() * run.step_s
-                at_once = (system.direct @ direction) ** 2 * np.sum(force**2)
-                total += touch.std**2 * (impulse**2 * energy[left_over] + at_once)
-    return total / samples
+                force = np.where(touch.within(times), run.contact[:, column], 0.0)[:, None]
+                moved = fftconvolve(force, run.step_s * after, axes=0)[:samples]
+                added = touch.std * (moved + force * (system.direct @ direction))
+                total += np.mean(added**2, axis=0)
+    return total

@@ -16,12 +16,12 @@ from diagnosis.calibrate import (
     log_likelihood,
     matched_noise,
     motions,
-    ordinary_terms,
     run_baseline,
     whitened,
     whitened_innovations,
 )
 from diagnosis.catalogue import Effect
+from diagnosis.terms import ordinary_terms
 
 DAMPINGS = (0.0, 0.1, 1.0, 10.0)
 PATTERN = (0.1, 0.03, 0.01)

@@ -9,17 +9,11 @@ from scipy.integrate import solve_ivp
 import frames
 from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import shift
-from diagnosis.calibrate import (
-    grouped_signatures,
-    motions,
-    ordinary_terms,
-    run_baseline,
-    whitened,
-    whitened_innovations,
-)
+from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened, whitened_innovations
 from diagnosis.kalman import discretise, linear_system, steady_filter
 from diagnosis.observations import root_mean_square
 from diagnosis.predictor import CUBIC
+from diagnosis.terms import ordinary_terms
 from frames.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
 

@@ -10,11 +10,13 @@ import pytest
 
 from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from diagnosis import pairs
-from diagnosis.calibrate import grouped_signatures, motions, ordinary_terms, whitened
+from diagnosis.calibrate import grouped_signatures, motions, whitened
 from diagnosis.case import Case, Contact
 from diagnosis.colliding import Pair, Touched, prepare, touched
+from diagnosis.gap import simulate, touch_response
 from diagnosis.impacts import STEP_S, Law, strike
 from diagnosis.pair_report import candidates, joined
+from diagnosis.terms import ordinary_terms
 from tests.diagnosis.colliding_models import CONTACT, GAP_M, MASS, colliding, model
 
 NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
@@ -224,3 +226,19 @@ def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
     column = grouped_signatures(believed, start, groups)[place][:, number]
     change = (before - after) / 0.01
     assert column @ change / np.linalg.norm(column) / np.linalg.norm(change) > 0.95
+
+
+def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
+    pair, *_ = judged(colliding(CONTACT))
+    believed = pair.slow
+    start = pairs.quick_baseline(believed, (0, 1))
+    plain = simulate(believed, start.values, (), [0])[0]
+    added = np.zeros(plain.shape[1])
+    for number, parameter in enumerate(believed.parameters):
+        if parameter.kind == "touch_gain" and believed.observed.touches[parameter.place].run == 0:
+            values = start.values.copy()
+            values[number] = parameter.std
+            added += np.mean((simulate(believed, values, (), [0])[0] - plain) ** 2, axis=0)
+    expected = touch_response(believed, start.modes, 0)
+    displaced = np.array(["_d" in name for name in believed.observed.names])
+    assert expected[displaced] == pytest.approx(added[displaced], rel=0.15)
