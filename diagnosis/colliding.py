@@ -13,23 +13,19 @@ from typing import Any
 import numpy as np
 
 from diagnosis import contacts, impacts, pairs
-from diagnosis.baseline import starting_noise
+from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline, run_baseline
 from diagnosis.case import Case
 from diagnosis.contacts import Fitted
 from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
+from diagnosis.impacts import Bodies
 from diagnosis.observations import Observations, Touch
+from diagnosis.second_contact import second_contact, second_fit
 
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
-LONG_S = 8e-3
-SECOND_NATS = 300.0
-SECOND_PUSHES = 4
-SECOND_SHARE = 0.5
-"""After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
-the share of its approaches beyond its gap in which it has to push."""
 LEAST_IMPACTS = 2
 CELL_FORCE, FOUND_FORCE = 0.03, 0.1
 AROUND_S = 0.01
@@ -72,6 +68,21 @@ class Touched:
     spread_m: float = float("nan")
 
 
+@dataclass(frozen=True)
+class Foretold:
+    """How well held-out impacts are foretold, root mean square in standard deviations of the forces: 1 is as it should be.
+
+    Attributes:
+        impacts: How many impacts.
+        believed: With the contact as believed.
+        likeliest: With the likeliest other contact, as fitted to the training runs.
+    """
+
+    impacts: int
+    believed: float
+    likeliest: float
+
+
 def prepare(case: Case, believed: Believed) -> Pair:
     """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them."""
     contact = case.contacts[0]
@@ -99,9 +110,37 @@ def prepare(case: Case, believed: Believed) -> Pair:
         )
     second = None
     if len(full.observed.contact_floors) == 1:
-        full, second = _second(full, floors, touching, column, noise, runs)
+        full, second = second_contact(full, floors, touching, column, noise, runs)
     slow = Believed(structure, pairs.slowed(_with_touches(full.observed, noise, column, cell)), case.prior)
     return Pair(full, slow, column, noise, cell, second, warnings)
+
+
+def found_again(pair: Pair, training: Sequence[int]) -> Pair:
+    """Return a pair with the forces that no cell measured found anew, by frames calibrated with those found before.
+
+    Weak touches show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
+    """
+    if pair.cell is not None or pair.second is not None:
+        return pair
+    values = calibrated(pair.slow, training).values[: len(pair.full.std)]
+    full, noise = _found_by(pair, values, (), range(len(pair.full.observed.runs)))
+    slow = pairs.slowed(_with_touches(full.observed, noise, pair.column, None))
+    return replace(pair, full=full, slow=Believed(full.structure, slow, full.prior), noise=noise)
+
+
+def _found_by(
+    pair: Pair, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+) -> tuple[Believed, list[float]]:
+    """Return the model with the force that frames with these parameters and effects ask for, and its noise [N]."""
+    full = pair.full
+    bare = replace(
+        full.observed,
+        runs=tuple(replace(run, contact=run.contact[:, :0]) for run in full.observed.runs),
+        contact_floors=(),
+    )
+    without = Believed(full.structure, bare, full.prior)
+    again = run_baseline(without, values, starting_noise(full, runs, LEVEL), runs, effects)
+    return found_force(without, full.observed.contact_floors[pair.column], again)
 
 
 def _with_touches(
@@ -149,76 +188,16 @@ def found_force(
     return Believed(believed.structure, observed, believed.prior), noise
 
 
-def _second(
-    full: Believed,
-    floors: Sequence[tuple[int, int]],
-    touching: tuple[int, int],
-    column: int,
-    noise: Sequence[float],
-    runs: Sequence[int],
-) -> tuple[Believed, tuple[int, float, int] | None]:
-    """Look for pushes at another floor while the stated contact is open."""
-    baseline = pairs.quick_baseline(full, runs)
-    closed = [
-        _closed(run.contact[:, column], level, run.step_s)
-        for run, level in zip(full.observed.runs, noise, strict=True)
-    ]
-    tried = []
-    for number, pair in enumerate(floors):
-        if pair != touching:
-            found = pairs.pushes(full, baseline, pair, closed)
-            if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
-                tried.append((sum(one.nats for one in found), number + 1))
-    if not tried or max(tried)[0] < SECOND_NATS:
-        return full, None
-    nats, floor = max(tried)
-    pair = floors[floor - 1]
-    if _opposed(full, baseline, pair, pairs.pushes(full, baseline, pair, closed)) < SECOND_SHARE:
-        return full, None
-    # Now with its pushes during impacts of the stated contact too.
-    forces = pairs.pushes(full, baseline, pair)
-    observed = pairs.with_force(
-        full.observed, pair, {run: one.force for run, one in zip(baseline.runs, forces, strict=True)}
-    )
-    return Believed(full.structure, observed, full.prior), (floor, nats, len(observed.contact_floors) - 1)
-
-
-def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
-    closed = np.zeros(len(force), bool)
-    for first, last in impacts.groups(force, noise, step):
-        closed[max(0, first - int(2e-3 / step)) : last + int(LONG_S / step)] = True
-    return closed
-
-
-def _opposed(
-    full: Believed, baseline: Baseline, pair: tuple[int, int], pushed: Sequence[pairs.Pushes]
-) -> float:
-    """Return the share of approaches beyond the gap at which pushes begin that do meet a push."""
-    row = baseline.modes.floors[pair[0]] - baseline.modes.floors[pair[1]]
-    n = len(baseline.modes.omega)
-    begun, tops = [], []
-    for number, one in enumerate(pushed):
-        distance = baseline.prediction.after[number][:, :n] @ row
-        peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
-        step = full.observed.runs[baseline.runs[number]].step_s
-        near = np.zeros(len(distance), bool)
-        for first, last in one.windows:
-            begun.append(float(distance[min(first + int(1e-3 / step), last)]))
-            near[max(0, first - int(0.01 / step)) : last + int(0.01 / step)] = True
-        tops += [(float(distance[k]), bool(near[k])) for k in peaks]
-    if not begun:
-        return 0.0
-    gap = float(np.median(begun))
-    beyond = [met for top, met in tops if top > gap]
-    return float(np.mean(beyond)) if beyond else 0.0
-
-
 def touch(case: Case, found: Findings, report: dict[str, Any]) -> Touched:
     """Return what the training runs' impacts say of the contact, the frames being as the report has them."""
     assert found.pair is not None
-    named = report["verdict"] != "nothing_missing" and bool(found.judged)
-    baseline = (found.judged[0] if named else found.null).fit.baseline
+    baseline = _baseline(found, report)
     return touched(case, found.pair, baseline.values, baseline.effects, found.training)
+
+
+def _baseline(found: Findings, report: dict[str, Any]) -> Baseline:
+    named = report["verdict"] != "nothing_missing" and bool(found.judged)
+    return (found.judged[0] if named else found.null).fit.baseline
 
 
 def touched(
@@ -229,33 +208,15 @@ def touched(
     runs: Sequence[int],
 ) -> Touched:
     """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
-    full, noise = pair.full, [pair.noise[run] for run in runs]
-    # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
-    values = values[: len(full.std)]
-    start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
-    if pair.cell is None and pair.second is None:
-        # The force was found with frames as believed; once more with frames as they are.
-        observed = full.observed
-        bare = replace(
-            observed,
-            runs=tuple(replace(run, contact=run.contact[:, :0]) for run in observed.runs),
-            contact_floors=(),
-        )
-        without = Believed(full.structure, bare, full.prior)
-        again = run_baseline(without, values, start.noise, runs, effects)
-        full, noise = found_force(without, observed.contact_floors[pair.column], again)
-        start = run_baseline(full, values, start.noise, runs, effects)
+    full, start, met = _met(pair, values, effects, runs)
     left, right = full.observed.contact_floors[pair.column]
-    mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
-    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
-    met = impacts.bodies(full, start, pair.column, noise, reduced)
     nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
     second = None
     if pair.second is not None:
-        second = _second_fit(full, start, pair.second[2], reduced)
+        second = second_fit(full, start, pair.second[2], met.mass)
     if len(met.impacts) < LEAST_IMPACTS:
         return Touched(None, (), second, len(met.impacts), nearest, spread)
-    law = contacts.believed_law(case.contacts[0], reduced)
+    law = contacts.believed_law(case.contacts[0], met.mass)
     null = contacts.best_fit(met, contacts.null(law))
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
     fits = [contacts.best_fit(met, one) for one in contacts.hypotheses(law, max(speed, 1e-2))]
@@ -269,6 +230,39 @@ def touched(
     )
 
 
+def _met(
+    pair: Pair, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+) -> tuple[Believed, Baseline, Bodies]:
+    """Return the model at the logger's rate, its filter with the contact's force, and the impacts of `runs`."""
+    full, noise = pair.full, [pair.noise[run] for run in runs]
+    # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
+    values = values[: len(full.std)]
+    if pair.cell is None and pair.second is None:
+        # The force was found with the frames as believed; once more with the frames as they are.
+        full, noise = _found_by(pair, values, effects, runs)
+    start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
+    left, right = full.observed.contact_floors[pair.column]
+    mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
+    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
+    return full, start, impacts.bodies(full, start, pair.column, noise, reduced)
+
+
+def foretold(case: Case, found: Findings, report: dict[str, Any], touched: Touched) -> Foretold | None:
+    """Return how well the believed contact and the likeliest one foretell the held-out impacts; None without any.
+
+    Impact by impact from the measured motion before each: a run through several impacts departs from the measured one
+    after the first few whatever the contact.
+    """
+    if found.pair is None or touched.null is None or not found.held_out:
+        return None
+    baseline = _baseline(found, report)
+    _, _, met = _met(found.pair, baseline.values, baseline.effects, found.held_out)
+    if len(met.impacts) < LEAST_IMPACTS:
+        return None
+    believed = contacts.misfit(met, contacts.believed_law(case.contacts[0], met.mass))
+    return Foretold(len(met.impacts), believed, contacts.misfit(met, touched.ranked[0][1].law))
+
+
 def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: float) -> tuple[float, float]:
     """Return how near the floors come to each other [m] and how well that is known."""
     row = baseline.modes.floors[left] - baseline.modes.floors[right]
@@ -276,17 +270,3 @@ def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: flo
     top = max(float((states[:, :n] @ row).max()) for states in baseline.prediction.after)
     spread = float(np.sqrt(np.sum((row * baseline.filters[0].spread[:n]) ** 2)))
     return top, float(np.hypot(np.hypot(spread, contacts.GAP_M), 0.01 * gap))
-
-
-def _second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> Fitted | None:
-    """Return the unlisted contact with everything about it free."""
-    noise = []
-    for run in baseline.runs:
-        force = full.observed.runs[run].contact[:, column]
-        noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
-    met = impacts.bodies(full, baseline, column, noise, mass)
-    if not met.impacts:
-        return None
-    onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
-    law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
-    return contacts.fit(met, contacts.Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))

@@ -28,9 +28,11 @@ if TYPE_CHECKING:
     from diagnosis.findings import Findings
     from diagnosis.verdict import Decision
 
-VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect")
+CONTACT = "contact_named"
+VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect", CONTACT)
+"""Kinds of verdicts on frames, and a claim on what is between two of them."""
 TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
-SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_effect": 0}
+SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_effect": 0, CONTACT: 1}
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
 BASE, SHRINKAGE = 1.0, 0.3
 """Prior standard deviation of the intercept and of the other coefficients: few wrong verdicts make no steep rule."""

@@ -308,6 +308,12 @@ def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
     return max((fit(bodies, hypothesis, start) for start in starts), key=lambda one: one.log_evidence)
 
 
+def misfit(bodies: Bodies, law: Law) -> float:
+    """Return what a contact leaves of impacts, root mean square in standard deviations, filter and states being free."""
+    found = fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
+    return float(np.sqrt(2 * found.cost / max(found.freedom, 1)))
+
+
 def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
     """Return fits that had their impacts fitted from where the best of them has its own: none is left in a bad corner."""
     found = list(fits)

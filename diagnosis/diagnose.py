@@ -10,7 +10,7 @@ from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
-from diagnosis.colliding import prepare, touch
+from diagnosis.colliding import foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
@@ -64,7 +64,8 @@ def diagnose_case(
         report |= _calibrated(found, told)
     if found.pair is not None:
         told("looking at the impacts", 0.9)
-        report = joined(case, found.pair, touch(case, found, report), report)
+        touched = touch(case, found, report)
+        report = joined(case, found.pair, touched, report, foretold(case, found, report, touched))
     if out is not None:
         from diagnosis.advice import advice
         from diagnosis.report import write_report
@@ -108,12 +109,15 @@ def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> Fi
     structure = Structure(believed_frames(case))
     observed = screened(observe(case, structure))
     believed = Believed(structure, observed, case.prior)
-    observed.warnings.extend(frequency_warnings(believed))
+    if not case.contacts:
+        # Impacts fill the spectrum and change its first peak.
+        observed.warnings.extend(frequency_warnings(believed))
     pair = prepare(case, believed) if case.contacts else None
-    if pair is not None:
-        observed, believed = pair.slow.observed, pair.slow
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}
+    if pair is not None:
+        pair = found_again(pair, [numbers[run.file] for run in training])
+        observed, believed = pair.slow.observed, pair.slow
     effects = [
         effect
         for effect in candidates(believed)

@@ -41,6 +41,16 @@ class Judged:
         return self.fit.effects
 
 
+DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
+"""Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
+PAIR_NATS, PAIR_SIZE = 100.0, 0.25
+CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
+"""The same for frames that collide, whose impacts no frame's model foretells quite; and where a force cell told of them,
+what is slow beside impacts may also show by so much evidence in less of the noise."""
+FILTERED_S = 2.5e-4
+"""Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
+
+
 @dataclass
 class Findings:
     """What the search found.
@@ -67,6 +77,27 @@ class Findings:
     """Two frames that touch, at the rate of the logger."""
     engine: dict[int, np.ndarray] = field(default_factory=dict)
     """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
+
+    def thresholds(self) -> tuple[float, float]:
+        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named."""
+        return (DETECTED_NATS, DETECTED_SIZE) if self.pair is None else (PAIR_NATS, PAIR_SIZE)
+
+    def plain(self, nats: float, size: float) -> bool:
+        """Return whether an effect of this evidence [nats] and size is detected."""
+        needed, least = self.thresholds()
+        certain = self.pair is not None and self.pair.cell is not None
+        return (nats >= needed and size >= least) or (
+            certain and nats >= CERTAIN_NATS and size >= CERTAIN_SIZE
+        )
+
+    def claimable(self) -> list[Judged]:
+        """Return what was judged, best first, without delays as filters make them where frames collide."""
+        return [one for one in self.judged if self.pair is None or not _of_filters(one)]
+
+
+def _of_filters(judged: Judged) -> bool:
+    each = zip(judged.effects, judged.fit.values, strict=True)
+    return any(effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S for effect, values in each)
 
 
 def judge(

@@ -12,7 +12,7 @@ from diagnosis.findings import Findings
 from diagnosis.gap import channel_gaps, simulate
 from diagnosis.origin import origin
 from diagnosis.smallest import smallest
-from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, Decision, decide
+from diagnosis.verdict import Decision, decide
 
 EXPLAINABLE = 1.1
 """A gap is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
@@ -26,14 +26,16 @@ def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, 
     ``closed`` is the share of the gap above the noise floor that was closed, or None where nothing is explainable.
     """
     gaps = {
-        name: None if gap is None else gap | {"closed": _closed(gap)} for name, gap in report["gap"].items()
+        name: gap | {"closed": _closed(gap)} if gap and "noise_floor" in gap else gap
+        for name, gap in report["gap"].items()
     }
+    nats, size = found.thresholds()
     return report | {
         "gap": gaps,
         "channels": channels(found, decide(found)),
         "smallest_detectable": smallest(case, found, decide(found)),
         "apart": apart(report, _measured(found)),
-        "thresholds": {"log_evidence": DETECTED_NATS, "share_of_noise": DETECTED_SIZE},
+        "thresholds": {"log_evidence": nats, "share_of_noise": size},
         "origin": origin(case),
     }
 

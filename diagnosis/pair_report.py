@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from diagnosis.case import Case
-from diagnosis.colliding import Pair, Touched
+from diagnosis.colliding import Foretold, Pair, Touched
+from diagnosis.confidence import CONTACT, Features, basis, confidence
 from diagnosis.contacts import Fitted
 from diagnosis.impacts import DAMPED
+from diagnosis.verdict import CLASS_NATS
 
 CLAIM_NATS = 15.0
 CLAIM_BESIDE_NATS = 40.0
 """Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right."""
-CLASS_NATS = 5.0
 
 
-def joined(case: Case, pair: Pair, touched: Touched, report: dict[str, Any]) -> dict[str, Any]:
+def joined(
+    case: Case, pair: Pair, touched: Touched, report: dict[str, Any], foretold: Foretold | None = None
+) -> dict[str, Any]:
     """Return a report on the frames with what the contact and its force cell add to it."""
     others = [*_cell(case, pair), *_second(case, pair, touched)]
     claims = list(others)
@@ -29,19 +33,36 @@ def joined(case: Case, pair: Pair, touched: Touched, report: dict[str, Any]) -> 
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
     report = dict(report)
+    if foretold is not None:
+        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claims)}
     shown = [place(one) | {"log_evidence": one["log_evidence"]} for one in (*others, *found)]
     report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
-    report["warnings"] = [*report["warnings"], *pair.warnings, *_odd(case, touched)]
+    report["warnings"] = [*report["warnings"], *pair.warnings, *_odd(case, touched), *_two_loggers(report)]
     if not claims or report["verdict"] == "unknown_effect":
         return report
     effects = [*(report["effects"] if frames_named else []), *claims]
     report["effects"] = sorted(effects, key=lambda one: -one["log_evidence"])
     alone = len(effects) == 1 and len(claims[0]["class"]) > 1
     report["verdict"] = "effect_class" if alone or report["verdict"] == "effect_class" else "effect_named"
-    weakest = min(one["log_evidence"] for one in claims)
-    sure = float(1 / (1 + np.exp(-np.clip((weakest - CLAIM_NATS) / 5, -30, 30))))
-    report["confidence"] = sure * (report["confidence"] if frames_named else 1.0)
+    given = _features(claims, found)
+    report["confidence"] = confidence(given) * (report["confidence"] if frames_named else 1.0)
+    report["confidence_basis"] = report.get("confidence_basis", basis(given)) | {"contact": asdict(given)}
     return report
+
+
+def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Features:
+    """Return what the confidence in claims on a contact and its cell rests on: the weakest, and what comes next to it."""
+    weakest = min(claims, key=lambda one: one["log_evidence"])
+    nats = weakest["log_evidence"]
+    behind = [one["log_evidence"] for one in found if one["effect"] != weakest["effect"]]
+    margin = nats - max([0.0, *behind]) if weakest["contact"] is not None else nats
+    return Features(CONTACT, nats, margin, 1.0, 1.0, len(claims))
+
+
+def _contact_gap(foretold: Foretold, claims: list[dict[str, Any]]) -> dict[str, Any]:
+    claimed = any(one["contact"] is not None for one in claims)
+    after = foretold.likeliest if claimed else foretold.believed
+    return {"impacts": foretold.impacts, "before": foretold.believed, "after": after}
 
 
 def place(entry: dict[str, Any]) -> dict[str, Any]:
@@ -131,4 +152,15 @@ def _odd(case: Case, touched: Touched) -> list[str]:
     return [
         f"contact 1 never closes in these runs: by the believed gap the floors stay {left:.2f} mm apart; "
         "stiffness, loss and law cannot be judged"
+    ]
+
+
+def _two_loggers(report: dict[str, Any]) -> list[str]:
+    """Return a warning where a delay fits best of what fits not enough: a late frame is late against the force too."""
+    first = max(report["candidates"], key=lambda one: one["log_evidence"], default=None)
+    if report["verdict"] != "unknown_effect" or first is None or first["effect"] != "sensor_delay":
+        return []
+    return [
+        f"a delay of {first['channel']} explains most of what is left, not all: if the two frames or the force cell were "
+        "recorded by different loggers, put them on one time base by a signal that both recorded, and diagnose again"
     ]

@@ -129,6 +129,7 @@ def pushes(
     baseline: Baseline,
     floors: tuple[int, int],
     closed: Sequence[np.ndarray] | None = None,
+    sides: tuple[float, float] = (1.0, 1.0),
 ) -> list[Pushes]:
     """Return the forces between two floors that the innovations of each run of a baseline show.
 
@@ -137,10 +138,11 @@ def pushes(
         baseline: The filter, with the forces that are known already.
         floors: Left and right floor.
         closed: For each run where no push is looked for, shape (samples,).
+        sides: Share of the force that acts on the left and on the right floor; a contact pushes both alike.
     """
     found = []
     residuals = whitened_innovations(believed, baseline)
-    direction = baseline.modes.floors[floors[1]] - baseline.modes.floors[floors[0]]
+    direction = sides[1] * baseline.modes.floors[floors[1]] - sides[0] * baseline.modes.floors[floors[0]]
     for number, run in enumerate(baseline.runs):
         step = believed.observed.runs[run].step_s
         length = max(16, int(MEMORY_S / step))

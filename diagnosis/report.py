@@ -121,6 +121,11 @@ def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
     """Return the findings for the terminal."""
     yield Text(sentence(report))
     yield _gaps(report)
+    if contact := report["gap"].get("contact"):
+        left = f"{number(contact['before'])} before, {number(contact['after'])} after"
+        yield Text(
+            f"{contact['impacts']} held-out impacts, standard deviations left of their forces (1 is as known): {left}"
+        )
     if report["effects"]:
         effects = Table("effect", "where", "parameter", "value", "std", "unit", title="What is missing")
         for effect in report["effects"]:

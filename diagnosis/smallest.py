@@ -15,7 +15,7 @@ from diagnosis.evidence import Score, Scores
 from diagnosis.findings import Findings
 from diagnosis.gap import simulate
 from diagnosis.observations import root_mean_square
-from diagnosis.verdict import DETECTED_NATS, DETECTED_SIZE, Decision, parameters
+from diagnosis.verdict import Decision, parameters
 
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
@@ -60,12 +60,12 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     return [_entry(case, found, name, places) for name, places in kinds.items()]
 
 
-def threshold(information: np.ndarray) -> np.ndarray:
-    """Return the amplitude, in prior standard deviations, whose expected log evidence is `DETECTED_NATS`.
+def threshold(information: np.ndarray, nats: float) -> np.ndarray:
+    """Return the amplitude, in prior standard deviations, whose expected log evidence is so many `nats`.
 
     The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `diagnosis.evidence.score`).
     """
-    needed = DETECTED_NATS + 0.5 * np.log1p(information)
+    needed = nats + 0.5 * np.log1p(information)
     with np.errstate(divide="ignore"):
         return np.asarray(np.sqrt(2 * needed * (1 + information)) / information)
 
@@ -81,11 +81,12 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
 
 def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
     effect, believed = one.effect, found.believed
+    nats, size = found.thresholds()
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]
     widths = np.array([effect.size(believed, found.sizes, shape) for shape in shapes])
-    amplitudes = threshold(np.maximum(information, 1e-12)) * widths
+    amplitudes = threshold(np.maximum(information, 1e-12), nats) * widths
     best = int(np.argmin(amplitudes / widths))
     sign = effect.sign or 1
     amplitude = float(amplitudes[best])
@@ -93,9 +94,9 @@ def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smalle
         if not _possible(effect, believed, amplitude):
             return None
         seen = sight.of_effect(effect, effect.values(sign * amplitude, shapes[best]))
-        if seen >= DETECTED_SIZE:
+        if seen >= size:
             break
-        amplitude *= min(1.02 * DETECTED_SIZE / max(seen, 1e-9), LARGEST_STRIDE)
+        amplitude *= min(1.02 * size / max(seen, 1e-9), LARGEST_STRIDE)
     else:
         return None
     compared = amplitude / widths[best] if effect.where in ("channel", "logger") else amplitude

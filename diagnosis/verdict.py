@@ -16,9 +16,6 @@ from diagnosis.findings import Findings, Judged
 from diagnosis.gap import gap, over_floor
 from diagnosis.where import where
 
-DETECTED_NATS = 30.0
-DETECTED_SIZE = 0.2
-"""Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
 CLASS_NATS = 12.0
 FOIL_NATS = 5.0
 """Refined candidates within this of the best cannot be told from it: two that are one and the same to a single channel, a
@@ -27,10 +24,10 @@ EXPLAINED = 0.8
 MOSTLY_EXPLAINED = 0.85
 """Share of the explainable gap that effects must close on the held-out run, or else something else is missing; the
 larger one where more than `PLAINLY_LEFT` is left."""
-UNEXPLAINED = 1.15
+UNEXPLAINED, BLIND_UNEXPLAINED = 1.15, 1.3
 PLAINLY_LEFT = 2.5
-"""Gap over noise floor below which nothing is left to explain; from which on something is missing whatever the
-candidates say, and plainly so."""
+"""Gap over noise floor below which nothing is left to explain, the second where contact forces are those that the motion
+asks for; from which on something is missing whatever the candidates say, and plainly so."""
 SECOND_NATS = 60.0
 SECOND_SHARE = 0.1
 SECOND_SIZE = 0.1
@@ -54,14 +51,15 @@ class Decision:
 
 def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
-    single = [one for one in found.judged if len(one.effects) == 1]
-    if not single or single[0].nats < DETECTED_NATS or visible(found, single[0]) < DETECTED_SIZE:
+    judged = found.claimable()
+    single = [one for one in judged if len(one.effects) == 1]
+    if not single or not found.plain(single[0].nats, visible(found, single[0])):
         doubted = _doubts(found, found.null)
-        if doubted or leftover(found, found.null) > UNEXPLAINED:
+        if doubted or leftover(found, found.null) > _unexplained(found):
             return Decision("unknown_effect", single[0] if single else found.null, (), doubted)
         return Decision("nothing_missing", found.null, ())
     chosen = _listed(single)
-    doubles = [one for one in found.judged if len(one.effects) > 1]
+    doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
     doubted = _doubts(found, chosen)
@@ -95,10 +93,15 @@ def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
     return tuple(doubts(found.believed, judged.fit.baseline))
 
 
+def _unexplained(found: Findings) -> float:
+    blind = found.pair is not None and found.pair.cell is None
+    return BLIND_UNEXPLAINED if blind else UNEXPLAINED
+
+
 def _explained(found: Findings, judged: Judged) -> bool:
     """Return whether effects close enough of the gap on runs that they were not fitted to."""
     left = leftover(found, judged)
-    if left < UNEXPLAINED:
+    if left < _unexplained(found):
         return True
     return closed(found, judged, 1.0) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
 

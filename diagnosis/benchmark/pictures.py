@@ -27,6 +27,22 @@ def draw_benchmark(result: Mapping[str, Any], path: Path) -> None:
     left, right = figure.subplots(1, 2)
     _sizes(left, result["detection"])
     _reliability(right, result["reliability"])
+    _write(figure, path)
+
+
+def draw_reliability(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write a PNG of stated confidence against hit rate alone.
+
+    Args:
+        rows: As `summary.reliability` gives them.
+        path: Where the picture goes.
+    """
+    figure = Figure(figsize=(4.8, 3.8), layout="constrained")
+    _reliability(figure.subplots(), rows)
+    _write(figure, path)
+
+
+def _write(figure: Figure, path: Path) -> None:
     data = io.BytesIO()
     figure.savefig(data, dpi=110, format="png")
     write_whole(path, data.getvalue())

@@ -10,6 +10,7 @@ import numpy as np
 from statsmodels.stats.proportion import proportion_confint
 
 from diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judged
+from diagnosis.hidden.places import EFFECTS
 
 SIZES = (0.0, 0.3, 1.0, 2.0, 5.0, np.inf)
 """Bounds of the visibility in the table of detection against size."""
@@ -17,7 +18,7 @@ SIZES = (0.0, 0.3, 1.0, 2.0, 5.0, np.inf)
 PLAIN = 2.0
 """Visibility from which an effect exceeds twice the noise floor."""
 
-CONFIDENCES = (0.0, 0.5, 0.7, 0.9, 1.0)
+CONFIDENCES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
 SHOWN = 0.5
 """Visibility below which no data of one rig can show an effect: for the confidence, 'nothing missing' is then right."""
 
@@ -64,6 +65,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
     errors = [error for case in named for error in case.parameter_errors]
     return {
         "cases": len(cases),
+        **_contacts(single),
         "exact_of_detected": share(detected, lambda case: case.exact),
         "exact_of_plain": share(plain, lambda case: case.exact),
         "class_right_of_detected": share(detected, lambda case: case.in_class),
@@ -78,7 +80,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "seconds_median": _median([case.seconds for case in cases]),
         "seconds_largest": max((case.seconds for case in cases), default=None),
         "detection": _detection(single),
-        "reliability": _reliability(cases),
+        "reliability": reliability(cases),
         "confusion": _confusion(cases),
         "by_effect": {
             name: share(
@@ -86,6 +88,23 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
             )
             for name in sorted({name for case in single for name in case.effects})
         },
+    }
+
+
+def _contacts(single: Sequence[Judged]) -> dict[str, Any]:
+    """Return the figures that only pairs have: impacts are chaotic, so a contact's visibility says little."""
+    of_contacts = [case for case in single if EFFECTS[case.effects[0]].place in ("contact", "between")]
+    if not of_contacts:
+        return {}
+    of_frames = [case for case in single if case not in of_contacts]
+    return {
+        "exact_of_contact_singles": share(of_contacts, lambda case: case.exact),
+        "exact_of_detected_contact_singles": share(
+            [c for c in of_contacts if c.detected], lambda case: case.exact
+        ),
+        "exact_of_plain_frame_singles": share(
+            [c for c in of_frames if c.visibility > PLAIN], lambda case: case.exact
+        ),
     }
 
 
@@ -107,15 +126,16 @@ def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
     return rows
 
 
-def _reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:
+def shown(case: Judged) -> bool:
+    """Return whether a verdict is right as far as data can show: nothing missing too, where what is hidden is too small."""
+    return case.in_class or (case.called == NOTHING and case.visibility < SHOWN)
+
+
+def reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:
     """Return stated confidence against the share of right verdicts, by bin of confidence.
 
-    Right is `in_class`; 'right as shown' counts 'nothing missing' too where what is hidden is too small to show.
+    Right is `in_class`; 'right as shown' is `shown`.
     """
-
-    def shown(case: Judged) -> bool:
-        return case.in_class or (case.called == NOTHING and case.visibility < SHOWN)
-
     rows = []
     for low, high in pairwise(CONFIDENCES):
         last = high == CONFIDENCES[-1]

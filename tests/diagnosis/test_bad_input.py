@@ -17,12 +17,12 @@ from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, CaseFrame, Channel, Prior, Run
 from diagnosis.case_write import write_case
+from diagnosis.findings import DETECTED_NATS
 from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.observations import Observations
 from diagnosis.sensors import screened
 from diagnosis.smallest import threshold
 from diagnosis.storeys import Structure
-from diagnosis.verdict import DETECTED_NATS
 from experiments.command.app import main
 from tests.diagnosis.models import STEP_S, measured
 
@@ -218,7 +218,7 @@ def test_a_first_frequency_that_is_unlikely_is_said(believed_hz: float, said: in
 
 def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
-    amplitude = threshold(information)
+    amplitude = threshold(information, DETECTED_NATS)
     # The expected evidence as `diagnosis.evidence` has it, for a pull of information times amplitude.
     nats = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
     np.testing.assert_allclose(nats, DETECTED_NATS)

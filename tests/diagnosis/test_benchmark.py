@@ -13,12 +13,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from diagnosis.benchmark import run
+from diagnosis.benchmark import reliability, run
 from diagnosis.benchmark.drawing import draw_set
 from diagnosis.benchmark.scoring import judge
 from diagnosis.benchmark.summary import share, summarise
 from diagnosis.benchmark.tables import tables
 from diagnosis.case import read_case
+from diagnosis.confidence import Features, confidence, read_pairs
 from diagnosis.diagnose import diagnose_case
 from diagnosis.errors import CaseError
 from diagnosis.hidden.effects import CATALOGUE
@@ -137,6 +138,57 @@ def test_summary_counts_each_kind_by_what_was_asked_of_it() -> None:
     text = console.file.getvalue()
     assert "50% (1/2; 9% to 91%)" in text
     assert "it broke" in text
+
+
+def test_effects_of_a_contact_are_summed_up_apart() -> None:
+    gap = {**PLACE, "effect": "gap_offset", "contact": 1}
+    cases = [
+        judge(truth(gap), report("effect_named", gap)),
+        judge(truth(gap), report("nothing_missing")),
+        judge(truth(FRICTION), report("effect_named", GAIN)),
+    ]
+    figures = summarise(cases)
+    assert figures["exact_of_contact_singles"]["share"] == 0.5
+    assert figures["exact_of_detected_contact_singles"]["share"] == 1.0
+    assert figures["exact_of_plain_frame_singles"]["share"] == 0.0
+    assert "exact_of_contact_singles" not in summarise(cases[2:])
+
+
+def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "cases").mkdir()
+    named = Features("effect_named", 500.0, 400.0, 3.0, 1.0, 1)
+    touched = Features("contact_named", 90.0, 80.0, 1.0, 1.0, 1)
+    gap = {**PLACE, "effect": "gap_offset", "contact": 1}
+    told: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = [
+        (truth(FRICTION), report("effect_named", FRICTION), {"features": vars(named)}),
+        (truth(FRICTION), report("effect_named", GAIN), {"features": vars(named)}),
+        (
+            truth(gap),
+            report("effect_named", gap),
+            {"features": vars(Features("nothing_missing", 3.0, 0.0, 0.1, 1.0, 0)), "contact": vars(touched)},
+        ),
+        (
+            truth(FRICTION, gap),
+            report("effect_named", FRICTION, gap),
+            {"features": vars(named), "contact": vars(touched)},
+        ),
+    ]
+    for index, (hidden, found, basis) in enumerate(told):
+        values = {"truth": json.dumps(hidden), "report": json.dumps(found | {"confidence_basis": basis})}
+        kept = {"case": {"index": index}, "failure": "", "values": values}
+        (tmp_path / "cases" / f"{9 - index}.json").write_text(json.dumps(kept))
+    reliability.main(tmp_path, first=3, fit=tmp_path / "pairs.jsonl")
+    assert read_pairs(tmp_path / "pairs.jsonl") == [(named, True), (named, False), (touched, True)]
+    # One effect of a frame and one of the contact are right together or not at all, and give no line.
+    reliability.main(tmp_path, skip=3, fit=tmp_path / "none.jsonl", picture=tmp_path / "reliability.png")
+    assert read_pairs(tmp_path / "none.jsonl") == []
+    stated = confidence(named) * confidence(touched)
+    assert f"stated {stated:.2f}, right 1.00 (1 of 1)" in capsys.readouterr().out
+    assert (tmp_path / "reliability.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(CaseError, match="no finished case"):
+        reliability.main(tmp_path / "cases")
 
 
 def test_an_unknown_method_is_said() -> None:

@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from scipy.signal import StateSpace, lsim
 
 from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
-from diagnosis import pairs
+from diagnosis import impacts, pairs
 from diagnosis.calibrate import grouped_signatures, motions, whitened
 from diagnosis.case import Case, Contact
-from diagnosis.colliding import Pair, Touched, prepare, touched
+from diagnosis.colliding import Pair, Touched, foretold, found_again, prepare, touch, touched
+from diagnosis.diagnose import find
+from diagnosis.findings import Findings
 from diagnosis.gap import simulate, touch_response
-from diagnosis.impacts import STEP_S, Law, strike
+from diagnosis.impacts import Law, strike
 from diagnosis.pair_report import candidates, joined
 from diagnosis.terms import ordinary_terms
-from tests.diagnosis.colliding_models import CONTACT, GAP_M, MASS, colliding, model
+from diagnosis.verdict import report_of
+from tests.diagnosis.colliding_models import (
+    CONTACT,
+    DRIFT,
+    FLOORS,
+    GAP_M,
+    MASS,
+    STEP_S,
+    STIFFNESS,
+    colliding,
+    damping,
+    model,
+)  # fmt: skip
 
 NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
 
@@ -54,21 +70,21 @@ def value(report: dict[str, Any], name: str) -> Any:
 )  # fmt: skip
 def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, reference: Any) -> None:
     speed, steps = 0.4, 300
-    at = np.arange(steps) * STEP_S
-    held = (np.arange(steps) - 0.5) * STEP_S**2 / law.mass
+    at = np.arange(steps) * impacts.STEP_S
+    held = (np.arange(steps) - 0.5) * impacts.STEP_S**2 / law.mass
     held[0] = 0.0
-    rate = np.full(steps, STEP_S / law.mass)
+    rate = np.full(steps, impacts.STEP_S / law.mass)
     rate[0] = 0.0
     push = strike(speed * at, np.full(steps, speed), held, rate, *law.numbers())
     # The same collision in twentieths of the step.
-    depth, velocity, impulse, fine = 0.0, speed, 0.0, STEP_S / 20
+    depth, velocity, impulse, fine = 0.0, speed, 0.0, impacts.STEP_S / 20
     for _ in range(20 * steps):
         middle = depth + 0.5 * fine * velocity
         force = float(reference.force(middle, velocity, speed)) if middle > 0 else 0.0
         impulse += force * fine
         velocity -= force * fine / law.mass
         depth += fine * velocity
-    assert push.sum() * STEP_S == pytest.approx(impulse, rel=0.01)
+    assert push.sum() * impacts.STEP_S == pytest.approx(impulse, rel=0.01)
 
 
 def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
@@ -242,3 +258,93 @@ def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
     expected = touch_response(believed, start.modes, 0)
     displaced = np.array(["_d" in name for name in believed.observed.names])
     assert expected[displaced] == pytest.approx(added[displaced], rel=0.15)
+
+
+def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_does_not() -> None:
+    case = colliding(replace(CONTACT, restitution=0.45), runs=3)
+    pair, found, _ = judged(case)
+    still = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
+    findings = SimpleNamespace(
+        pair=pair, held_out=(2,), judged=[], null=SimpleNamespace(fit=SimpleNamespace(baseline=still))
+    )
+    told = foretold(case, cast(Findings, findings), NOTHING, found)
+    assert told is not None
+    assert told.impacts >= 5
+    assert told.believed > 1.25 * told.likeliest
+    assert told.likeliest == pytest.approx(1.0, abs=0.35)
+    shown = joined(case, pair, found, NOTHING | {"gap": {}}, told)["gap"]["contact"]
+    assert shown == {"impacts": told.impacts, "before": told.believed, "after": told.likeliest}
+    kept = joined(case, pair, replace(found, ranked=()), NOTHING | {"gap": {}}, told)["gap"]["contact"]
+    assert kept["after"] == told.believed
+    findings.held_out = ()
+    assert foretold(case, cast(Findings, findings), NOTHING, found) is None
+
+
+def knocked(case: Case) -> Case:
+    """Return a case in which the second floor of the frame on the right was knocked twelve times, away from the other."""
+    stiffness = STIFFNESS["stiff"] * DRIFT.T @ DRIFT
+    still = np.zeros((FLOORS, FLOORS))
+    system = np.block([[still, np.eye(FLOORS)], [-stiffness / MASS, -damping(stiffness) / MASS]])
+    push = np.concatenate([np.zeros(FLOORS), np.eye(FLOORS)[1] / MASS])[:, None]
+    at = np.arange(len(case.runs[0].time_s)) * STEP_S
+    force = np.zeros(len(at))
+    for begin in np.linspace(0.3, 2.2, 12):
+        inside = (at > begin) & (at < begin + 0.005)
+        force[inside] = 400.0 * np.sin(np.pi * (at[inside] - begin) / 0.005)
+    states = lsim(StateSpace(system, push, np.eye(2 * FLOORS), np.zeros((2 * FLOORS, 1))), force, at)[1]
+    rates = states @ system.T + force[:, None] * push.T
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        for column, channel in enumerate(case.channels):
+            if channel.frame == "stiff" and channel.floor is not None:
+                moved = states if channel.quantity == "relative_displacement" else rates[:, FLOORS:]
+                values[:, column] += moved[:, channel.floor - 1]
+        runs.append(replace(run, values=values))
+    return replace(case, runs=tuple(runs))
+
+
+def test_knocks_on_one_frame_are_no_second_contact() -> None:
+    pair, *_ = judged(knocked(colliding(CONTACT)))
+    assert pair.second is None
+
+
+def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
+    case = colliding(CONTACT)
+    cell = [run.values[:, -1] for run in case.runs]
+    blind = colliding(CONTACT, measured=False)
+    believed = model(blind)
+    for frame in believed.structure.frames:
+        frame.stiffness[:] *= 1.1
+    quick = prepare(blind, believed)
+    better = found_again(quick, (0, 1))
+
+    def errors(pair: Pair) -> float:
+        off = [
+            run.contact[:, 0].sum() / force.sum() - 1
+            for run, force in zip(pair.full.observed.runs, cell, strict=True)
+        ]
+        return float(np.abs(off).max())
+
+    assert errors(better) < min(0.05, errors(quick))
+    measured = prepare(case, model(case))
+    assert found_again(measured, (0, 1)) is measured
+
+
+@pytest.mark.slow
+def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
+    case = colliding(CONTACT)
+    late = [i for i, channel in enumerate(case.channels) if channel.frame == "stiff"]
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        for column in late:
+            values[:, column] = np.interp(run.time_s - 0.003, run.time_s, values[:, column])
+        runs.append(replace(run, values=values))
+    case = replace(case, runs=tuple(runs))
+    found = find(case, lambda what, share: None)
+    report = report_of(case, found)
+    assert found.pair is not None
+    report = joined(case, found.pair, touch(case, found, report), report)
+    assert report["verdict"] == "unknown_effect"
+    assert any("different loggers" in warning for warning in report["warnings"])

@@ -1,0 +1,112 @@
+"""Whether the stated confidence holds: fitted to some cases of a benchmark, judged on the others.
+
+``python -m diagnosis.benchmark.reliability FOLDER --first N --fit PAIRS.jsonl`` writes the features of the first N
+finished cases for `diagnosis.confidence`; with ``--skip N --picture FILE`` the others' confidence, by the calibration
+that is shipped now, is put beside the share that was right.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import cyclopts
+from cyclopts import Parameter
+
+from diagnosis.benchmark.pictures import draw_reliability
+from diagnosis.benchmark.scoring import Judged, judge
+from diagnosis.benchmark.summary import reliability, shown
+from diagnosis.confidence import Features, confidence
+from diagnosis.errors import CaseError
+from frames.files import write_whole
+
+Finished = tuple[int, dict[str, Any], dict[str, Any]]
+
+
+def finished(folder: Path) -> list[Finished]:
+    """Return number, truth and report of the finished cases of a benchmark's folder, in the order of the set.
+
+    Raises:
+        CaseError: There is none.
+    """
+    found = []
+    for path in sorted((folder / "cases").glob("*.json")):
+        kept = json.loads(path.read_text(encoding="utf-8"))
+        if values := kept.get("values"):
+            found.append(
+                (int(kept["case"]["index"]), json.loads(values["truth"]), json.loads(values["report"]))
+            )
+    if not found:
+        raise CaseError(
+            f"{folder}: no finished case of a benchmark; run `pounding diagnose --benchmark N --out` first"
+        )
+    return sorted(found, key=lambda one: one[0])
+
+
+def restated(report: Mapping[str, Any]) -> float:
+    """Return the confidence that the shipped calibration states for a report's features."""
+    basis = report["confidence_basis"]
+    contact, frames = basis.get("contact"), Features(**basis["features"])
+    if contact is None:
+        return confidence(frames)
+    named = frames.verdict in ("effect_named", "effect_class")
+    return confidence(Features(**contact)) * (confidence(frames) if named else 1.0)
+
+
+def lines(cases: Sequence[Finished]) -> list[str]:
+    """Return features with ``right`` of cases as `diagnosis.confidence.read_pairs` has them; of contacts those that
+    stand alone."""
+    written = []
+    for _, truth, report in cases:
+        judged, basis = judge(truth, report), report["confidence_basis"]
+        named = basis["features"]["verdict"] in ("effect_named", "effect_class")
+        if "contact" not in basis:
+            features = basis["features"]
+        elif not named:
+            features = basis["contact"]
+        else:
+            continue
+        written.append(json.dumps(asdict(Features(**features)) | {"right": shown(judged)}))
+    return written
+
+
+def main(
+    folder: Path,
+    /,
+    *,
+    first: int | None = None,
+    skip: int = 0,
+    fit: Annotated[Path | None, Parameter(help="Where the features go, a line a case.")] = None,
+    picture: Annotated[Path | None, Parameter(help="Where the reliability diagram goes, as PNG.")] = None,
+) -> None:
+    """Write the features of finished cases, or judge the shipped confidence on them.
+
+    Args:
+        folder: The benchmark's folder.
+        first: Only so many cases of the set.
+        skip: Leave out so many cases of the set.
+    """
+    cases = [one for one in finished(folder) if skip <= one[0] and (first is None or one[0] < first)]
+    if fit is not None:
+        write_whole(fit, ("\n".join(lines(cases)) + "\n").encode())
+    rows = reliability([_restated(truth, report) for _, truth, report in cases])
+    for row in rows:
+        if row["stated"] is not None:
+            right = row["right_as_shown"]
+            print(
+                f"confidence {row['confidence'][0]:.1f} to {row['confidence'][1]:.1f}: stated {row['stated']:.2f}, "
+                f"right {right['share']:.2f} ({right['hits']} of {right['cases']})"
+            )
+    if picture is not None:
+        draw_reliability(rows, picture)
+
+
+def _restated(truth: dict[str, Any], report: dict[str, Any]) -> Judged:
+    return replace(judge(truth, report), confidence=restated(report))
+
+
+if __name__ == "__main__":
+    cyclopts.run(main)

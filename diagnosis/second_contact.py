@@ -1,0 +1,121 @@
+"""A second contact: pushes at another floor of a pair than that of the contact which is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from diagnosis import contacts, impacts, pairs
+from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline
+from diagnosis.contacts import Fitted
+
+LONG_S = 8e-3
+SECOND_NATS = 300.0
+SECOND_PUSHES = 4
+SECOND_SHARE = 0.5
+SECOND_LEAST_SHARE, BOTH_NATS = 0.15, 15.0
+ONE_SIDED = ((1.0, 0.0), (0.0, 1.0))
+"""After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
+the share of its approaches beyond its gap in which it has to push. A smaller share will do, because a rocking base or
+soft joints make distances wrong, where pushes on both frames are so much likelier than pushes on either alone."""
+
+
+def second_contact(
+    full: Believed,
+    floors: Sequence[tuple[int, int]],
+    touching: tuple[int, int],
+    column: int,
+    noise: Sequence[float],
+    runs: Sequence[int],
+) -> tuple[Believed, tuple[int, float, int] | None]:
+    """Look for pushes at another floor while the stated contact is open."""
+    baseline = pairs.quick_baseline(full, runs)
+    closed = [
+        _closed(run.contact[:, column], level, run.step_s)
+        for run, level in zip(full.observed.runs, noise, strict=True)
+    ]
+    tried = []
+    for number, pair in enumerate(floors):
+        if pair != touching:
+            found = pairs.pushes(full, baseline, pair, closed)
+            if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
+                tried.append((sum(one.nats for one in found), number + 1))
+    if not tried or max(tried)[0] < SECOND_NATS:
+        return full, None
+    nats, floor = max(tried)
+    pair = floors[floor - 1]
+    if not _of_a_contact(full, baseline, pair, closed):
+        return full, None
+    # Now with its pushes during impacts of the stated contact too.
+    forces = pairs.pushes(full, baseline, pair)
+    observed = pairs.with_force(
+        full.observed, pair, {run: one.force for run, one in zip(baseline.runs, forces, strict=True)}
+    )
+    return Believed(full.structure, observed, full.prior), (floor, nats, len(observed.contact_floors) - 1)
+
+
+def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
+    closed = np.zeros(len(force), bool)
+    for first, last in impacts.groups(force, noise, step):
+        closed[max(0, first - int(2e-3 / step)) : last + int(LONG_S / step)] = True
+    return closed
+
+
+def _of_a_contact(
+    full: Believed, baseline: Baseline, pair: tuple[int, int], closed: Sequence[np.ndarray]
+) -> bool:
+    """Return whether pushes come as the floors come near, or at least push both frames, which no part of one does."""
+    pushed = pairs.pushes(full, baseline, pair, closed)
+    share = _opposed(full, baseline, pair, pushed, closed)
+    if share >= SECOND_SHARE or share < SECOND_LEAST_SHARE:
+        return share >= SECOND_SHARE
+    alone = [
+        sum(one.nats for one in pairs.pushes(full, baseline, pair, closed, sides)) for sides in ONE_SIDED
+    ]
+    return sum(one.nats for one in pushed) > max(alone) + BOTH_NATS
+
+
+def _opposed(
+    full: Believed,
+    baseline: Baseline,
+    pair: tuple[int, int],
+    pushed: Sequence[pairs.Pushes],
+    closed: Sequence[np.ndarray],
+) -> float:
+    """Return the share of approaches beyond the gap at which pushes begin that do meet a push.
+
+    Approaches while the stated contact is `closed` do not count: no push is looked for then.
+    """
+    row = baseline.modes.floors[pair[0]] - baseline.modes.floors[pair[1]]
+    n = len(baseline.modes.omega)
+    begun, tops = [], []
+    for number, one in enumerate(pushed):
+        distance = baseline.prediction.after[number][:, :n] @ row
+        peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
+        step = full.observed.runs[baseline.runs[number]].step_s
+        near = np.zeros(len(distance), bool)
+        for first, last in one.windows:
+            begun.append(float(distance[min(first + int(1e-3 / step), last)]))
+            near[max(0, first - int(0.01 / step)) : last + int(0.01 / step)] = True
+        tops += [(float(distance[k]), bool(near[k])) for k in peaks if near[k] or not closed[number][k]]
+    if not begun:
+        return 0.0
+    gap = float(np.median(begun))
+    beyond = [met for top, met in tops if top > gap]
+    return float(np.mean(beyond)) if beyond else 0.0
+
+
+def second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> Fitted | None:
+    """Return the unlisted contact with everything about it free."""
+    noise = []
+    for run in baseline.runs:
+        force = full.observed.runs[run].contact[:, column]
+        noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
+    met = impacts.bodies(full, baseline, column, noise, mass)
+    if not met.impacts:
+        return None
+    onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
+    law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
+    return contacts.fit(met, contacts.Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))
