@@ -66,6 +66,7 @@ class Touched:
     impacts: int = 0
     nearest_m: float = float("nan")
     spread_m: float = float("nan")
+    bodies: Bodies | None = None
 
 
 @dataclass(frozen=True)
@@ -225,9 +226,8 @@ def touched(
     cost, freedom = min((one.cost, one.freedom) for one in (null, *fits))
     temper = max(1.0, 2 * cost / max(freedom - 3 * len(met.impacts), 1))
     ranked = sorted(((one.log_evidence - null.log_evidence) / temper, i) for i, one in enumerate(fits))
-    return Touched(
-        null, tuple((nats, fits[i]) for nats, i in ranked[::-1]), second, len(met.impacts), nearest, spread
-    )
+    best_first = tuple((nats, fits[i]) for nats, i in ranked[::-1])
+    return Touched(null, best_first, second, len(met.impacts), nearest, spread, met)
 
 
 def _met(

@@ -62,17 +62,19 @@ def diagnose_case(
     report = report_of(case, found)
     if calibrate:
         report |= _calibrated(found, told)
+    touched = None
     if found.pair is not None:
         told("looking at the impacts", 0.9)
         touched = touch(case, found, report)
         report = joined(case, found.pair, touched, report, foretold(case, found, report, touched))
     if out is not None:
+        from diagnosis import contact_advice
         from diagnosis.advice import advice
+        from diagnosis.pair_report import CLAIM_NATS
         from diagnosis.report import write_report
 
-        if found.pair is None:
-            told("trying further measurements", 0.92)
-            report["advice"] = advice(found)
+        told("trying further measurements", 0.92)
+        report["advice"] = advice(found) if touched is None else contact_advice.advice(touched, CLAIM_NATS)
         told("writing the report", 0.95)
         report = write_report(case, found, report, Path(out))
     told("done", 1.0)

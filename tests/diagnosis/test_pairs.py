@@ -11,7 +11,7 @@ import pytest
 from scipy.signal import StateSpace, lsim
 
 from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
-from diagnosis import impacts, pairs
+from diagnosis import contact_advice, impacts, pairs
 from diagnosis.calibrate import grouped_signatures, motions, whitened
 from diagnosis.case import Case, Contact
 from diagnosis.colliding import Pair, Touched, foretold, found_again, prepare, touch, touched
@@ -19,7 +19,7 @@ from diagnosis.diagnose import find
 from diagnosis.findings import Findings
 from diagnosis.gap import simulate, touch_response
 from diagnosis.impacts import Law, strike
-from diagnosis.pair_report import candidates, joined
+from diagnosis.pair_report import CLAIM_NATS, candidates, joined
 from diagnosis.terms import ordinary_terms
 from diagnosis.verdict import report_of
 from tests.diagnosis.colliding_models import (
@@ -33,7 +33,7 @@ from tests.diagnosis.colliding_models import (
     colliding,
     damping,
     model,
-)  # fmt: skip
+)
 
 NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
 
@@ -67,7 +67,7 @@ def value(report: dict[str, Any], name: str) -> Any:
             NonlinearViscoelastic(2e9, damping_ratio=JANKOWSKI.numbers()[4], reduced_mass=3.0),
         ),
     ],
-)  # fmt: skip
+)
 def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, reference: Any) -> None:
     speed, steps = 0.4, 300
     at = np.arange(steps) * impacts.STEP_S
@@ -348,3 +348,17 @@ def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
     report = joined(case, found.pair, touch(case, found, report), report)
     assert report["verdict"] == "unknown_effect"
     assert any("different loggers" in warning for warning in report["warnings"])
+
+
+def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one() -> None:
+    _, found, report = judged(colliding(replace(CONTACT, stiffness=1.2e7)))
+    assert report["verdict"] == "nothing_missing"
+    said = contact_advice.advice(found, CLAIM_NATS)
+    assert said[0].startswith("The same shaking recorded at four times the sampling rate")
+    assert "another stiffness from the contact as believed" in said[0]
+    assert found.bodies is not None
+    assert found.null is not None
+    gains = dict(contact_advice.expected(found.bodies, found.ranked[0][1], found.null))
+    assert gains["the same shaking recorded at four times the sampling rate, force cell included"] > 30
+    clear = replace(found, ranked=((500.0, found.ranked[0][1]), *found.ranked[1:]))
+    assert contact_advice.advice(clear, CLAIM_NATS) == []
