@@ -22,7 +22,7 @@ from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
 from diagnosis.impacts import Bodies
 from diagnosis.observations import Observations, Touch
-from diagnosis.second_contact import second_contact, second_fit
+from diagnosis.second_contact import second_contact, second_fit, with_pushes, without_last
 
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
@@ -54,6 +54,11 @@ class Pair:
     cell: Cell | None
     second: tuple[int, float, int] | None = None
     warnings: list[str] = field(default_factory=list)
+
+    @property
+    def blind(self) -> bool:
+        """Whether a contact's force is what the motion asks for, no cell having measured it."""
+        return self.cell is None or self.second is not None
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,8 @@ def prepare(case: Case, believed: Believed) -> Pair:
     second = None
     if len(full.observed.contact_floors) == 1:
         full, second = second_contact(full, floors, touching, column, noise, runs)
-    slow = Believed(structure, pairs.slowed(_with_touches(full.observed, noise, column, cell)), case.prior)
-    return Pair(full, slow, column, noise, cell, second, warnings)
+    pair = Pair(full, full, column, noise, cell, second, warnings)
+    return replace(pair, slow=_slow(pair))
 
 
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:
@@ -121,12 +126,36 @@ def found_again(pair: Pair, training: Sequence[int]) -> Pair:
 
     Weak touches show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
     """
-    if pair.cell is not None or pair.second is not None:
+    if not pair.blind:
         return pair
     values = calibrated(pair.slow, training).values[: len(pair.full.std)]
-    full, noise = _found_by(pair, values, (), range(len(pair.full.observed.runs)))
-    slow = pairs.slowed(_with_touches(full.observed, noise, pair.column, None))
-    return replace(pair, full=full, slow=Believed(full.structure, slow, full.prior), noise=noise)
+    runs = range(len(pair.full.observed.runs))
+    if pair.second is None:
+        full, noise = _found_by(pair, values, (), runs)
+        again = replace(pair, full=full, noise=noise)
+    else:
+        stated = without_last(pair.full)
+        baseline = run_baseline(stated, values, starting_noise(stated, runs, LEVEL), runs)
+        touching = pair.full.observed.contact_floors[pair.second[2]]
+        again = replace(pair, full=with_pushes(stated, baseline, touching))
+    return replace(again, slow=_slow(again))
+
+
+def _slow(pair: Pair) -> Believed:
+    full = pair.full
+    observed = _with_touches(full.observed, _contacts(pair))
+    return Believed(full.structure, pairs.slowed(observed), full.prior)
+
+
+def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
+    """Return column, noise in each run [N] and relative uncertainty of each contact's force."""
+    found: list[tuple[int, Sequence[float], float]] = []
+    found.append((pair.column, pair.noise, FOUND_FORCE if pair.cell is None else CELL_FORCE))
+    if pair.second is not None:
+        column = pair.second[2]
+        forces = [run.contact[:, column] for run in pair.full.observed.runs]
+        found.append((column, [found_noise(force) for force in forces], FOUND_FORCE))
+    return found
 
 
 def _found_by(
@@ -145,23 +174,25 @@ def _found_by(
 
 
 def _with_touches(
-    observed: Observations, noise: Sequence[float], column: int, cell: Cell | None
+    observed: Observations, contacts: Sequence[tuple[int, Sequence[float], float]]
 ) -> Observations:
-    """Return the observations with the contact's touches: what a cell reads between them is noise and shakes no frame.
+    """Return the observations with their touches: what a cell reads between them is noise and shakes no frame.
 
     The sizes of the largest touches are as well known as their source lets them.
     """
-    std = FOUND_FORCE if cell is None else CELL_FORCE
     touches: list[tuple[float, Touch]] = []
     runs = []
-    for number, (run, level) in enumerate(zip(observed.runs, noise, strict=True)):
+    for number, run in enumerate(observed.runs):
         times, contact = np.arange(len(run.table)) * run.step_s, run.contact.copy()
-        closed = np.zeros(len(times), bool)
-        for first, last in _merged(impacts.groups(run.contact[:, column], level, run.step_s), run.step_s):
-            touch = Touch(number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std)
-            closed |= touch.within(times)
-            touches.append((float(contact[first : last + 1, column].sum()) * run.step_s, touch))
-        contact[~closed, column] = 0.0
+        for column, noise, std in contacts:
+            force, closed = run.contact[:, column], np.zeros(len(times), bool)
+            for first, last in _merged(impacts.groups(force, noise[number], run.step_s), run.step_s):
+                touch = Touch(
+                    number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std
+                )
+                closed |= touch.within(times)
+                touches.append((float(force[first : last + 1].sum()) * run.step_s, touch))
+            contact[~closed, column] = 0.0
         runs.append(replace(run, contact=contact))
     touches.sort(key=lambda one: -one[0])
     return replace(observed, runs=tuple(runs), touches=tuple(touch for _, touch in touches[:MOST_TOUCHES]))
@@ -178,13 +209,18 @@ def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int,
     return merged
 
 
+def found_noise(force: np.ndarray) -> float:
+    """Return the standard deviation of a force that was found from the motion [N]."""
+    return impacts.force_noise(force[force != 0]) if np.any(force) else 1.0
+
+
 def found_force(
     believed: Believed, floors: tuple[int, int], baseline: Baseline
 ) -> tuple[Believed, list[float]]:
     """Return the model with a contact's force as the motion shows it, and the standard deviation of that [N]."""
     pushed = pairs.pushes(believed, baseline, floors)
     forces = {run: one.force for run, one in zip(baseline.runs, pushed, strict=True)}
-    noise = [impacts.force_noise(one.force[one.force != 0]) if one.windows else 1.0 for one in pushed]
+    noise = [found_noise(one.force) for one in pushed]
     observed = pairs.with_force(believed.observed, floors, forces)
     return Believed(believed.structure, observed, believed.prior), noise
 

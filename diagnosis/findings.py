@@ -85,7 +85,7 @@ class Findings:
     def plain(self, nats: float, size: float) -> bool:
         """Return whether an effect of this evidence [nats] and size is detected."""
         needed, least = self.thresholds()
-        certain = self.pair is not None and self.pair.cell is not None
+        certain = self.pair is not None and not self.pair.blind
         return (nats >= needed and size >= least) or (
             certain and nats >= CERTAIN_NATS and size >= CERTAIN_SIZE
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -49,11 +50,23 @@ def second_contact(
     if not _of_a_contact(full, baseline, pair, closed):
         return full, None
     # Now with its pushes during impacts of the stated contact too.
-    forces = pairs.pushes(full, baseline, pair)
-    observed = pairs.with_force(
-        full.observed, pair, {run: one.force for run, one in zip(baseline.runs, forces, strict=True)}
-    )
-    return Believed(full.structure, observed, full.prior), (floor, nats, len(observed.contact_floors) - 1)
+    both = with_pushes(full, baseline, pair)
+    return both, (floor, nats, len(both.observed.contact_floors) - 1)
+
+
+def with_pushes(full: Believed, baseline: Baseline, floors: tuple[int, int]) -> Believed:
+    """Return the model with the force between two floors that a baseline's innovations show, beside the forces it has."""
+    found = pairs.pushes(full, baseline, floors)
+    forces = {run: one.force for run, one in zip(baseline.runs, found, strict=True)}
+    return Believed(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
+
+
+def without_last(full: Believed) -> Believed:
+    """Return the model without its last contact force."""
+    observed = full.observed
+    runs = tuple(replace(run, contact=run.contact[:, :-1]) for run in observed.runs)
+    fewer = replace(observed, runs=runs, contact_floors=observed.contact_floors[:-1])
+    return Believed(full.structure, fewer, full.prior)
 
 
 def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:

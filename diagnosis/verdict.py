@@ -28,11 +28,10 @@ UNEXPLAINED, BLIND_UNEXPLAINED = 1.15, 1.3
 PLAINLY_LEFT = 2.5
 """Gap over noise floor below which nothing is left to explain, the second where contact forces are those that the motion
 asks for; from which on something is missing whatever the candidates say, and plainly so."""
-SECOND_NATS = 60.0
+SECOND_NATS, SECOND_SIZE = 2.0, 0.5
 SECOND_SHARE = 0.1
-SECOND_SIZE = 0.1
-"""What a second effect must add to the evidence [nats], as a share of the first one's too, because laws that are not
-quite the catalogue's leave that much of a strong effect; and to what is seen, in units of a channel's noise."""
+"""What a second effect must add to the evidence and to what is seen, as multiples of what a first one needs; and as a share of
+the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
 SAME_STOREY = 0.8
 """Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
 LEFT = 1.6
@@ -94,8 +93,7 @@ def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
 
 
 def _unexplained(found: Findings) -> float:
-    blind = found.pair is not None and found.pair.cell is None
-    return BLIND_UNEXPLAINED if blind else UNEXPLAINED
+    return BLIND_UNEXPLAINED if found.pair is not None and found.pair.blind else UNEXPLAINED
 
 
 def _explained(found: Findings, judged: Judged) -> bool:
@@ -158,8 +156,9 @@ def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
-    likely = double.nats > single.nats + SECOND_NATS + SECOND_SHARE * single.nats
-    if not likely or visible(found, double, single) < SECOND_SIZE:
+    nats, size = found.thresholds()
+    likely = double.nats > single.nats + SECOND_NATS * nats + SECOND_SHARE * single.nats
+    if not likely or visible(found, double, single) < SECOND_SIZE * size:
         return False
     if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
         return True
