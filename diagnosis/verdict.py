@@ -30,8 +30,8 @@ PLAINLY_LEFT = 2.5
 asks for; from which on something is missing whatever the candidates say, and plainly so."""
 SECOND_NATS, SECOND_SIZE = 2.0, 0.5
 SECOND_SHARE = 0.1
-"""What a second effect must add to the evidence and to what is seen, as multiples of what a first one needs; and as a share of
-the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
+"""What a second effect must add to the evidence and to what is seen, as multiples of what a first one needs; and as a share
+of the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
 SAME_STOREY = 0.8
 """Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
 LEFT = 1.6
