@@ -209,6 +209,9 @@ def _descend(
         residuals = whitened_innovations(believed, baseline)
         start = np.concatenate([baseline.values / believed.std, coordinates.prior(x)])
         gram, slope = _normal(ordinary_columns, columns, residuals)
+        if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
+            # Where an effect blows up there is no direction to go.
+            break
         before = _misfit(believed, baseline, coordinates, x, baseline.values)
         after = before
         for damping in DAMPINGS:
