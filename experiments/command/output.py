@@ -56,7 +56,8 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
     shown = Table(title=title, title_justify="left")
     for index, name in enumerate(columns):
         words = any(isinstance(row[index], str) for row in rows)
-        shown.add_column(name, justify="left" if words else "right")
+        # A name too long for a narrow terminal goes on in the next line rather than lose its end.
+        shown.add_column(name, justify="left" if words else "right", overflow="fold")
     for row in rows:
         shown.add_row(*("–" if cell is None else f"{cell}" for cell in row))
     return shown
