@@ -122,7 +122,9 @@ def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
     yield Text(sentence(report))
     yield _gaps(report)
     if contact := report["gap"].get("contact"):
-        left = f"{number(contact['before'])} before, {number(contact['after'])} after"
+        left = f"{number(contact['before'])} with the contact as believed"
+        if contact["after"] != contact["before"]:
+            left += f", {number(contact['after'])} as found"
         yield Text(
             f"{contact['impacts']} held-out impacts, standard deviations left of their forces (1 is as known): {left}"
         )
