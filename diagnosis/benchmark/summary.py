@@ -74,6 +74,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "doubles_exact": share([c for c in named if c.kind == "double"], lambda case: case.exact),
         "false_alarms": share(nulls, lambda case: case.detected),
         "outsiders_caught": share(outsiders, lambda case: case.exact),
+        "outsiders_not_misnamed": share(outsiders, lambda case: case.called in (NOTHING, UNKNOWN)),
         "plain_outsiders_caught": share([c for c in outsiders if c.visibility > PLAIN], lambda c: c.exact),
         "gap_closed_median": _median(closed),
         "parameter_error_median": _median(errors),

@@ -126,6 +126,7 @@ def test_summary_counts_each_kind_by_what_was_asked_of_it() -> None:
     assert figures["false_alarms"]["share"] == 0.5
     assert figures["exact_of_detected"]["share"] == 0.5
     assert figures["outsiders_caught"]["share"] == 1.0
+    assert figures["outsiders_not_misnamed"]["share"] == 1.0
     assert figures["seconds_median"] == 3.0
     assert figures["confusion"]["coulomb_friction"] == {
         "coulomb_friction": 1,
