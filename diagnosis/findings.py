@@ -91,13 +91,27 @@ class Findings:
         )
 
     def claimable(self) -> list[Judged]:
-        """Return what was judged, best first, without delays as filters make them where frames collide."""
-        return [one for one in self.judged if self.pair is None or not _of_filters(one)]
+        """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
+
+        Those are delays as filters make them, and effects beside a second contact, whose force is what the motion asks for.
+        """
+        pair = self.pair
+        if pair is None:
+            return self.judged
+        floor = None if pair.second is None else pair.second[0]
+        return [one for one in self.judged if not _of_filters(one) and not _beside(one, floor)]
 
 
 def _of_filters(judged: Judged) -> bool:
     each = zip(judged.effects, judged.fit.values, strict=True)
     return any(effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S for effect, values in each)
+
+
+def _beside(judged: Judged, floor: int | None) -> bool:
+    """Return whether an effect is at a floor (from 1) or in one of the two storeys that meet there."""
+    if floor is None:
+        return False
+    return any(effect.storey in (floor, floor + 1) or effect.floor == floor for effect in judged.effects)
 
 
 def judge(

@@ -16,7 +16,9 @@ from diagnosis.verdict import CLASS_NATS
 
 CLAIM_NATS = 15.0
 CLAIM_BESIDE_NATS = 40.0
-"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right."""
+FORETOLD = 0.9
+"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; and
+the share of what the believed contact leaves of the held-out impacts that it may leave at most."""
 
 
 def joined(
@@ -28,7 +30,7 @@ def joined(
     found = candidates(case, touched)
     frames_named = report["verdict"] in ("effect_named", "effect_class")
     needed = CLAIM_BESIDE_NATS if frames_named or claims else CLAIM_NATS
-    if found and found[0]["log_evidence"] > needed:
+    if found and found[0]["log_evidence"] > needed and _holds(found[0], touched, foretold):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
@@ -57,6 +59,13 @@ def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Feat
     behind = [one["log_evidence"] for one in found if one["effect"] != weakest["effect"]]
     margin = nats - max([0.0, *behind]) if weakest["contact"] is not None else nats
     return Features(CONTACT, nats, margin, 1.0, 1.0, len(claims))
+
+
+def _holds(best: dict[str, Any], touched: Touched, foretold: Foretold | None) -> bool:
+    """Return whether the held-out impacts, if there are any, like an effect too that was fitted to the others."""
+    if foretold is None or best["effect"] != touched.ranked[0][1].hypothesis.effect:
+        return True
+    return foretold.likeliest < FORETOLD * foretold.believed
 
 
 def _contact_gap(foretold: Foretold, claims: list[dict[str, Any]]) -> dict[str, Any]:
