@@ -276,8 +276,40 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert shown == {"impacts": told.impacts, "before": told.believed, "after": told.likeliest}
     kept = joined(case, pair, replace(found, ranked=()), NOTHING | {"gap": {}}, told)["gap"]["contact"]
     assert kept["after"] == told.believed
+    # An effect that the held-out impacts do not like is not claimed.
+    assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, told)) == ["contact_damping"]
+    worse = replace(told, likeliest=told.believed)
+    assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, worse)) == []
     findings.held_out = ()
     assert foretold(case, cast(Findings, findings), NOTHING, found) is None
+
+
+def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed() -> None:
+    def one(name: str, value: float, **where: Any) -> Any:
+        effect = SimpleNamespace(**({"name": name, "storey": None, "floor": None} | where))
+        return SimpleNamespace(effects=(effect,), fit=SimpleNamespace(values=([value],)))
+
+    judged_ones = [
+        one("sensor_delay", 1e-4),
+        one("sensor_delay", 1e-3),
+        one("bumper", 0.5, storey=2),
+        one("bumper", 0.5, storey=3),
+        one("added_mass", 0.5, floor=2),
+        one("bumper", 0.5, storey=4),
+    ]
+    nothing: Any = None
+    found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
+    assert found.claimable() == judged_ones
+    assert found.plain(40.0, 0.21)
+    pair, *_ = judged(colliding(CONTACT))
+    found.pair = pair
+    assert found.claimable() == judged_ones[1:]
+    assert not found.plain(40.0, 0.21)
+    assert found.plain(100.0, 0.25)
+    assert found.plain(1000.0, 0.1)
+    found.pair = replace(pair, second=(2, 500.0, 1))
+    assert found.claimable() == [judged_ones[1], judged_ones[5]]
+    assert not found.plain(1000.0, 0.1)
 
 
 def knocked(case: Case) -> Case:
