@@ -17,8 +17,10 @@ from diagnosis.verdict import CLASS_NATS
 CLAIM_NATS = 15.0
 CLAIM_BESIDE_NATS = 40.0
 FORETOLD = 0.9
+BLIND_LEFT = 2.0
 """Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; and
-the share of what the believed contact leaves of the held-out impacts that it may leave at most."""
+the share of what the believed contact leaves of the held-out impacts that it may leave at most; and times the noise left
+from which forces that no cell measured are said to be poor."""
 
 
 def joined(
@@ -39,7 +41,13 @@ def joined(
         report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claims)}
     shown = [place(one) | {"log_evidence": one["log_evidence"]} for one in (*others, *found)]
     report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
-    report["warnings"] = [*report["warnings"], *pair.warnings, *_odd(case, touched), *_two_loggers(report)]
+    report["warnings"] = [
+        *report["warnings"],
+        *pair.warnings,
+        *_odd(case, touched),
+        *_two_loggers(report),
+        *_blind(pair, report),
+    ]
     if not claims or report["verdict"] == "unknown_effect":
         return report
     effects = [*(report["effects"] if frames_named else []), *claims]
@@ -161,6 +169,18 @@ def _odd(case: Case, touched: Touched) -> list[str]:
     return [
         f"contact 1 never closes in these runs: by the believed gap the floors stay {left:.2f} mm apart; "
         "stiffness, loss and law cannot be judged"
+    ]
+
+
+def _blind(pair: Pair, report: dict[str, Any]) -> list[str]:
+    """Return a warning where forces that no cell measured leave much of the motion unexplained."""
+    training = report.get("gap", {}).get("training")
+    if not pair.blind or training is None or training["after"] < BLIND_LEFT * training["noise_floor"]:
+        return []
+    times = training["after"] / training["noise_floor"]
+    return [
+        f"the contact forces were found from the motion and leave {times:.1f} times the noise in the runs used: what is said "
+        "of the frames is worth less than with a force cell"
     ]
 
 

@@ -93,7 +93,11 @@ def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
 
 
 def _unexplained(found: Findings) -> float:
-    return BLIND_UNEXPLAINED if found.pair is not None and found.pair.blind else UNEXPLAINED
+    return BLIND_UNEXPLAINED if _blind(found) else UNEXPLAINED
+
+
+def _blind(found: Findings) -> bool:
+    return found.pair is not None and found.pair.blind
 
 
 def _explained(found: Findings, judged: Judged) -> bool:
@@ -115,8 +119,14 @@ def _spread(judged: Judged) -> bool:
 
 
 def leftover(found: Findings, judged: Judged) -> float:
-    """Return the gap over the noise floor, median over the channels, mean of training and held-out runs."""
-    each = [float(np.nanmedian(over)) for over in _over(found, judged) if np.isfinite(over).any()]
+    """Return the gap over the noise floor, median over the channels, mean of training and held-out runs.
+
+    Where a pair's forces are those that the motion asks for, only the held-out floor knows how uncertain they are.
+    """
+    over_floors = _over(found, judged)
+    if _blind(found) and np.isfinite(over_floors[1]).any():
+        over_floors = over_floors[1:]
+    each = [float(np.nanmedian(over)) for over in over_floors if np.isfinite(over).any()]
     return float(np.mean(each)) if each else 1.0
 
 

@@ -284,6 +284,16 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert foretold(case, cast(Findings, findings), NOTHING, found) is None
 
 
+def test_poor_forces_that_no_cell_measured_are_said() -> None:
+    case = colliding(CONTACT, measured=False)
+    pair = prepare(case, model(case))
+    silent = Touched(None, impacts=3)
+    for left, said in ((0.02, False), (0.2, True)):
+        gap = {"training": {"before": left, "after": left, "noise_floor": 0.02}, "held_out": None}
+        report = joined(case, pair, silent, NOTHING | {"gap": gap})
+        assert any("worth less than with a force cell" in warning for warning in report["warnings"]) is said
+
+
 def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed() -> None:
     def one(name: str, value: float, **where: Any) -> Any:
         effect = SimpleNamespace(**({"name": name, "storey": None, "floor": None} | where))
