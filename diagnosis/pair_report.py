@@ -179,8 +179,8 @@ def _blind(pair: Pair, report: dict[str, Any]) -> list[str]:
         return []
     times = training["after"] / training["noise_floor"]
     return [
-        f"the contact forces were found from the motion and leave {times:.1f} times the noise in the runs used: what is said "
-        "of the frames is worth less than with a force cell"
+        f"the contact forces were found from the motion and leave {times:.1f} times the noise in the runs used: what is "
+        "said of the frames is worth less than with a force cell"
     ]
 
 
