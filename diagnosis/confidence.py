@@ -28,11 +28,18 @@ if TYPE_CHECKING:
     from diagnosis.findings import Findings
     from diagnosis.verdict import Decision
 
-CONTACT = "contact_named"
-VERDICTS = ("nothing_missing", "effect_named", "effect_class", "unknown_effect", CONTACT)
-"""Kinds of verdicts on frames, and a claim on what is between two of them."""
+NOTHING, CONTACT, PAIR_NOTHING = "nothing_missing", "contact_named", "pair_nothing_missing"
+VERDICTS = (NOTHING, "effect_named", "effect_class", "unknown_effect", CONTACT, PAIR_NOTHING)
+"""Kinds of verdicts on frames, a claim on what is between two of them, and none: a contact hides much."""
 TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
-SIGNS = {"nothing_missing": -1, "effect_named": 1, "effect_class": 1, "unknown_effect": 0, CONTACT: 1}
+SIGNS = {
+    "nothing_missing": -1,
+    "effect_named": 1,
+    "effect_class": 1,
+    "unknown_effect": 0,
+    CONTACT: 1,
+    PAIR_NOTHING: -1,
+}
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
 BASE, SHRINKAGE = 1.0, 0.3
 """Prior standard deviation of the intercept and of the other coefficients: few wrong verdicts make no steep rule."""
@@ -118,10 +125,11 @@ def confidence(features: Features, calibration: Calibration | None = None) -> fl
 def features_of(found: Findings, decision: Decision, visible: float, closed: float) -> Features:
     """Return the features of a verdict."""
     best = decision.judged
-    if decision.verdict == "nothing_missing":
+    if decision.verdict == NOTHING:
         singles = [one for one in found.judged if len(one.effects) == 1]
         nats = singles[0].nats if singles else 0.0
-        return Features(decision.verdict, float(nats), 0.0, visible, closed, 0)
+        kind = NOTHING if found.pair is None else PAIR_NOTHING
+        return Features(kind, float(nats), 0.0, visible, closed, 0)
     mine = {_key(effect) for effect in best.effects} | {
         _key(effect) for one in decision.alike for effect in one.effects
     }

@@ -15,13 +15,14 @@ from diagnosis import contact_advice, impacts, pairs
 from diagnosis.calibrate import grouped_signatures, motions, whitened
 from diagnosis.case import Case, Contact
 from diagnosis.colliding import Pair, Touched, foretold, found_again, prepare, touch, touched
+from diagnosis.confidence import PAIR_NOTHING, features_of
 from diagnosis.diagnose import find
 from diagnosis.findings import Findings
 from diagnosis.gap import simulate, touch_response
 from diagnosis.impacts import Law, strike
 from diagnosis.pair_report import CLAIM_NATS, candidates, joined
 from diagnosis.terms import ordinary_terms
-from diagnosis.verdict import report_of
+from diagnosis.verdict import Decision, report_of
 from tests.diagnosis.colliding_models import (
     CONTACT,
     DRIFT,
@@ -297,7 +298,7 @@ def test_poor_forces_that_no_cell_measured_are_said() -> None:
 def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed() -> None:
     def one(name: str, value: float, **where: Any) -> Any:
         effect = SimpleNamespace(**({"name": name, "storey": None, "floor": None} | where))
-        return SimpleNamespace(effects=(effect,), fit=SimpleNamespace(values=([value],)))
+        return SimpleNamespace(effects=(effect,), fit=SimpleNamespace(values=([value],)), nats=12.0)
 
     judged_ones = [
         one("sensor_delay", 1e-4),
@@ -317,6 +318,8 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     assert not found.plain(40.0, 0.21)
     assert found.plain(100.0, 0.25)
     assert found.plain(1000.0, 0.1)
+    verdict = Decision("nothing_missing", judged_ones[0], ())
+    assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
     found.pair = replace(pair, second=(2, 500.0, 1))
     assert found.claimable() == [judged_ones[1], judged_ones[5]]
     assert not found.plain(1000.0, 0.1)
