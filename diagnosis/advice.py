@@ -8,7 +8,7 @@ further measurement is expected to bring.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
@@ -83,6 +83,16 @@ def advice(found: Findings, decision: Decision | None = None) -> list[str]:
     first, second = pair
     names = [_name(one) for one in pair]
     gains = expected(found, first.fit, second.fit)
+    return sentences(gains, (names[0], names[1]))
+
+
+def sentences(gains: Sequence[tuple[str, float]], names: tuple[str, str]) -> list[str]:
+    """Return what to say of further measurements: those that would tell, or that none would.
+
+    Args:
+        gains: Each measurement in words and what it is expected to bring [nats], most first.
+        names: The two rivals in words.
+    """
     useful = [(what, nats) for what, nats in gains if nats >= ENOUGH][:SHOWN]
     if not useful and gains:
         what, nats = gains[0]

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.advice import ENOUGH, WEAK_NATS
+from diagnosis.advice import WEAK_NATS, sentences
 from diagnosis.colliding import Touched
 from diagnosis.contacts import COMMON, FILTER, Fitted, best_fit, compare, fit
 from diagnosis.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
@@ -27,9 +27,9 @@ TESTS = (
 come to those that are there."""
 NAMES = {
     "": "the contact as believed",
-    "gap_offset": "another gap",
-    "contact_stiffness": "another stiffness",
-    "contact_damping": "another loss",
+    "gap_offset": "another gap of the contact",
+    "contact_stiffness": "another stiffness of the contact",
+    "contact_damping": "another loss of the contact",
 }
 
 
@@ -57,24 +57,13 @@ def advice(touched: Touched, needed: float) -> list[str]:
     pair = rivals(touched, needed)
     if pair is None or touched.bodies is None:
         return []
-    gains = expected(touched.bodies, *pair)
-    names = [name(one) for one in pair]
-    useful = [(what, nats) for what, nats in gains if nats >= ENOUGH]
-    if not useful:
-        what, nats = gains[0]
-        return [
-            f"None of the further tests tried would tell {names[0]} from {names[1]} at the contact; "
-            f"the best, {what}, is expected to bring {max(nats, 0.0):.1f} nats."
-        ]
-    return [
-        f"{what[0].upper()}{what[1:]} would tell {names[0]} from {names[1]} at the contact by {nats:.0f} nats more."
-        for what, nats in useful
-    ]
+    first, second = pair
+    return sentences(expected(touched.bodies, first, second), (name(first), name(second)))
 
 
 def name(fitted: Fitted) -> str:
     """Return a hypothesis in words."""
-    return NAMES.get(fitted.hypothesis.effect) or f"the law {fitted.law.name}"
+    return NAMES.get(fitted.hypothesis.effect) or f"the contact law {fitted.law.name}"
 
 
 def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[tuple[str, float]]:

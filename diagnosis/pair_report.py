@@ -38,7 +38,7 @@ def joined(
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
     report = dict(report)
     if foretold is not None:
-        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claims)}
+        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claims, report["verdict"])}
     shown = [place(one) | {"log_evidence": one["log_evidence"]} for one in (*others, *found)]
     report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
     report["warnings"] = [
@@ -76,8 +76,9 @@ def _holds(best: dict[str, Any], touched: Touched, foretold: Foretold | None) ->
     return foretold.likeliest < FORETOLD * foretold.believed
 
 
-def _contact_gap(foretold: Foretold, claims: list[dict[str, Any]]) -> dict[str, Any]:
-    claimed = any(one["contact"] is not None for one in claims)
+def _contact_gap(foretold: Foretold, claims: list[dict[str, Any]], verdict: str) -> dict[str, Any]:
+    """Return what held-out impacts are left with before and after [standard deviations]; after only what is claimed."""
+    claimed = verdict != "unknown_effect" and any(one["contact"] is not None for one in claims)
     after = foretold.likeliest if claimed else foretold.believed
     return {"impacts": foretold.impacts, "before": foretold.believed, "after": after}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,7 +13,9 @@ from scipy.signal import butter, sosfiltfilt
 
 from diagnosis.believed import Believed
 from diagnosis.case import Case, CaseFrame, Channel, Contact, Run
+from diagnosis.colliding import Pair, Touched, prepare, touched
 from diagnosis.observations import observe
+from diagnosis.pair_report import joined
 from diagnosis.storeys import StoreyFrame, Structure
 
 STEP_S = 0.001
@@ -146,3 +149,21 @@ def colliding(
 def model(case: Case) -> Believed:
     """Return the believed model of a case."""
     return Believed(structure(), observe(case, structure()), case.prior)
+
+
+NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
+
+
+def judged(case: Case) -> tuple[Pair, Touched, dict[str, Any]]:
+    believed = model(case)
+    pair = prepare(case, believed)
+    found = touched(case, pair, np.zeros(len(believed.std)), (), (0, 1))
+    return pair, found, joined(case, pair, found, NOTHING)
+
+
+def claimed(report: dict[str, Any]) -> list[str]:
+    return [effect["effect"] for effect in report["effects"]]
+
+
+def value(report: dict[str, Any], name: str) -> Any:
+    return next(p["value"] for p in report["effects"][0]["parameters"] if p["name"] == name)

@@ -1,0 +1,146 @@
+"""Bad input of pairs that collide: each fault is said, and none makes a contact or a frame's effect of itself."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.signal import StateSpace, lsim
+
+from diagnosis.case import Case
+from diagnosis.colliding import Touched, prepare, touch
+from diagnosis.diagnose import find
+from diagnosis.pair_report import candidates, joined
+from diagnosis.verdict import report_of
+from tests.diagnosis.colliding_models import (
+    CONTACT,
+    DRIFT,
+    FLOORS,
+    GAP_M,
+    MASS,
+    NOTHING,
+    STEP_S,
+    STIFFNESS,
+    claimed,
+    colliding,
+    damping,
+    judged,
+    model,
+    value,
+)
+
+
+def changed(case: Case, change: Any) -> Case:
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        values[:, -1] = change(values[:, -1])
+        runs.append(replace(run, values=values))
+    return replace(case, runs=tuple(runs))
+
+
+def test_a_force_channel_of_the_wrong_polarity_is_said_and_turned() -> None:
+    pair, _, report = judged(changed(colliding(CONTACT), lambda force: -force))
+    assert pair.cell is not None
+    assert [(name, size) for name, size, *_ in pair.cell.faults] == [("sensor_gain", -2.0)]
+    assert claimed(report) == ["sensor_gain"]
+    assert report["effects"][0]["channel"] == "force_1"
+    assert any("polarity" in warning for warning in report["warnings"])
+
+
+def test_a_force_cell_of_the_wrong_gain_is_no_other_contact() -> None:
+    _, _, report = judged(changed(colliding(CONTACT), lambda force: 1.25 * force))
+    assert claimed(report) == ["sensor_gain"]
+    assert value(report, "relative_change") == pytest.approx(0.25, abs=0.04)
+
+
+def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
+    case = colliding(CONTACT)
+    top = 0.4 * max(run.values[:, -1].max() for run in case.runs)
+    pair, _, report = judged(changed(case, lambda force: np.minimum(force, top)))
+    assert pair.cell is None
+    assert report["verdict"] == "nothing_missing"
+    assert any("clipped" in warning for warning in report["warnings"])
+
+
+def test_a_contact_that_never_closes_is_said() -> None:
+    far = replace(CONTACT, gap_m=0.2)
+    _, found, report = judged(colliding(far, believed=far))
+    assert found.impacts == 0
+    assert report["verdict"] == "nothing_missing"
+    assert any("never closes" in warning for warning in report["warnings"])
+
+
+def test_floors_that_pass_through_the_believed_contact_have_a_wider_gap() -> None:
+    _, found, report = judged(colliding(replace(CONTACT, gap_m=0.2)))
+    assert found.impacts == 0
+    assert claimed(report) == ["gap_offset"]
+    assert value(report, "offset") > 0
+
+
+def test_a_gap_believed_closed_is_corrected() -> None:
+    case = colliding(CONTACT, believed=replace(CONTACT, gap_m=0.0))
+    _, found, report = judged(case)
+    assert claimed(report)[0] == "gap_offset"
+    assert value(report, "offset") == pytest.approx(1e3 * GAP_M, abs=0.1)
+    assert candidates(case, found)[0]["effect"] == "gap_offset"
+
+
+def test_poor_forces_that_no_cell_measured_are_said() -> None:
+    case = colliding(CONTACT, measured=False)
+    pair = prepare(case, model(case))
+    silent = Touched(None, impacts=3)
+    for left, said in ((0.02, False), (0.2, True)):
+        gap = {"training": {"before": left, "after": left, "noise_floor": 0.02}, "held_out": None}
+        report = joined(case, pair, silent, NOTHING | {"gap": gap})
+        assert any("worth less than with a force cell" in warning for warning in report["warnings"]) is said
+
+
+def knocked(case: Case) -> Case:
+    """Return a case in which the second floor of the frame on the right was knocked twelve times, away from the other."""
+    stiffness = STIFFNESS["stiff"] * DRIFT.T @ DRIFT
+    still = np.zeros((FLOORS, FLOORS))
+    system = np.block([[still, np.eye(FLOORS)], [-stiffness / MASS, -damping(stiffness) / MASS]])
+    push = np.concatenate([np.zeros(FLOORS), np.eye(FLOORS)[1] / MASS])[:, None]
+    at = np.arange(len(case.runs[0].time_s)) * STEP_S
+    force = np.zeros(len(at))
+    for begin in np.linspace(0.3, 2.2, 12):
+        inside = (at > begin) & (at < begin + 0.005)
+        force[inside] = 400.0 * np.sin(np.pi * (at[inside] - begin) / 0.005)
+    states = lsim(StateSpace(system, push, np.eye(2 * FLOORS), np.zeros((2 * FLOORS, 1))), force, at)[1]
+    rates = states @ system.T + force[:, None] * push.T
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        for column, channel in enumerate(case.channels):
+            if channel.frame == "stiff" and channel.floor is not None:
+                moved = states if channel.quantity == "relative_displacement" else rates[:, FLOORS:]
+                values[:, column] += moved[:, channel.floor - 1]
+        runs.append(replace(run, values=values))
+    return replace(case, runs=tuple(runs))
+
+
+def test_knocks_on_one_frame_are_no_second_contact() -> None:
+    pair, *_ = judged(knocked(colliding(CONTACT)))
+    assert pair.second is None
+
+
+@pytest.mark.slow
+def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
+    case = colliding(CONTACT)
+    late = [i for i, channel in enumerate(case.channels) if channel.frame == "stiff"]
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        for column in late:
+            values[:, column] = np.interp(run.time_s - 0.003, run.time_s, values[:, column])
+        runs.append(replace(run, values=values))
+    case = replace(case, runs=tuple(runs))
+    found = find(case, lambda what, share: None)
+    report = report_of(case, found)
+    assert found.pair is not None
+    report = joined(case, found.pair, touch(case, found, report), report)
+    assert report["verdict"] == "unknown_effect"
+    assert any("different loggers" in warning for warning in report["warnings"])
