@@ -45,6 +45,7 @@ class Pair:
         cell: What the force cell itself does wrong, or None where there is none that can be used.
         second: Floor (from 1) of a contact that nobody listed, its nats, and its column; or None.
         warnings: What was odd.
+        acting: Whether something between the frames is known to be missing.
     """
 
     full: Believed
@@ -54,6 +55,7 @@ class Pair:
     cell: Cell | None
     second: tuple[int, float, int] | None = None
     warnings: list[str] = field(default_factory=list)
+    acting: bool = False
 
     @property
     def blind(self) -> bool:
@@ -117,6 +119,13 @@ def prepare(case: Case, believed: Believed) -> Pair:
     second = None
     if len(full.observed.contact_floors) == 1:
         full, second = second_contact(full, floors, touching, column, noise, runs)
+    if second is not None and cell is not None and cell.corrected:
+        # What the motion says of the cell was said without the other contact, whose pushes come at the same times.
+        plainly = checked(case, believed, touching, against_motion=False)
+        plain = Believed(structure, plainly[0], case.prior)
+        again, once_more = second_contact(plain, floors, touching, column, noise, runs)
+        if once_more is not None:
+            full, second, (_, cell, warnings) = again, once_more, plainly
     pair = Pair(full, full, column, noise, cell, second, warnings)
     return replace(pair, slow=_slow(pair))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +11,16 @@ from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
-from diagnosis.colliding import foretold, found_again, prepare, touch
+from diagnosis.colliding import Touched, foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.observations import observe
-from diagnosis.pair_report import joined
+from diagnosis.pair_report import NAMED, claims_of, joined
 from diagnosis.search import search
 from diagnosis.sensors import screened, usable
 from diagnosis.storeys import Structure
-from diagnosis.verdict import report_of
+from diagnosis.verdict import decide, report_of
 
 Progress = Callable[[str, float], None]
 
@@ -65,8 +66,7 @@ def diagnose_case(
     touched = None
     if found.pair is not None:
         told("looking at the impacts", 0.9)
-        touched = touch(case, found, report)
-        report = joined(case, found.pair, touched, report, foretold(case, found, report, touched))
+        report, touched = between(case, found, report)
     if out is not None:
         from diagnosis import contact_advice
         from diagnosis.advice import advice
@@ -79,6 +79,25 @@ def diagnose_case(
         report = write_report(case, found, report, Path(out))
     told("done", 1.0)
     return report
+
+
+def between(case: Case, found: Findings, report: dict[str, Any]) -> tuple[dict[str, Any], Touched]:
+    """Return the report on a pair, and what its impacts say, from the report on its frames.
+
+    Where something between the frames is missing, effects of the frames are judged again as second ones.
+    """
+    assert found.pair is not None
+    touched = touch(case, found, report)
+    held_out = foretold(case, found, report, touched)
+    if report["verdict"] in NAMED and claims_of(case, found.pair, touched, report, held_out):
+        found.pair = replace(found.pair, acting=True)
+        again = report_of(case, found)
+        if again["verdict"] != report["verdict"]:
+            touched = touch(case, found, again)
+            held_out = foretold(case, found, again, touched)
+        report = again
+    doubted = bool(decide(found).doubts)
+    return joined(case, found.pair, touched, report, held_out, doubted), touched
 
 
 def _calibrated(found: Findings, told: Progress) -> dict[str, Any]:

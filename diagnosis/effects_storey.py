@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numba import njit
@@ -10,7 +11,7 @@ from numba import njit
 from diagnosis.believed import Believed
 from diagnosis.catalogue import CATALOGUE, Effect, Quantity, Scales
 from diagnosis.ordinary import Assembly, floor_mass, storey_pattern, storey_stiffness
-from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS, LOOSENING
+from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FADING, FRICTION, HYSTERESIS, LOOSENING
 from diagnosis.sensitivity import Term
 from diagnosis.storeys import Modes
 from diagnosis.terms import Motion, force_term, pattern_terms
@@ -125,7 +126,10 @@ class CoulombFriction(StoreyEffect):
     """Friction F sign(v), stuck below F."""
 
     name = "coulomb_friction"
-    quantities = (Quantity("friction_force", "N"), Quantity("sticking_stiffness", "1", reported=False))
+    quantities: ClassVar[tuple[Quantity, ...]] = (
+        Quantity("friction_force", "N"),
+        Quantity("sticking_stiffness", "1", reported=False),
+    )
     sign = 1
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -153,6 +157,28 @@ class CoulombFriction(StoreyEffect):
     def logarithmic(self) -> tuple[bool, ...]:
         """Both are positive."""
         return (True, True)
+
+
+@dataclass(frozen=True)
+class FadingFriction(CoulombFriction):
+    """Friction that fast sliding wears down: a foil of the friction that leads, and so at no place of its own."""
+
+    name = "fading_friction"
+    foil = True
+    quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s"))
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return friction force, stiffness while stuck and a rate of 1 m/s."""
+        return np.array([*super().values(amplitude, shape), 1.0])
+
+    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+        """Return friction that has lost half of itself at a rate."""
+        _, friction = super().law(believed, values)
+        return FADING, (*friction, max(abs(float(values[2])), 1e-9))
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """All are positive."""
+        return (True, True, True)
 
 
 @CATALOGUE.add

@@ -47,6 +47,11 @@ PAIR_NATS, PAIR_SIZE = 100.0, 0.25
 CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
 """The same for frames that collide, whose impacts no frame's model foretells quite; and where a force cell told of them,
 what is slow beside impacts may also show by so much evidence in less of the noise."""
+BLIND = 3.0
+"""Times as much evidence as that is needed where the forces are those that the motion asks for: what these miss looks like
+an effect too."""
+BESIDE_CONTACT = 2.0
+"""Times as much that they need where something is missing between the frames already: a second effect is rarer."""
 FILTERED_S = 2.5e-4
 """Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
 
@@ -80,14 +85,20 @@ class Findings:
 
     def thresholds(self) -> tuple[float, float]:
         """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named."""
-        return (DETECTED_NATS, DETECTED_SIZE) if self.pair is None else (PAIR_NATS, PAIR_SIZE)
+        if self.pair is None:
+            return DETECTED_NATS, DETECTED_SIZE
+        known = BLIND if self.pair.blind else 1.0
+        return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
+
+    def _beside(self) -> float:
+        return BESIDE_CONTACT if self.pair is not None and self.pair.acting else 1.0
 
     def plain(self, nats: float, size: float) -> bool:
         """Return whether an effect of this evidence [nats] and size is detected."""
         needed, least = self.thresholds()
         certain = self.pair is not None and not self.pair.blind
         return (nats >= needed and size >= least) or (
-            certain and nats >= CERTAIN_NATS and size >= CERTAIN_SIZE
+            certain and nats >= self._beside() * CERTAIN_NATS and size >= self._beside() * CERTAIN_SIZE
         )
 
     def claimable(self) -> list[Judged]:

@@ -20,6 +20,8 @@ CLIPPED_SHARE = 0.999
 """Impacts with two samples within this share of the largest force before a cell is called clipped."""
 TURNED = 2.0
 """A cell whose pull exceeds its push so many times is turned round."""
+TURNED_ROUND = -2.0
+"""Relative change of such a cell's gain."""
 GAIN_ERROR, DELAY_ERROR_S = 0.02, 1.5e-4
 """What motion cannot say better of a cell: the relative gain, and the delay [s]."""
 CLAIM_NATS = 8.0
@@ -34,11 +36,25 @@ class Cell:
     column: int
     faults: tuple[tuple[str, float, float, float], ...] = ()
 
+    @property
+    def corrected(self) -> bool:
+        """Whether its gain or its delay was put right by the motion."""
+        return any(
+            name in ("sensor_gain", "sensor_delay") and value != TURNED_ROUND
+            for name, value, *_ in self.faults
+        )
+
 
 def checked(
-    case: Case, believed: Believed, touching: tuple[int, int]
+    case: Case, believed: Believed, touching: tuple[int, int], against_motion: bool = True
 ) -> tuple[Observations, Cell | None, list[str]]:
-    """Return the observations with the cell's faults taken out, the cell, and warnings; without a good cell None."""
+    """Return the observations with the cell's faults taken out, the cell, and warnings; without a good cell None.
+
+    Args:
+        case: The case. believed: The believed model. touching: The floors between which the cell is.
+        against_motion: Whether gain and delay are judged by the forces that the motion asks for: not where another contact
+            pushes the same frames.
+    """
     observed = believed.observed
     if touching not in observed.contact_floors:
         return observed, None, []
@@ -70,10 +86,10 @@ def checked(
         faults.append(("sensor_offset", offset, spread, float(nats)))
         series = [force - offset for force in series]
     if -min(f.min() for f in series) > TURNED * max(f.max() for f in series):
-        faults.append(("sensor_gain", -2.0, GAIN_ERROR, 1000.0))
+        faults.append(("sensor_gain", TURNED_ROUND, GAIN_ERROR, 1000.0))
         warnings.append(f"channel {name} pulls where floors push: its polarity is reversed")
         series = [-force for force in series]
-    elif (seen := _against_motion(believed, touching, series)) is not None:
+    elif against_motion and (seen := _against_motion(believed, touching, series)) is not None:
         (gain, gain_std), (delay, delay_std) = seen
         if (nats := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
             faults.append(("sensor_gain", gain, gain_std, float(nats)))

@@ -14,6 +14,7 @@ from diagnosis.contacts import Fitted
 from diagnosis.impacts import DAMPED
 from diagnosis.verdict import CLASS_NATS
 
+NAMED = ("effect_named", "effect_class")
 CLAIM_NATS = 15.0
 CLAIM_BESIDE_NATS = 40.0
 FORETOLD = 0.9
@@ -23,37 +24,66 @@ the share of what the believed contact leaves of the held-out impacts that it ma
 from which forces that no cell measured are said to be poor."""
 
 
-def joined(
+def claims_of(
     case: Case, pair: Pair, touched: Touched, report: dict[str, Any], foretold: Foretold | None = None
-) -> dict[str, Any]:
-    """Return a report on the frames with what the contact and its force cell add to it."""
-    others = [*_cell(case, pair), *_second(case, pair, touched)]
-    claims = list(others)
+) -> list[dict[str, Any]]:
+    """Return what is claimed of the contact, of a second one and of the force cell beside a report on the frames."""
+    claims = [*_cell(case, pair), *_second(case, pair, touched)]
     found = candidates(case, touched)
-    frames_named = report["verdict"] in ("effect_named", "effect_class")
-    needed = CLAIM_BESIDE_NATS if frames_named or claims else CLAIM_NATS
-    if found and found[0]["log_evidence"] > needed and _holds(found[0], touched, foretold):
+    needed = CLAIM_BESIDE_NATS if report["verdict"] in NAMED or claims else CLAIM_NATS
+    if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], touched, foretold):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
+    return claims
+
+
+def joined(
+    case: Case,
+    pair: Pair,
+    touched: Touched,
+    report: dict[str, Any],
+    foretold: Foretold | None = None,
+    doubted: bool = False,
+) -> dict[str, Any]:
+    """Return a report on the frames with what the contact and its force cell add to it.
+
+    Args:
+        case: The case.
+        pair: Its frames and contacts. touched: What the impacts say.
+        report: The report on the frames.
+        foretold: How well held-out impacts are foretold.
+        doubted: Whether the frames' own parameters, or a tone, speak against every model tried.
+    """
+    found = candidates(case, touched)
     report = dict(report)
+    verdict = report["verdict"]
+    # The force of a contact that nobody listed is what the motion asks for: it may leave more than noise.
+    poor = verdict == "unknown_effect" and pair.second is not None and not doubted
+    claims = _second(case, pair, touched) if poor else claims_of(case, pair, touched, report, foretold)
+    silent = not claims or (verdict == "unknown_effect" and not poor)
     if foretold is not None:
-        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claims, report["verdict"])}
-    shown = [place(one) | {"log_evidence": one["log_evidence"]} for one in (*others, *found)]
+        claimed = not silent and any(one["contact"] is not None for one in claims)
+        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claimed)}
+    shown = [
+        place(one) | {"log_evidence": one["log_evidence"]}
+        for one in (*_cell(case, pair), *_second(case, pair, touched), *found)
+    ]
     report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
     report["warnings"] = [
         *report["warnings"],
         *pair.warnings,
         *_odd(case, touched),
-        *_two_loggers(report),
+        *([] if poor else _two_loggers(report)),
         *_blind(pair, report),
     ]
-    if not claims or report["verdict"] == "unknown_effect":
+    if silent:
         return report
+    frames_named = verdict in NAMED
     effects = [*(report["effects"] if frames_named else []), *claims]
     report["effects"] = sorted(effects, key=lambda one: -one["log_evidence"])
     alone = len(effects) == 1 and len(claims[0]["class"]) > 1
-    report["verdict"] = "effect_class" if alone or report["verdict"] == "effect_class" else "effect_named"
+    report["verdict"] = "effect_class" if alone or verdict == "effect_class" else "effect_named"
     given = _features(claims, found)
     report["confidence"] = confidence(given) * (report["confidence"] if frames_named else 1.0)
     report["confidence_basis"] = report.get("confidence_basis", basis(given)) | {"contact": asdict(given)}
@@ -69,16 +99,20 @@ def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Feat
     return Features(CONTACT, nats, margin, 1.0, 1.0, len(claims))
 
 
-def _holds(best: dict[str, Any], touched: Touched, foretold: Foretold | None) -> bool:
-    """Return whether the held-out impacts, if there are any, like an effect too that was fitted to the others."""
-    if foretold is None or best["effect"] != touched.ranked[0][1].hypothesis.effect:
+def _holds(pair: Pair, best: dict[str, Any], touched: Touched, foretold: Foretold | None) -> bool:
+    """Return whether the held-out impacts like an effect too that was fitted to the others.
+
+    Without any of them a force cell's word is taken, and not that of forces which the motion asks for.
+    """
+    if not touched.ranked or best["effect"] != touched.ranked[0][1].hypothesis.effect:
         return True
+    if foretold is None:
+        return pair.cell is not None
     return foretold.likeliest < FORETOLD * foretold.believed
 
 
-def _contact_gap(foretold: Foretold, claims: list[dict[str, Any]], verdict: str) -> dict[str, Any]:
+def _contact_gap(foretold: Foretold, claimed: bool) -> dict[str, Any]:
     """Return what held-out impacts are left with before and after [standard deviations]; after only what is claimed."""
-    claimed = verdict != "unknown_effect" and any(one["contact"] is not None for one in claims)
     after = foretold.likeliest if claimed else foretold.believed
     return {"impacts": foretold.impacts, "before": foretold.believed, "after": after}
 

@@ -140,9 +140,25 @@ def pushes(
         closed: For each run where no push is looked for, shape (samples,).
         sides: Share of the force that acts on the left and on the right floor; a contact pushes both alike.
     """
+    direction = sides[1] * baseline.modes.floors[floors[1]] - sides[0] * baseline.modes.floors[floors[0]]
+    found = []
+    for number, (matched, own) in enumerate(answers(believed, baseline, direction)):
+        step = believed.observed.runs[baseline.runs[number]].step_s
+        found.append(_solved(matched, own, step, None if closed is None else closed[number]))
+    return found
+
+
+def answers(
+    believed: Believed, baseline: Baseline, direction: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return what each run answers to whether a force of this modal direction acted at a sample.
+
+    Returns:
+        For each run the innovations' product with the response to a unit push at each sample, shape (samples,), and that
+        response's own product with itself so many samples later, whose first is the variance of the answer.
+    """
     found = []
     residuals = whitened_innovations(believed, baseline)
-    direction = sides[1] * baseline.modes.floors[floors[1]] - sides[0] * baseline.modes.floors[floors[0]]
     for number, run in enumerate(baseline.runs):
         step = believed.observed.runs[run].step_s
         length = max(16, int(MEMORY_S / step))
@@ -159,7 +175,7 @@ def pushes(
         for c in range(channels):
             matched += correlate(series[:, c], response[:, c], "full")[length - 1 : length - 1 + samples]
             own += correlate(response[:, c], response[:, c], "full")[length : 2 * length]
-        found.append(_solved(matched, own, step, None if closed is None else closed[number]))
+        found.append((matched, own))
     return found
 
 

@@ -31,7 +31,8 @@ ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT 
     CONTACT,
     HERTZ_DAMP,
     USER,
-) = range(13)
+    FADING,
+) = range(14)
 
 LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
@@ -72,6 +73,8 @@ def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: f
         return p[0] * v
     if kind == FRICTION:  # p: force, stiffness and damping of the stuck joint
         return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0])
+    if kind == FADING:  # p: as friction's, and the rate at which it has lost half of itself
+        return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0]) / (1.0 + abs(v) / p[3])
     if kind == CUBIC:
         return p[0] * d * d * d
     if kind == HYSTERESIS:  # p: yield force, stiffness, sharpness of the knee
@@ -96,7 +99,7 @@ def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: f
 
 @njit(cache=True)
 def _remember(kind: int, p: np.ndarray, state: np.ndarray, d: float) -> None:
-    if kind == FRICTION:
+    if kind in (FRICTION, FADING):
         state[0] = _elastoplastic(p[1], p[0], state, d)
         state[1] = d
     elif kind == HYSTERESIS:

@@ -12,6 +12,7 @@ from diagnosis.calibrate import BOX, Baseline, log_likelihood, run_baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.doubts import bent
 from diagnosis.effects_frame import TorsionalEccentricity
+from diagnosis.effects_storey import CoulombFriction, FadingFriction
 from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.findings import Findings, best, judge, noise_floor, unexplained
 from diagnosis.null_model import RESCUE_LEVEL, best_null, null_again, unswapped
@@ -37,6 +38,8 @@ many of what scores best are tried and at which multiples of their scored size."
 RESTARTS, RESTARTED, RESTARTED_SHARE = 2, 5.0, 0.05
 """How often, and for which gain [nats] and which share of the evidence, the null model is calibrated again from where the
 likeliest effect led."""
+FADED = (0.3, 1.0)
+"""Rates, over the usual one, at which a friction that fades is thought to have lost half of itself at first."""
 GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
 """Relative changes tried for a sensor's gain: a wrong polarity, a unit typed wrong."""
 SECOND = 12.0
@@ -98,6 +101,7 @@ def _refined_best(
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
         _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
     _turned(found, effects)
+    _faded(found)
     if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
@@ -212,6 +216,25 @@ def _turned(found: Findings, effects: Sequence[Effect]) -> None:
                     found.believed, fit.baseline, (effect,), (values,), (width,), ordinary=fit.baseline.values
                 ),
             )
+
+
+def _faded(found: Findings) -> None:
+    """Refine friction that has faded by half or more at the usual rate, from where plain friction led.
+
+    That of dry parts fades a little beside what breaks them loose: only what fades as a whole is no Coulomb friction.
+    """
+    leading = best(found)
+    if len(leading.effects) != 1 or not isinstance(leading.effects[0], CoulombFriction):
+        return
+    plain, fit = leading.effects[0], leading.fit
+    foil = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
+    usual = float(found.sizes.drift_rate[plain.index])
+    for share in FADED:
+        values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
+        width = np.maximum(np.abs(values), 1e-12)
+        faded = refine(found.believed, fit.baseline, (foil,), (values,), (width,))
+        if faded.values[0][2] < usual:
+            _keep(found, faded)
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:

@@ -14,6 +14,7 @@ from diagnosis.doubts import doubts
 from diagnosis.engine import simulate_engine
 from diagnosis.findings import Findings, Judged
 from diagnosis.gap import gap, over_floor
+from diagnosis.knocks import knocks
 from diagnosis.where import where
 
 CLASS_NATS = 12.0
@@ -89,7 +90,11 @@ def _listed(single: list[Judged]) -> Judged:
 
 
 def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
-    return tuple(doubts(found.believed, judged.fit.baseline))
+    baseline = judged.fit.baseline
+    said = doubts(found.believed, baseline)
+    # A contact's push that was missed is no knock.
+    pushed = None if _blind(found) else knocks(found.believed, baseline)
+    return tuple(said) if pushed is None else (*said, pushed.sentence())
 
 
 def _unexplained(found: Findings) -> float:

@@ -10,8 +10,8 @@ import pytest
 from scipy.signal import StateSpace, lsim
 
 from diagnosis.case import Case
-from diagnosis.colliding import Touched, prepare, touch
-from diagnosis.diagnose import find
+from diagnosis.colliding import Touched, prepare
+from diagnosis.diagnose import between, find
 from diagnosis.pair_report import candidates, joined
 from diagnosis.verdict import report_of
 from tests.diagnosis.colliding_models import (
@@ -141,6 +141,6 @@ def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
     found = find(case, lambda what, share: None)
     report = report_of(case, found)
     assert found.pair is not None
-    report = joined(case, found.pair, touch(case, found, report), report)
+    report, _ = between(case, found, report)
     assert report["verdict"] == "unknown_effect"
     assert any("different loggers" in warning for warning in report["warnings"])

@@ -12,8 +12,8 @@ import pytest
 from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from diagnosis import contact_advice, impacts, pairs
 from diagnosis.calibrate import grouped_signatures, motions, whitened
-from diagnosis.case import Contact
-from diagnosis.colliding import Pair, foretold, found_again, prepare
+from diagnosis.case import Case, Contact
+from diagnosis.colliding import Foretold, Pair, Touched, foretold, found_again, prepare
 from diagnosis.confidence import PAIR_NOTHING, features_of
 from diagnosis.findings import Findings
 from diagnosis.gap import simulate, touch_response
@@ -86,10 +86,27 @@ def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
 def test_what_is_different_in_a_contact_is_named(
     true: Contact, effect: str, parameter: str, wanted: float, within: float, measured: bool
 ) -> None:
-    _, _, report = judged(colliding(true, measured=measured))
+    case = colliding(true, measured=measured, runs=2 if measured else 3)
+    pair, found, report = judged(case)
+    if not measured:
+        # Forces that the motion asks for claim nothing unless impacts that they were not fitted to agree.
+        assert claimed(report) == []
+        report = joined(case, pair, found, NOTHING | {"gap": {}}, foretold_by(case, pair, found))
     assert claimed(report) == [effect]
     assert report["effects"][0]["contact"] == 1
     assert value(report, parameter) == pytest.approx(wanted, abs=within)
+
+
+def foretold_by(case: Case, pair: Pair, found: Touched) -> Foretold | None:
+    """Return what the third run says of what the first two did, the frames being as believed."""
+    return foretold(case, cast(Findings, still_frames(pair)), NOTHING, found)
+
+
+def still_frames(pair: Pair) -> SimpleNamespace:
+    """Return findings on a pair whose frames are as believed, the third run being held out."""
+    baseline = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
+    fit = SimpleNamespace(fit=SimpleNamespace(baseline=baseline))
+    return SimpleNamespace(pair=pair, held_out=(2,), judged=[], null=fit)
 
 
 def test_another_law_is_named() -> None:
@@ -103,10 +120,22 @@ def test_a_second_contact_is_found_at_its_floor() -> None:
     other = replace(CONTACT, floor=2, gap_m=0.0018)
     pair, _, report = judged(colliding(CONTACT, other))
     assert pair.second is not None
-    assert claimed(report)[0] == "second_contact"
+    # Its pushes are no fault of the force cell at the other floor.
+    assert claimed(report) == ["second_contact"]
     assert {report["effects"][0][key] for key in ("left", "right")} == {"tall", "stiff"}
     assert report["effects"][0]["floor"] == 2
-    assert value(report, "gap") == pytest.approx(1.8, abs=0.1)
+    assert value(report, "gap") == pytest.approx(1.8, abs=0.03)
+
+
+def test_a_second_contact_is_named_though_its_force_leaves_more_than_noise() -> None:
+    case = colliding(CONTACT, replace(CONTACT, floor=2, gap_m=0.0018))
+    pair, found, _ = judged(case)
+    poor = NOTHING | {"verdict": "unknown_effect", "gap": {}}
+    assert claimed(joined(case, pair, found, poor)) == ["second_contact"]
+    # Another frame than the believed one, or a tone, is something else.
+    assert joined(case, pair, found, poor, doubted=True)["verdict"] == "unknown_effect"
+    alone = replace(pair, second=None)
+    assert joined(case, alone, found, poor)["verdict"] == "unknown_effect"
 
 
 def test_the_sticks_are_those_of_the_case() -> None:
@@ -186,10 +215,7 @@ def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
 def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_does_not() -> None:
     case = colliding(replace(CONTACT, restitution=0.45), runs=3)
     pair, found, _ = judged(case)
-    still = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
-    findings = SimpleNamespace(
-        pair=pair, held_out=(2,), judged=[], null=SimpleNamespace(fit=SimpleNamespace(baseline=still))
-    )
+    findings = still_frames(pair)
     told = foretold(case, cast(Findings, findings), NOTHING, found)
     assert told is not None
     assert told.impacts >= 5
@@ -232,9 +258,15 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     assert found.plain(1000.0, 0.1)
     verdict = Decision("nothing_missing", judged_ones[0], ())
     assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
+    found.pair = replace(pair, acting=True)
+    assert not found.plain(199.0, 0.5)
+    assert found.plain(200.0, 0.5)
+    assert found.plain(2000.0, 0.2)
     found.pair = replace(pair, second=(2, 500.0, 1))
     assert found.claimable() == [judged_ones[1], judged_ones[5]]
     assert not found.plain(1000.0, 0.1)
+    assert not found.plain(299.0, 0.25)
+    assert found.plain(300.0, 0.25)
 
 
 def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:

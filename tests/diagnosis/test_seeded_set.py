@@ -25,6 +25,8 @@ PARAMETER_ERROR = 0.15
         (("coulomb_friction",), "5B", 9603),
         (("table_tilt",), "5A", 9604),
         (("hidden_appendage",), "5B", 9605),
+        (("weakening_friction",), "5A", 9606),
+        (("hammer_knocks",), "5B", 9607),
     ],
 )
 def test_a_plain_hidden_effect_is_named_alone_at_its_place(

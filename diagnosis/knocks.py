@@ -1,0 +1,93 @@
+"""Short pushes on a floor that nothing in a model makes: knocks, or a part that strikes.
+
+They show in the innovations as the response to a push of one sample, wherever a matched filter answers far more strongly
+than at other times. Noise and slow model errors do not: a filter forgets them from one sample to the next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline
+from diagnosis.pairs import answers
+
+PLAIN = 10.0
+"""Answer, in its usual standard deviations, from which a push is plain; noise alone reaches five."""
+SHARE, DEVIATIONS = 0.97, 2.17
+"""Share of the time in which answers are usual, and the deviations that so much of the noise stays below: a law that is not
+quite right answers in every cycle, a knock seldom."""
+LEAST = 2
+"""Plain pushes that make it no accident of one sample."""
+MOST = 6
+"""Times told."""
+APART_S = 0.1
+"""Two answers nearer than this are one push."""
+BESIDE_TOUCH_S = 0.05
+"""So long about a touch of two floors no push is looked for."""
+
+
+@dataclass(frozen=True)
+class Knocks:
+    """The pushes on the floor on which they are strongest.
+
+    Attributes:
+        place: Frame and floor, from 1.
+        times: For each of them the run's name and the time from its start [s].
+        strength: Sum of the answers.
+    """
+
+    place: tuple[str, int]
+    times: tuple[tuple[str, float], ...]
+    strength: float
+
+    def sentence(self) -> str:
+        """Return what to say of them."""
+        run = self.times[0][0]
+        here = [f"{time:.2f}" for name, time in self.times if name == run]
+        frame, floor = self.place
+        return (
+            f"{run}: short pushes at floor {floor} of {frame} or near it, at {', '.join(here[:MOST])} s from the start, "
+            "which nothing in the model makes; was the frame knocked, or does a part strike it?"
+        )
+
+
+def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
+    """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
+    observed = believed.observed
+    best: Knocks | None = None
+    for floor in range(believed.structure.floors):
+        times, strength = [], 0.0
+        found = answers(believed, baseline, baseline.modes.floors[floor])
+        for (matched, own), number in zip(found, baseline.runs, strict=True):
+            run = observed.runs[number]
+            answer = np.abs(matched) / np.sqrt(own[0])
+            answer[_touching(run.contact, run.step_s)] = 0.0
+            answer /= max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
+            for k in _peaks(answer, max(1, round(APART_S / run.step_s))):
+                times.append((run.name, k * run.step_s))
+                strength += float(answer[k])
+        if len(times) >= LEAST and (best is None or strength > best.strength):
+            best = Knocks(believed.structure.place(floor), tuple(times), strength)
+    return best
+
+
+def _peaks(answer: np.ndarray, apart: int) -> list[int]:
+    """Return the samples of plain answers, the largest of those that are near each other."""
+    left, peaks = answer.copy(), []
+    while (k := int(left.argmax())) >= 0 and left[k] > PLAIN:
+        peaks.append(k)
+        left[max(0, k - apart) : k + apart + 1] = 0.0
+    return sorted(peaks)
+
+
+def _touching(contact: np.ndarray, step_s: float) -> np.ndarray:
+    """Return where two floors touch or have just done so, shape (samples,)."""
+    near = np.zeros(len(contact), bool)
+    for force in contact.T:
+        size = np.abs(force)
+        near |= size > 1e-3 * size.max(initial=0.0)
+    reach = max(1, round(BESIDE_TOUCH_S / step_s))
+    return np.convolve(near, np.ones(2 * reach + 1), "same") > 0

@@ -1,0 +1,72 @@
+"""Short pushes on a floor that nothing makes are told, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import StateSpace, lsim
+
+from diagnosis.baseline import starting_noise
+from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline, run_baseline
+from diagnosis.effects_storey import CubicStiffness
+from diagnosis.knocks import knocks
+from tests.diagnosis.models import STEP_S, measured, three_storeys
+
+WIDTH_S = 0.005
+
+
+def null_model(believed: Believed) -> Baseline:
+    return run_baseline(believed, np.zeros(len(believed.std)), starting_noise(believed, (0, 1), 0.01), (0, 1))
+
+
+def answered(force: np.ndarray, floor: int) -> np.ndarray:
+    """Return what a force on a floor adds to the channels of the bench, (samples, 5)."""
+    (frame,) = three_storeys().frames
+    squares, shapes = np.linalg.eigh(frame.stiffness / 6.5)
+    damping = 6.5 * shapes @ np.diag(0.02 * np.sqrt(squares)) @ shapes.T
+    still, inverse = np.zeros((3, 3)), np.eye(3) / 6.5
+    system = np.block([[still, np.eye(3)], [-inverse @ frame.stiffness, -inverse @ damping]])
+    push = np.concatenate([np.zeros(3), inverse[:, floor - 1]])[:, None]
+    at = STEP_S * np.arange(len(force))
+    states = lsim(StateSpace(system, push, np.eye(6), np.zeros((6, 1))), force, at)[1]
+    acceleration = (states @ system.T)[:, 3:] + force[:, None] * push[3:].T
+    return np.column_stack([acceleration, states[:, [0, 2]]])
+
+
+def knocked(times: list[float], floor: int, momentum: float) -> Believed:
+    """Return the bench, knocked on a floor at some times of its first run."""
+    believed = measured()
+    first, second = believed.observed.runs
+    at = STEP_S * np.arange(len(first.table))
+    force = np.zeros(len(at))
+    for time in times:
+        inside = (at >= time) & (at < time + WIDTH_S)
+        force[inside] += momentum / WIDTH_S * np.sin(np.pi * (at[inside] - time) / WIDTH_S)
+    runs = (replace(first, measured=first.measured + answered(force, floor)), second)
+    return Believed(believed.structure, replace(believed.observed, runs=runs), believed.prior)
+
+
+def test_knocks_are_told_with_their_floor_and_times() -> None:
+    believed = knocked([1.3, 2.6], 2, 0.1)
+    found = knocks(believed, null_model(believed))
+    assert found is not None
+    assert found.place == ("bench", 2)
+    assert [name for name, _ in found.times] == ["run1.csv", "run1.csv"]
+    assert [time for _, time in found.times] == pytest.approx([1.3, 2.6], abs=0.01)
+    assert "short pushes at floor 2 of bench" in found.sentence()
+    assert "1.30, 2.60 s" in found.sentence()
+
+
+def test_a_good_model_and_one_knock_are_no_knocks() -> None:
+    assert knocks(measured(), null_model(measured())) is None
+    once = knocked([1.3], 2, 0.1)
+    assert knocks(once, null_model(once)) is None
+
+
+def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
+    spring = CubicStiffness(index=1, frame="bench", storey=2)
+    believed = measured([(spring, np.array([2e10]))])
+    assert knocks(believed, null_model(believed)) is None
