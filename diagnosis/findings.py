@@ -51,7 +51,8 @@ BLIND = 3.0
 """Times as much evidence as that is needed where the forces are those that the motion asks for: what these miss looks like
 an effect too."""
 BESIDE_CONTACT = 2.0
-"""Times as much that they need where something is missing between the frames already: a second effect is rarer."""
+"""Times as much that they need where something is missing between the frames already, since a second effect is rarer; where
+evidence makes up for size, only of that."""
 FILTERED_S = 2.5e-4
 """Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
 
@@ -98,7 +99,7 @@ class Findings:
         needed, least = self.thresholds()
         certain = self.pair is not None and not self.pair.blind
         return (nats >= needed and size >= least) or (
-            certain and nats >= self._beside() * CERTAIN_NATS and size >= self._beside() * CERTAIN_SIZE
+            certain and nats >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
         )
 
     def claimable(self) -> list[Judged]:
