@@ -8,14 +8,14 @@ import math
 import resource
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from diagnosis.benchmark.drawing import draw_set
+from diagnosis.benchmark.drawing import Drawn, draw_set
 from diagnosis.benchmark.pictures import draw_benchmark
 from diagnosis.benchmark.scoring import judge
 from diagnosis.benchmark.summary import summarise
@@ -23,6 +23,7 @@ from diagnosis.benchmark.tables import tables
 from diagnosis.errors import CaseError
 from diagnosis.hidden.hide import hide
 from diagnosis.hidden.motions import available
+from diagnosis.hidden.outsiders import OUTSIDE
 from diagnosis.hidden.writing import write_hidden
 from experiments.provenance import stamp
 from experiments.sweep import sweep
@@ -35,6 +36,15 @@ __all__ = ["METHODS", "run_benchmark", "tables"]
 
 METHODS = ("diagnosis", "refit", "sparse", "sparse-pysindy")
 """The workflow itself and what people would do instead (see `competitors`)."""
+
+
+KINDS = ("nothing", "single", "double", "outside")
+"""What a case hides: nothing, one effect of the catalogue, two, or one that is in no catalogue."""
+
+
+def kind(drawn: Drawn) -> str:
+    """Return what a drawn case hides: one of `KINDS`."""
+    return "outside" if any(effect in OUTSIDE for effect in drawn.effects) else KINDS[len(drawn.effects)]
 
 
 def method(name: str) -> Method:
@@ -96,6 +106,7 @@ def run_benchmark(
     workers: int | None = None,
     console: Console | None = None,
     first: int | None = None,
+    only: Sequence[str] = KINDS,
 ) -> dict[str, Any]:
     """Judge a way of diagnosis on a drawn set.
 
@@ -110,18 +121,24 @@ def run_benchmark(
         workers: Processes; one a core when None, 0 runs in this process.
         console: Where progress is shown.
         first: Judge only so many cases of the set, in its random order; all when None.
+        only: Judge only cases of these kinds, some of `KINDS`.
 
     Returns:
         The figures of `summarise`, and ``parameters``, ``method``, ``motion_records``, ``failures``,
         ``memory_mb`` and ``judged``: truth and verdict of each case in short.
 
     Raises:
-        CaseError: An unknown method, a set without cases, or not one that could be finished.
+        CaseError: An unknown method, a set without cases or without any of a kind, or not one that could be finished.
     """
     method(way)
     if first is not None and not 1 <= first <= count:
         raise CaseError(f"the first {first} of {count} cases: give 1 to {count}")
-    cases = [{"index": drawn.index} for drawn in draw_set(count, seed, pairs=pairs)][:first]
+    drawn = draw_set(count, seed, pairs=pairs)[:first]
+    cases = [{"index": one.index} for one in drawn if kind(one) in only]
+    if not cases:
+        raise CaseError(
+            f"no case of the kind {' or '.join(only)} among the {len(drawn)} that are drawn; ask for more cases"
+        )
     settings = {"count": count, "seed": seed, "way": way, "motions": motions, "pairs": pairs}
     done = sweep(
         one_case,
@@ -138,7 +155,7 @@ def run_benchmark(
     finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
     judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
     result = {
-        **stamp(settings | {"first": first or count}),
+        **stamp(settings | {"first": first or count, "only": list(only)}),
         "method": way,
         "motion_records": available() if motions != "artificial" else [],
         **summarise(judged),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -53,6 +53,14 @@ def diagnose(
             group=OF_BENCHMARK, help="Judge only so many of the cases that are drawn, in their random order."
         ),
     ] = None,
+    only: Annotated[
+        list[Literal["nothing", "single", "double", "outside"]] | None,
+        Parameter(
+            group=OF_BENCHMARK,
+            negative=(),
+            help="Judge only cases that hide this: nothing, one effect, two, one of no catalogue; may be repeated.",
+        ),
+    ] = None,
     pairs: Annotated[
         bool,
         Parameter(
@@ -76,9 +84,10 @@ def diagnose(
             raise CaseError(
                 "--benchmark draws its own cases; leave out the case, --candidates and --calibrate"
             )
-        _benchmark(benchmark, seed or 0, first, pairs, way or "diagnosis", out, json)
+        _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", out, json)
         return
-    for name, value in (("--seed", seed), ("--first", first), ("--pairs", pairs or None), ("--way", way)):
+    asked = {"--seed": seed, "--first": first, "--only": only, "--pairs": pairs or None, "--way": way}
+    for name, value in asked.items():
         if value is not None:
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
@@ -100,12 +109,26 @@ def _written(out: Path | None) -> list[str]:
 
 
 def _benchmark(
-    cases: int, seed: int, first: int | None, pairs: bool, way: str, out: Path | None, json: bool
+    cases: int,
+    seed: int,
+    first: int | None,
+    only: Sequence[str] | None,
+    pairs: bool,
+    way: str,
+    out: Path | None,
+    json: bool,
 ) -> None:
-    from diagnosis.benchmark.run import run_benchmark, tables
+    from diagnosis.benchmark.run import KINDS, run_benchmark, tables
 
     result = run_benchmark(
-        cases, seed=seed, pairs=pairs, way=way, out=out, console=progress_console(), first=first
+        cases,
+        seed=seed,
+        pairs=pairs,
+        way=way,
+        out=out,
+        console=progress_console(),
+        first=first,
+        only=only or KINDS,
     )
     emit(result, as_json=json, show=lambda: tables(result))
 

@@ -227,6 +227,12 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
     fewer = run.run_benchmark(3, 3, first=2, **options)
     assert len(seen) == 3
     assert [case["seed"] for case in fewer["judged"]] == [case["seed"] for case in result["judged"]][:2]
+    kinds = [run.kind(one) for one in draw_set(3, 3)]
+    some = run.run_benchmark(3, 3, only=[kinds[0]], **options)
+    assert len(seen) == 3
+    assert some["cases"] == kinds.count(kinds[0])
+    with pytest.raises(CaseError, match="no case of the kind outside among the 3"):
+        run.run_benchmark(3, 3, only=["outside"], **options)
     with pytest.raises(CaseError, match="give 1 to 3"):
         run.run_benchmark(3, 3, first=4, **options)
     monkeypatch.setattr(run, "_version", lambda: "two")
