@@ -56,38 +56,42 @@ def joined(
         doubted: Whether the frames' own parameters, or a tone, speak against every model tried.
     """
     found = candidates(case, touched)
-    report = dict(report)
-    verdict = report["verdict"]
+    second = _second(case, pair, touched)
+    unknown = report["verdict"] == "unknown_effect"
     # The force of a contact that nobody listed is what the motion asks for: it may leave more than noise.
-    poor = verdict == "unknown_effect" and pair.second is not None and not doubted
-    claims = _second(case, pair, touched) if poor else claims_of(case, pair, touched, report, foretold)
-    silent = not claims or (verdict == "unknown_effect" and not poor)
-    if foretold is not None:
-        claimed = not silent and any(one["contact"] is not None for one in claims)
-        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claimed)}
+    poor = unknown and bool(second) and not doubted
+    claims = [] if unknown else claims_of(case, pair, touched, report, foretold)
+    if poor:
+        claims = second
     shown = [
-        place(one) | {"log_evidence": one["log_evidence"]}
-        for one in (*_cell(case, pair), *_second(case, pair, touched), *found)
+        place(one) | {"log_evidence": one["log_evidence"]} for one in (*_cell(case, pair), *second, *found)
     ]
-    report["candidates"] = sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"])
-    report["warnings"] = [
-        *report["warnings"],
-        *pair.warnings,
-        *_odd(case, touched),
-        *([] if poor else _two_loggers(report)),
-        *_blind(pair, report),
-    ]
-    if silent:
-        return report
+    warnings = [*pair.warnings, *_odd(case, touched), *([] if poor else _two_loggers(report))]
+    report = report | {
+        "candidates": sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"]),
+        "warnings": [*report["warnings"], *warnings, *_blind(pair, report)],
+    }
+    if foretold is not None:
+        claimed = any(one["contact"] is not None for one in claims)
+        report["gap"] = report["gap"] | {"contact": _contact_gap(foretold, claimed)}
+    return _with_claims(report, claims, found) if claims else report
+
+
+def _with_claims(
+    report: dict[str, Any], claims: list[dict[str, Any]], found: list[dict[str, Any]]
+) -> dict[str, Any]:
+    """Return a report with claims beside what it says of the frames, its verdict and confidence being of both."""
+    verdict = report["verdict"]
     frames_named = verdict in NAMED
     effects = [*(report["effects"] if frames_named else []), *claims]
-    report["effects"] = sorted(effects, key=lambda one: -one["log_evidence"])
     alone = len(effects) == 1 and len(claims[0]["class"]) > 1
-    report["verdict"] = "effect_class" if alone or verdict == "effect_class" else "effect_named"
     given = _features(claims, found)
-    report["confidence"] = confidence(given) * (report["confidence"] if frames_named else 1.0)
-    report["confidence_basis"] = report.get("confidence_basis", basis(given)) | {"contact": asdict(given)}
-    return report
+    return report | {
+        "effects": sorted(effects, key=lambda one: -one["log_evidence"]),
+        "verdict": "effect_class" if alone or verdict == "effect_class" else "effect_named",
+        "confidence": confidence(given) * (report["confidence"] if frames_named else 1.0),
+        "confidence_basis": report.get("confidence_basis", basis(given)) | {"contact": asdict(given)},
+    }
 
 
 def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Features:
