@@ -55,9 +55,11 @@ class Knocks:
 
 
 def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
-    """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
+    """Return the pushes that a baseline leaves unexplained; None if there are too few, or where two frames meet."""
     observed = believed.observed
+    touching = {floor for pair in observed.contact_floors for floor in pair}
     best: Knocks | None = None
+    own_contact = False
     for floor in range(believed.structure.floors):
         times, strength = [], 0.0
         found = answers(believed, baseline, baseline.modes.floors[floor])
@@ -70,8 +72,12 @@ def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
                 times.append((run.name, k * run.step_s))
                 strength += float(answer[k])
         if len(times) >= LEAST and (best is None or strength > best.strength):
-            best = Knocks(believed.structure.place(floor), tuple(times), strength)
-    return best
+            best, own_contact = (
+                Knocks(believed.structure.place(floor), tuple(times), strength),
+                floor in touching,
+            )
+    # Where floors meet it is more likely a touch too weak for the cell.
+    return None if own_contact else best
 
 
 def _peaks(answer: np.ndarray, apart: int) -> list[int]:
