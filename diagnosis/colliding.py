@@ -157,14 +157,14 @@ def _slow(pair: Pair) -> Believed:
 
 
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
-    """Return column, noise in each run [N] and relative uncertainty of each contact's force."""
-    found: list[tuple[int, Sequence[float], float]] = []
-    found.append((pair.column, pair.noise, FOUND_FORCE if pair.cell is None else CELL_FORCE))
-    if pair.second is not None:
-        column = pair.second[2]
-        forces = [run.contact[:, column] for run in pair.full.observed.runs]
-        found.append((column, [found_noise(force) for force in forces], FOUND_FORCE))
-    return found
+    """Return column, least force in each run [N] and relative uncertainty of each contact's force.
+
+    However weak, a touch moves the frames: what was found is all taken, and of a cell's readings what is no noise.
+    """
+    nothing = [0.0] * len(pair.full.observed.runs)
+    plain = [impacts.PLAIN * noise for noise in pair.noise]
+    stated = (pair.column, nothing, FOUND_FORCE) if pair.cell is None else (pair.column, plain, CELL_FORCE)
+    return [stated] if pair.second is None else [stated, (pair.second[2], nothing, FOUND_FORCE)]
 
 
 def _found_by(
@@ -193,9 +193,9 @@ def _with_touches(
     runs = []
     for number, run in enumerate(observed.runs):
         times, contact = np.arange(len(run.table)) * run.step_s, run.contact.copy()
-        for column, noise, std in contacts:
+        for column, least, std in contacts:
             force, closed = run.contact[:, column], np.zeros(len(times), bool)
-            for first, last in _merged(impacts.groups(force, noise[number], run.step_s), run.step_s):
+            for first, last in _merged(impacts.above(force, least[number], run.step_s), run.step_s):
                 touch = Touch(
                     number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std
                 )

@@ -179,8 +179,13 @@ def response(modes: Modes, row: np.ndarray, steps: int) -> tuple[np.ndarray, np.
 
 
 def groups(force: np.ndarray, noise: float, step: float) -> list[tuple[int, int]]:
-    """Return first and last plain sample of each time that two floors touch."""
-    plain = np.flatnonzero(force > max(PLAIN * noise, PLAIN_SHARE * float(force.max(initial=0.0))))
+    """Return first and last plain sample of each impact."""
+    return above(force, max(PLAIN * noise, PLAIN_SHARE * float(force.max(initial=0.0))), step)
+
+
+def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]:
+    """Return first and last sample of each time that two floors touch with more than a force [N]."""
+    plain = np.flatnonzero(force > least)
     if not len(plain):
         return []
     cuts = np.flatnonzero(np.diff(plain) * step > APART_S) + 1
