@@ -25,6 +25,7 @@ from tests.diagnosis.colliding_models import (
     CONTACT,
     MASS,
     NOTHING,
+    STEP_S,
     claimed,
     colliding,
     judged,
@@ -155,6 +156,20 @@ def test_what_a_cell_reads_between_touches_shakes_no_frame() -> None:
     assert np.abs(force[~near]).max() < 1e-3
     # As recorded, the cell is as noisy as ever.
     assert np.abs(pair.full.observed.runs[0].contact[:40, 0]).max() > 0.5
+
+
+def test_a_touch_too_weak_to_judge_the_contact_by_moves_the_frames_all_the_same() -> None:
+    case = colliding(CONTACT)
+    (first, *others), at = case.runs, slice(4, 8)
+    values = first.values.copy()
+    weak = 0.02 * values[:, -1].max()
+    values[at, -1] += weak
+    pair = prepare(case, model(replace(case, runs=(replace(first, values=values), *others))))
+    step_s = pair.full.observed.runs[0].step_s
+    assert impacts.groups(pair.full.observed.runs[0].contact[:, 0], pair.noise[0], step_s)[0][0] > 20
+    slow = pair.slow.observed.runs[0]
+    begun = slow.contact[: int(0.05 / slow.step_s), 0].sum() * slow.step_s
+    assert begun == pytest.approx(4 * weak * STEP_S, rel=0.3)
 
 
 def test_the_size_of_a_touch_changes_that_push_alone() -> None:
