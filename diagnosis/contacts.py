@@ -28,6 +28,9 @@ phase that grows with the cube [rad], at the highest frequency."""
 ROBUST = 4.0
 """Standard deviations from which an impact counts less (Huber)."""
 ITERATIONS = 25
+LOST = 12.0
+REGAINED = np.linspace(-5.0, 5.0, 41)
+"""Standard deviations from which an impact counts as lost, and errors of its displacement with which it is looked for."""
 WARMED = 300.0
 """Evidence [nats] behind the best within which a fit is tried again from the best one's impacts."""
 
@@ -177,18 +180,42 @@ def fit(
         start: Its gap, stiffness and loss to start from.
         others: All unknowns of another fit, of which the filter's and the impacts' are taken over.
     """
-    count = len(bodies.impacts)
-    x = np.zeros(COMMON + 2 * count)
+    x = np.zeros(COMMON + 2 * len(bodies.impacts))
     x[FILTER:COMMON] = start
     law = at(hypothesis, x[FILTER:COMMON])
     for i, impact in enumerate(bodies.impacts):
         # The free motion has to arrive when the force does.
-        x[COMMON + 2 * i] = (law.gap_m - impact.free[min(impact.onset, len(impact.free) - 1)]) / impact.prior[
-            0
-        ]
+        first = impact.free[min(impact.onset, len(impact.free) - 1)]
+        x[COMMON + 2 * i] = (law.gap_m - first) / impact.prior[0]
+    if others is not None:
+        x[:FILTER], x[COMMON:] = others[:FILTER], others[COMMON:]
+    x, gram = _descended(bodies, hypothesis, x)
+    regained = _regained(bodies, hypothesis, x)
+    if regained is not None:
+        x, gram = _descended(bodies, hypothesis, regained)
+    residual, weight = _residuals(bodies, hypothesis, x)
+    cost = _cost(residual, weight, x)
+    freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
+    inverse = np.linalg.inv(gram)
+    scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
+    std = tuple(float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
+    return Fitted(
+        hypothesis,
+        at(hypothesis, x[FILTER:COMMON]),
+        (std[0], std[1], std[2]),
+        -cost - 0.5 * float(np.linalg.slogdet(gram)[1]),
+        cost,
+        freedom,
+        np.sqrt(np.sum(residual**2, axis=1)),
+        x,
+    )
+
+
+def _descended(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the unknowns at the end of a damped Gauss-Newton descent, and the information there."""
     cost = _cost(*_residuals(bodies, hypothesis, x), x)
     damping = 1e-2
-    gram, freedom, size = np.eye(len(x)), 0, np.zeros(count)
+    gram = np.eye(len(x))
     for _ in range(ITERATIONS):
         residual, weight = _residuals(bodies, hypothesis, x)
         slope = _slopes(bodies, hypothesis, x, residual)
@@ -210,22 +237,23 @@ def fit(
         damping = max(damping / 10.0, 1e-6)
         if gained < 0.02:
             break
-    residual, _ = _residuals(bodies, hypothesis, x)
-    size = np.sqrt(np.sum(residual**2, axis=1))
-    freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
-    inverse = np.linalg.inv(gram)
-    scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
-    std = tuple(float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
-    return Fitted(
-        hypothesis,
-        at(hypothesis, x[FILTER:COMMON]),
-        (std[0], std[1], std[2]),
-        -cost - 0.5 * float(np.linalg.slogdet(gram)[1]),
-        cost,
-        freedom,
-        size,
-        x,
-    )
+    return x, gram
+
+
+def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | None:
+    """Return the unknowns with impacts that a descent lost where they fit best; None if it lost none.
+
+    Two floors that just miss each other make no force, and nothing then tells a descent which way to go.
+    """
+    law, found = at(hypothesis, x[FILTER:COMMON]), x.copy()
+    size = np.sqrt(np.sum(_residuals(bodies, hypothesis, x)[0] ** 2, axis=1))
+    for i in np.flatnonzero(size > LOST):
+        own = slice(COMMON + 2 * i, COMMON + 2 * i + 2)
+        tried = [np.array([moved, 0.0]) for moved in REGAINED]
+        left = [float(np.sum(_residual(bodies, int(i), law, x, one) ** 2)) for one in tried]
+        if min(left) < size[i] ** 2:
+            found[own] = tried[int(np.argmin(left))]
+    return None if np.array_equal(found, x) else found
 
 
 def _cost(residual: np.ndarray, weight: np.ndarray, x: np.ndarray) -> float:
