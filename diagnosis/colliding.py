@@ -20,18 +20,20 @@ from diagnosis.case import Case
 from diagnosis.contacts import Fitted
 from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
-from diagnosis.impacts import Bodies
+from diagnosis.impacts import Bodies, Law
 from diagnosis.observations import Observations, Touch
 from diagnosis.second_contact import second_contact, second_fit, with_pushes, without_last
 
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
 LEAST_IMPACTS = 2
+SHARPEST = 0.5
 CELL_FORCE, FOUND_FORCE = 0.03, 0.1
 AROUND_S = 0.01
 MOST_TOUCHES = 60
 """How well the size of a contact force is known, relative, from a cell and from the motion; how far a touch reaches
-beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free."""
+beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free. Above them: the impacts that a contact needs
+to be judged, and the share of their expected errors that they are believed to have at least, however well they fit."""
 
 
 @dataclass
@@ -263,16 +265,38 @@ def touched(
     if len(met.impacts) < LEAST_IMPACTS:
         return Touched(None, (), second, len(met.impacts), nearest, spread)
     law = contacts.believed_law(case.contacts[0], met.mass)
-    null = contacts.best_fit(met, contacts.null(law))
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
-    fits = [contacts.best_fit(met, one) for one in contacts.hypotheses(law, max(speed, 1e-2))]
-    null, *fits = contacts.warmed(met, [null, *fits])
-    null, *fits = contacts.warmed(met, [null, *fits])
-    cost, freedom = min((one.cost, one.freedom) for one in (null, *fits))
-    temper = max(1.0, 2 * cost / max(freedom - 3 * len(met.impacts), 1))
+    met, temper, (null, *fits) = _fitted(met, law, max(speed, 1e-2))
     ranked = sorted(((one.log_evidence - null.log_evidence) / temper, i) for i, one in enumerate(fits))
     best_first = tuple((nats, fits[i]) for nats, i in ranked[::-1])
     return Touched(null, best_first, second, len(met.impacts), nearest, spread, met)
+
+
+def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
+    """Return impacts with errors as large as they are seen to be, by what evidence on them is divided, and all fits.
+
+    The first fit is that of the believed contact.
+    """
+    tried = [contacts.null(law), *contacts.hypotheses(law, speed)]
+    fits = contacts.warmed(met, [contacts.best_fit(met, one) for one in tried])
+    fits = contacts.warmed(met, fits)
+    level = _level(met, fits)
+    if level < 1.0:
+        met = impacts.sharper(met, max(float(np.sqrt(level)), SHARPEST))
+        fits = [
+            contacts.fit(
+                met, one.hypothesis, one.unknowns[contacts.FILTER : contacts.COMMON].tolist(), one.unknowns
+            )
+            for one in fits
+        ]
+        fits = contacts.warmed(met, fits)
+    return met, max(1.0, _level(met, fits)), fits
+
+
+def _level(met: Bodies, fits: Sequence[Fitted]) -> float:
+    """Return the variance that the best fit leaves of impacts over the one that was expected."""
+    cost, freedom = min((one.cost, one.freedom) for one in fits)
+    return 2 * cost / max(freedom - 3 * len(met.impacts), 1)
 
 
 def _met(

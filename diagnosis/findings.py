@@ -48,8 +48,8 @@ CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
 """The same for frames that collide, whose impacts no frame's model foretells quite; and where a force cell told of them,
 what is slow beside impacts may also show by so much evidence in less of the noise."""
 BLIND = 3.0
-"""Times as much evidence as that is needed where the forces are those that the motion asks for: what these miss looks like
-an effect too."""
+"""Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
+these miss looks like an effect too."""
 BESIDE_CONTACT = 2.0
 """Times as much that they need where something is missing between the frames already, since a second effect is rarer; where
 evidence makes up for size, only of that."""

@@ -11,6 +11,7 @@ from diagnosis.case import Case
 from diagnosis.colliding import Foretold, Pair, Touched
 from diagnosis.confidence import CONTACT, Features, basis, confidence
 from diagnosis.contacts import Fitted
+from diagnosis.findings import BLIND
 from diagnosis.impacts import DAMPED
 from diagnosis.verdict import CLASS_NATS
 
@@ -31,6 +32,8 @@ def claims_of(
     claims = [*_cell(case, pair), *_second(case, pair, touched)]
     found = candidates(case, touched)
     needed = CLAIM_BESIDE_NATS if report["verdict"] in NAMED or claims else CLAIM_NATS
+    if pair.cell is None:
+        needed *= BLIND
     if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], touched, foretold):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
