@@ -6,6 +6,7 @@ than at other times. Noise and slow model errors do not: a filter forgets them f
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,8 @@ SHARE, DEVIATIONS = 0.97, 2.17
 quite right answers in every cycle, a knock seldom."""
 LEAST = 2
 """Plain pushes that make it no accident of one sample."""
+ALONE_NATS = 10.0
+"""By how much a push on one floor must be likelier than one on both floors of a contact."""
 MOST = 6
 """Times told."""
 APART_S = 0.1
@@ -55,29 +58,36 @@ class Knocks:
 
 
 def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
-    """Return the pushes that a baseline leaves unexplained; None if there are too few, or where two frames meet."""
-    observed = believed.observed
-    touching = {floor for pair in observed.contact_floors for floor in pair}
+    """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
     best: Knocks | None = None
-    own_contact = False
     for floor in range(believed.structure.floors):
         times, strength = [], 0.0
-        found = answers(believed, baseline, baseline.modes.floors[floor])
-        for (matched, own), number in zip(found, baseline.runs, strict=True):
-            run = observed.runs[number]
-            answer = np.abs(matched) / np.sqrt(own[0])
-            answer[_touching(run.contact, run.step_s)] = 0.0
-            answer /= max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
-            for k in _peaks(answer, max(1, round(APART_S / run.step_s))):
-                times.append((run.name, k * run.step_s))
+        for name, step_s, answer in _answers(believed, baseline, floor):
+            for k in _peaks(answer, max(1, round(APART_S / step_s))):
+                times.append((name, k * step_s))
                 strength += float(answer[k])
         if len(times) >= LEAST and (best is None or strength > best.strength):
-            best, own_contact = (
-                Knocks(believed.structure.place(floor), tuple(times), strength),
-                floor in touching,
-            )
-    # Where floors meet it is more likely a touch too weak for the cell.
-    return None if own_contact else best
+            best = Knocks(believed.structure.place(floor), tuple(times), strength)
+    return best
+
+
+def _answers(believed: Believed, baseline: Baseline, floor: int) -> Iterator[tuple[str, float, np.ndarray]]:
+    """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor."""
+    alone = answers(believed, baseline, baseline.modes.floors[floor])
+    touches = [
+        answers(believed, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
+        for left, right in believed.observed.contact_floors
+    ]
+    for number, (matched, own) in enumerate(alone):
+        run = believed.observed.runs[baseline.runs[number]]
+        answer = np.abs(matched) / np.sqrt(own[0])
+        answer[_touching(run.contact, run.step_s)] = 0.0
+        usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
+        for touch in touches:
+            # What pushes both frames is a touch that the force cell did not show.
+            other = touch[number][0] / np.sqrt(touch[number][1][0])
+            answer[answer**2 < other**2 + 2 * ALONE_NATS] = 0.0
+        yield run.name, run.step_s, answer / usual
 
 
 def _peaks(answer: np.ndarray, apart: int) -> list[int]:

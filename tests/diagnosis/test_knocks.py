@@ -66,16 +66,6 @@ def test_a_good_model_and_one_knock_are_no_knocks() -> None:
     assert knocks(once, null_model(once)) is None
 
 
-def test_a_push_where_two_frames_meet_is_more_likely_a_weak_touch() -> None:
-    believed = knocked([1.3, 2.6], 2, 0.1)
-    runs = tuple(replace(run, contact=np.zeros((len(run.table), 1))) for run in believed.observed.runs)
-    start = null_model(believed)
-    for floors, said in (((1, 2), False), ((0, 2), True)):
-        observed = replace(believed.observed, runs=runs, contact_floors=(floors,))
-        found = knocks(Believed(believed.structure, observed, believed.prior), start)
-        assert (found is not None) is said
-
-
 def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
     spring = CubicStiffness(index=1, frame="bench", storey=2)
     believed = measured([(spring, np.array([2e10]))])

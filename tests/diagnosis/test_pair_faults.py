@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -9,9 +10,11 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
+from diagnosis import pairs
 from diagnosis.case import Case
 from diagnosis.colliding import Touched, prepare
 from diagnosis.diagnose import between, find
+from diagnosis.knocks import knocks
 from diagnosis.pair_report import candidates, joined
 from diagnosis.verdict import report_of
 from tests.diagnosis.colliding_models import (
@@ -98,15 +101,15 @@ def test_poor_forces_that_no_cell_measured_are_said() -> None:
         assert any("worth less than with a force cell" in warning for warning in report["warnings"]) is said
 
 
-def knocked(case: Case) -> Case:
-    """Return a case in which the second floor of the frame on the right was knocked twelve times, away from the other."""
+def knocked(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspace(0.3, 2.2, 12))) -> Case:
+    """Return a case in which a floor of the frame on the right was knocked at some times [s], away from the other."""
     stiffness = STIFFNESS["stiff"] * DRIFT.T @ DRIFT
     still = np.zeros((FLOORS, FLOORS))
     system = np.block([[still, np.eye(FLOORS)], [-stiffness / MASS, -damping(stiffness) / MASS]])
-    push = np.concatenate([np.zeros(FLOORS), np.eye(FLOORS)[1] / MASS])[:, None]
+    push = np.concatenate([np.zeros(FLOORS), np.eye(FLOORS)[floor - 1] / MASS])[:, None]
     at = np.arange(len(case.runs[0].time_s)) * STEP_S
     force = np.zeros(len(at))
-    for begin in np.linspace(0.3, 2.2, 12):
+    for begin in times:
         inside = (at > begin) & (at < begin + 0.005)
         force[inside] = 400.0 * np.sin(np.pi * (at[inside] - begin) / 0.005)
     states = lsim(StateSpace(system, push, np.eye(2 * FLOORS), np.zeros((2 * FLOORS, 1))), force, at)[1]
@@ -125,6 +128,33 @@ def knocked(case: Case) -> Case:
 def test_knocks_on_one_frame_are_no_second_contact() -> None:
     pair, *_ = judged(knocked(colliding(CONTACT)))
     assert pair.second is None
+
+
+@pytest.mark.parametrize("floor", [2, FLOORS])
+def test_knocks_on_one_frame_are_told_even_where_the_frames_meet(floor: int) -> None:
+    believed = prepare(case := knocked(colliding(CONTACT), floor, (0.47, 0.82)), model(case)).slow
+    found = knocks(believed, pairs.quick_baseline(believed, (0, 1)))
+    assert found is not None
+    assert found.place == ("stiff", floor)
+
+
+def test_touches_that_the_force_cell_did_not_show_are_no_knocks() -> None:
+    case = colliding(CONTACT)
+    runs = []
+    for run in case.runs:
+        values = run.values.copy()
+        third = STEP_S * np.arange(len(values)) > 2 * STEP_S * len(values) / 3
+        values[third, -1] = 0.0
+        runs.append(replace(run, values=values))
+    believed = prepare(case, model(case)).slow
+    blinded = prepare(part := replace(case, runs=tuple(runs)), model(part)).slow
+    lost = [
+        np.abs(a.contact - b.contact).max()
+        for a, b in zip(believed.observed.runs, blinded.observed.runs, strict=True)
+    ]
+    assert max(lost) > 100.0
+    assert knocks(blinded, pairs.quick_baseline(blinded, (0, 1))) is None
+    assert knocks(believed, pairs.quick_baseline(believed, (0, 1))) is None
 
 
 @pytest.mark.slow
