@@ -27,13 +27,14 @@ from diagnosis.second_contact import second_contact, second_fit, with_pushes, wi
 LEVEL = 0.01
 """Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
 LEAST_IMPACTS = 2
+"""Impacts that a contact needs to be judged."""
 SHARPEST = 0.5
+"""The share of their expected errors that impacts are believed to have at least, however well they fit."""
 CELL_FORCE, FOUND_FORCE = 0.03, 0.1
 AROUND_S = 0.01
 MOST_TOUCHES = 60
 """How well the size of a contact force is known, relative, from a cell and from the motion; how far a touch reaches
-beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free. Above them: the impacts that a contact needs
-to be judged, and the share of their expected errors that they are believed to have at least, however well they fit."""
+beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free."""
 
 
 @dataclass
@@ -47,7 +48,7 @@ class Pair:
         cell: What the force cell itself does wrong, or None where there is none that can be used.
         second: Floor (from 1) of a contact that nobody listed, its nats, and its column; or None.
         warnings: What was odd.
-        acting: Whether something between the frames is known to be missing.
+        contact_claimed: Whether something between the frames is known to be missing.
     """
 
     full: Believed
@@ -57,7 +58,7 @@ class Pair:
     cell: Cell | None
     second: tuple[int, float, int] | None = None
     warnings: list[str] = field(default_factory=list)
-    acting: bool = False
+    contact_claimed: bool = False
 
     @property
     def blind(self) -> bool:
@@ -283,13 +284,7 @@ def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fi
     level = _level(met, fits)
     if level < 1.0:
         met = impacts.sharper(met, max(float(np.sqrt(level)), SHARPEST))
-        fits = [
-            contacts.fit(
-                met, one.hypothesis, one.unknowns[contacts.FILTER : contacts.COMMON].tolist(), one.unknowns
-            )
-            for one in fits
-        ]
-        fits = contacts.warmed(met, fits)
+        fits = contacts.warmed(met, [contacts.again(met, one, one) for one in fits])
     return met, max(1.0, _level(met, fits)), fits
 
 

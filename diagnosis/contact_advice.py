@@ -12,7 +12,7 @@ import numpy as np
 
 from diagnosis.advice import WEAK_NATS, sentences
 from diagnosis.colliding import Touched
-from diagnosis.contacts import COMMON, FILTER, Fitted, best_fit, compare, fit
+from diagnosis.contacts import Fitted, again, best_fit, compare
 from diagnosis.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
 
 USED = 12
@@ -113,5 +113,5 @@ def _turn(impact: Impact, finer: float) -> np.ndarray:
 
 def _apart(bodies: Bodies, true: Fitted, other: Fitted) -> float:
     # What made the data fits them from where it is; the rival may look for its best.
-    right = fit(bodies, true.hypothesis, true.unknowns[FILTER:COMMON].tolist())
+    right = again(bodies, true)
     return right.log_evidence - best_fit(bodies, other.hypothesis).log_evidence

@@ -336,6 +336,12 @@ def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
     return max((fit(bodies, hypothesis, start) for start in starts), key=lambda one: one.log_evidence)
 
 
+def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitted:
+    """Return a hypothesis fitted once more: its contact from where it was, the rest from where `others` has it."""
+    start = fitted.unknowns[FILTER:COMMON].tolist()
+    return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
+
+
 def misfit(bodies: Bodies, law: Law) -> float:
     """Return what a contact leaves of impacts, root mean square in standard deviations, filter and states being free."""
     found = fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
@@ -348,6 +354,5 @@ def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
     best = max(found, key=lambda one: one.log_evidence)
     for i, one in enumerate(found):
         if one is not best and one.log_evidence > best.log_evidence - WARMED:
-            again = fit(bodies, one.hypothesis, one.unknowns[FILTER:COMMON].tolist(), best.unknowns)
-            found[i] = max(one, again, key=lambda each: each.log_evidence)
+            found[i] = max(one, again(bodies, one, best), key=lambda each: each.log_evidence)
     return found

@@ -66,7 +66,7 @@ def diagnose_case(
     touched = None
     if found.pair is not None:
         told("looking at the impacts", 0.9)
-        report, touched = between(case, found, report)
+        report, touched = report_on_pair(case, found, report)
     if out is not None:
         from diagnosis import contact_advice
         from diagnosis.advice import advice
@@ -81,7 +81,7 @@ def diagnose_case(
     return report
 
 
-def between(case: Case, found: Findings, report: dict[str, Any]) -> tuple[dict[str, Any], Touched]:
+def report_on_pair(case: Case, found: Findings, report: dict[str, Any]) -> tuple[dict[str, Any], Touched]:
     """Return the report on a pair, and what its impacts say, from the report on its frames.
 
     Where something between the frames is missing, effects of the frames are judged again as second ones.
@@ -90,7 +90,7 @@ def between(case: Case, found: Findings, report: dict[str, Any]) -> tuple[dict[s
     touched = touch(case, found, report)
     held_out = foretold(case, found, report, touched)
     if report["verdict"] in NAMED and claims_of(case, found.pair, touched, report, held_out):
-        found.pair = replace(found.pair, acting=True)
+        found.pair = replace(found.pair, contact_claimed=True)
         again = report_of(case, found)
         if again["verdict"] != report["verdict"]:
             touched = touch(case, found, again)

@@ -47,10 +47,10 @@ PAIR_NATS, PAIR_SIZE = 100.0, 0.25
 CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
 """The same for frames that collide, whose impacts no frame's model foretells quite; and where a force cell told of them,
 what is slow beside impacts may also show by so much evidence in less of the noise."""
-BLIND = 3.0
+BLIND_FACTOR = 3.0
 """Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
 these miss looks like an effect too."""
-BESIDE_CONTACT = 2.0
+BESIDE_FACTOR = 2.0
 """Times as much that they need where something is missing between the frames already, since a second effect is rarer; where
 evidence makes up for size, only of that."""
 FILTERED_S = 2.5e-4
@@ -88,11 +88,11 @@ class Findings:
         """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named."""
         if self.pair is None:
             return DETECTED_NATS, DETECTED_SIZE
-        known = BLIND if self.pair.blind else 1.0
+        known = BLIND_FACTOR if self.pair.blind else 1.0
         return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
 
     def _beside(self) -> float:
-        return BESIDE_CONTACT if self.pair is not None and self.pair.acting else 1.0
+        return BESIDE_FACTOR if self.pair is not None and self.pair.contact_claimed else 1.0
 
     def plain(self, nats: float, size: float) -> bool:
         """Return whether an effect of this evidence [nats] and size is detected."""

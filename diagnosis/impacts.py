@@ -250,7 +250,7 @@ def bodies(
 
 
 def sharper(met: Bodies, share: float) -> Bodies:
-    """Return impacts whose spectra are known so many times better; what the states before them are is known as before."""
+    """Return impacts with a share of the errors of their spectra; the states before them are known as before."""
     return replace(met, impacts=tuple(replace(one, whiten=one.whiten / share) for one in met.impacts))
 
 

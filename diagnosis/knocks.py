@@ -6,7 +6,7 @@ than at other times. Noise and slow model errors do not: a filter forgets them f
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,10 +59,14 @@ class Knocks:
 
 def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
     """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
+    touches = [
+        answers(believed, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
+        for left, right in believed.observed.contact_floors
+    ]
     best: Knocks | None = None
     for floor in range(believed.structure.floors):
         times, strength = [], 0.0
-        for name, step_s, answer in _answers(believed, baseline, floor):
+        for name, step_s, answer in _answers(believed, baseline, floor, touches):
             for k in _peaks(answer, max(1, round(APART_S / step_s))):
                 times.append((name, k * step_s))
                 strength += float(answer[k])
@@ -71,14 +75,20 @@ def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
     return best
 
 
-def _answers(believed: Believed, baseline: Baseline, floor: int) -> Iterator[tuple[str, float, np.ndarray]]:
-    """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor."""
-    alone = answers(believed, baseline, baseline.modes.floors[floor])
-    touches = [
-        answers(believed, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
-        for left, right in believed.observed.contact_floors
-    ]
-    for number, (matched, own) in enumerate(alone):
+def _answers(
+    believed: Believed,
+    baseline: Baseline,
+    floor: int,
+    touches: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]],
+) -> Iterator[tuple[str, float, np.ndarray]]:
+    """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor.
+
+    Args:
+        believed, baseline: The model and its filter.
+        floor: The floor among all.
+        touches: The answers to pushes on both floors of each contact, which are told apart from knocks.
+    """
+    for number, (matched, own) in enumerate(answers(believed, baseline, baseline.modes.floors[floor])):
         run = believed.observed.runs[baseline.runs[number]]
         answer = np.abs(matched) / np.sqrt(own[0])
         answer[_touching(run.contact, run.step_s)] = 0.0

@@ -11,7 +11,7 @@ from diagnosis.case import Case
 from diagnosis.colliding import Foretold, Pair, Touched
 from diagnosis.confidence import CONTACT, Features, basis, confidence
 from diagnosis.contacts import Fitted
-from diagnosis.findings import BLIND
+from diagnosis.findings import BLIND_FACTOR
 from diagnosis.impacts import DAMPED
 from diagnosis.verdict import CLASS_NATS
 
@@ -33,7 +33,7 @@ def claims_of(
     found = candidates(case, touched)
     needed = CLAIM_BESIDE_NATS if report["verdict"] in NAMED or claims else CLAIM_NATS
     if pair.cell is None:
-        needed *= BLIND
+        needed *= BLIND_FACTOR
     if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], touched, foretold):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
@@ -56,7 +56,7 @@ def joined(
         pair: Its frames and contacts. touched: What the impacts say.
         report: The report on the frames.
         foretold: How well held-out impacts are foretold.
-        doubted: Whether the frames' own parameters, or a tone, speak against every model tried.
+        doubted: Whether the frames' own parameters, or a tone, speak against the model.
     """
     found = candidates(case, touched)
     second = _second(case, pair, touched)

@@ -153,6 +153,11 @@ def answers(
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return what each run answers to whether a force of this modal direction acted at a sample.
 
+    Args:
+        believed: The believed model.
+        baseline: The filter, with the forces that are known already.
+        direction: Modal force of a unit force [N], shape (modes,).
+
     Returns:
         For each run the innovations' product with the response to a unit push at each sample, shape (samples,), and that
         response's own product with itself so many samples later, whose first is the variance of the answer.

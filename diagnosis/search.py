@@ -101,10 +101,10 @@ def _refined_best(
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
         _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
     _turned(found, effects)
-    _faded(found)
     if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
+    _faded(found)
     return found
 
 

@@ -134,7 +134,7 @@ def _missing(name: str, base: Path | None) -> str:
             f" {reference.step_s} s, {reference.pga_g:.3f} g) into a folder as {plain}.csv with the columns"
             f" time_s,acceleration_m_s2 and name the folder by --records or {VARIABLE}; {reference.obtain}"
         )
-    known = [*REFERENCES, *PACKAGED, *(_files(base) if base else ())]
+    known = list(dict.fromkeys([*REFERENCES, *PACKAGED, *(_files(base) if base else ())]))
     near = difflib.get_close_matches(plain, known, n=1)
     hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
     return f"record '{name}' {where}: {hint}"

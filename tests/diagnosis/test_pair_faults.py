@@ -13,7 +13,7 @@ from scipy.signal import StateSpace, lsim
 from diagnosis import pairs
 from diagnosis.case import Case
 from diagnosis.colliding import Touched, prepare
-from diagnosis.diagnose import between, find
+from diagnosis.diagnose import find, report_on_pair
 from diagnosis.knocks import knocks
 from diagnosis.pair_report import candidates, joined
 from diagnosis.verdict import report_of
@@ -171,6 +171,6 @@ def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
     found = find(case, lambda what, share: None)
     report = report_of(case, found)
     assert found.pair is not None
-    report, _ = between(case, found, report)
+    report, _ = report_on_pair(case, found, report)
     assert report["verdict"] == "unknown_effect"
     assert any("different loggers" in warning for warning in report["warnings"])

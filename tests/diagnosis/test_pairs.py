@@ -295,7 +295,7 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     assert found.plain(1000.0, 0.1)
     verdict = Decision("nothing_missing", judged_ones[0], ())
     assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
-    found.pair = replace(pair, acting=True)
+    found.pair = replace(pair, contact_claimed=True)
     assert not found.plain(199.0, 0.5)
     assert found.plain(200.0, 0.5)
     assert not found.plain(1999.0, 0.1)
