@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
@@ -91,12 +92,15 @@ def _answers(
     for number, (matched, own) in enumerate(answers(believed, baseline, baseline.modes.floors[floor])):
         run = believed.observed.runs[baseline.runs[number]]
         answer = np.abs(matched) / np.sqrt(own[0])
+        highest = maximum_filter1d(answer, 2 * max(1, round(APART_S / run.step_s)) + 1)
         answer[_touching(run.contact, run.step_s)] = 0.0
         usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
         for touch in touches:
             # What pushes both frames is a touch that the force cell did not show.
             other = touch[number][0] / np.sqrt(touch[number][1][0])
             answer[answer**2 < other**2 + 2 * ALONE_NATS] = 0.0
+        # The force of a touch is never quite right: what rises toward it is its flank.
+        answer[answer < highest] = 0.0
         yield run.name, run.step_s, answer / usual
 
 

@@ -12,7 +12,7 @@ from diagnosis.baseline import starting_noise
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline, run_baseline
 from diagnosis.effects_storey import CubicStiffness
-from diagnosis.knocks import knocks
+from diagnosis.knocks import BESIDE_TOUCH_S, knocks
 from tests.diagnosis.models import STEP_S, measured, three_storeys
 
 WIDTH_S = 0.005
@@ -70,3 +70,15 @@ def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
     spring = CubicStiffness(index=1, frame="bench", storey=2)
     believed = measured([(spring, np.array([2e10]))])
     assert knocks(believed, null_model(believed)) is None
+
+
+def test_the_flank_of_a_touch_is_no_knock() -> None:
+    pushed = knocked([1.3, 2.6], 2, 0.1)
+    baseline = null_model(pushed)
+    # The time about a touch in which no push is looked for ends with the largest answer, 1 ms after a push began.
+    at = STEP_S * np.arange(len(pushed.observed.runs[0].table))
+    ends = [time + 0.003 - BESIDE_TOUCH_S for time in (1.3, 2.6)]
+    touching = np.any([(at > end - 0.02) & (at < end) for end in ends], axis=0).astype(float)
+    runs = tuple(replace(run, contact=touching[: len(run.table), None]) for run in pushed.observed.runs)
+    told = Believed(pushed.structure, replace(pushed.observed, runs=runs), pushed.prior)
+    assert knocks(told, baseline) is None
