@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -52,21 +53,20 @@ def diagnose_case(
     told("reading the case", 0.0)
     own = _own(candidates_file) if candidates_file is not None else []
     case = read_case(case_folder)
-    if calibrate and (case.contacts or not case.runs):
+    if calibrate and not case.runs:
         raise CaseError(
-            f"{case.folder / 'case.toml'}: --calibrate simulates runs of frames that stand alone, and this case has "
-            f"{'a contact' if case.contacts else 'no run'}; leave --calibrate out"
+            f"{case.folder / 'case.toml'}: --calibrate simulates runs, and this case has no run; leave --calibrate out"
         )
     if case.modal and not case.runs:
         return _modal(case, out, told)
     found = find(case, told, own)
     report = report_of(case, found)
-    if calibrate:
-        report |= _calibrated(found, told)
     touched = None
     if found.pair is not None:
         told("looking at the impacts", 0.9)
         report, touched = report_on_pair(case, found, report)
+    if calibrate:
+        report |= _calibrated(case, found, touched, report, own, told)
     if out is not None:
         from diagnosis import contact_advice
         from diagnosis.advice import advice
@@ -100,11 +100,31 @@ def report_on_pair(case: Case, found: Findings, report: dict[str, Any]) -> tuple
     return joined(case, found.pair, touched, report, held_out, doubted), touched
 
 
-def _calibrated(found: Findings, told: Progress) -> dict[str, Any]:
-    from diagnosis.rig_calibration import calibrate, stated
+def _calibrated(
+    case: Case,
+    found: Findings,
+    touched: Touched | None,
+    report: dict[str, Any],
+    own: Sequence[type[Effect]],
+    told: Progress,
+) -> dict[str, Any]:
+    from diagnosis import pair_calibration, rig_calibration
     from frames.cache import folder
 
-    return stated(found, calibrate(found, folder() / "diagnosis", told))
+    if touched is None:
+        names = [rig_calibration.name_of(one) for one in rig_calibration.hypotheses(found)]
+        simulate = partial(rig_calibration.simulate_and_judge, found)
+    else:
+        names = [one.label for one in pair_calibration.truths(found, touched)] + [repr(case.contacts)]
+        judge = partial(_report_on_simulated, own)
+        simulate = partial(pair_calibration.simulate_and_judge, case, found, touched, judge)
+    outcomes = rig_calibration.calibrated(found, folder() / "diagnosis", simulate, names, told)
+    return rig_calibration.stated(report, outcomes)
+
+
+def _report_on_simulated(own: Sequence[type[Effect]], case: Case) -> dict[str, Any]:
+    found = find(case, lambda what, share: None, own)
+    return report_on_pair(case, found, report_of(case, found))[0]
 
 
 def _modal(case: Case, out: Path | str | None, told: Progress) -> dict[str, Any]:

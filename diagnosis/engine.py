@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import exudyn
@@ -17,6 +18,8 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.linalg import eigh
 
 import frames
+from contact.connector import ContactConnector
+from contact.laws import Law as ContactLaw
 from diagnosis.believed import Acting, Believed
 from diagnosis.calling import called
 from diagnosis.errors import CaseError
@@ -34,11 +37,24 @@ from diagnosis.predictor import (
 )
 from diagnosis.tilt import tilt_series
 from experiments.errors import ExperimentError
-from experiments.rig import Accuracy, Rig
+from experiments.motion import ContactHistory, FrameMotion
+from experiments.rig import COLLIDING, Accuracy, Rig
 
 FINER = 4
 """The table's samples are interpolated smoothly to so many steps, because the rig connects its samples by lines."""
 ACCURACY = Accuracy(1e-6, 1e-8, 2.5e-4)
+FORCE_HZ = 5e4
+"""Rate at which a contact's force is taken before it is averaged over the logger's samples."""
+
+
+@dataclass(frozen=True)
+class Between:
+    """A contact: its left and right floor among all, its law, its gap [m]."""
+
+    left: int
+    right: int
+    law: ContactLaw
+    gap_m: float
 
 
 @dataclass(frozen=True)
@@ -79,6 +95,55 @@ def simulate_engine(
                 f"{name}: the exudyn model with the effect in it did not finish: {error}"
             ) from error
     return found
+
+
+def simulate_touching(
+    believed: Believed,
+    values: np.ndarray,
+    effects: Sequence[tuple[Acting, np.ndarray]],
+    number: int,
+    between: Between,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the channels (samples, channels) in SI of a run in which two floors may touch, and the force (samples,) [N].
+
+    Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter.
+
+    Args:
+        believed: The believed model, without contact forces.
+        values: Its ordinary parameters.
+        effects: Effects with their SI parameters.
+        number: Number of the run.
+        between: The contact.
+
+    Raises:
+        CaseError: The engine did not get through the run.
+    """
+    assembly = believed.assemble(values, effects)
+    run = believed.observed.runs[number]
+    try:
+        motion, laws = _shaken(believed, assembly, number, between)
+    except ExperimentError as error:
+        raise CaseError(
+            f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
+        ) from error
+    channels = _channels(believed, assembly, number, motion, values, effects, laws, run.step_s)
+    return channels, _mean_force(motion, between, len(run.table), run.step_s)
+
+
+def _mean_force(motion: FrameMotion, between: Between, samples: int, step_s: float) -> np.ndarray:
+    apart = [
+        series[:, between.left] - series[:, between.right]
+        for series in (motion.displacement_m, motion.velocity_m_s, motion.acceleration_m_s2)
+    ]
+    history = ContactHistory(
+        0, "left", "right", between.gap_m, 0.0, between.law,
+        motion.time_s, apart[0] - between.gap_m, apart[1], apart[2],
+    )  # fmt: skip
+    finer = max(1, round(step_s * FORCE_HZ))
+    offsets = ((np.arange(finer) + 0.5) / finer - 0.5) * step_s
+    at = np.arange(samples)[:, None] * step_s + offsets
+    forces = history.at(np.clip(at.ravel(), 0.0, motion.time_s[-1]))[2]
+    return np.asarray(forces.reshape(samples, finer).mean(axis=1))
 
 
 def reduced_frame(believed: Believed, assembly: Assembly) -> frames.ReducedFrame:
@@ -130,6 +195,14 @@ def _run(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
 ) -> np.ndarray:
+    motion, laws = _shaken(believed, assembly, number)
+    return _channels(believed, assembly, number, motion, values, effects, laws)
+
+
+def _shaken(
+    believed: Believed, assembly: Assembly, number: int, between: Between | None = None
+) -> tuple[FrameMotion, list[_Law]]:
+    """Return the motion of all frames as one body through a run, and the laws that acted in it."""
     run = believed.observed.runs[number]
     step = run.step_s / FINER
     at = np.arange(FINER * (len(run.table) - 1) + 1) * step
@@ -139,9 +212,16 @@ def _run(
     laws = [_Law(kind, row, _padded(numbers, at[-1]), span) for kind, row, numbers, span in assembly.laws]
     rate = np.concatenate([[0.0], np.cumsum((table[1:] + table[:-1]) / 2) * step])
     loads = _known_forces(believed, assembly, number, at)
-    addition = _Addition(reduced, laws, rate.tolist(), 1 / step, loads)
-    motion = Rig([reduced], additions=[addition]).run(table, step, accuracy=ACCURACY)
-    return _channels(believed, assembly, number, motion.frames[0], values, effects, laws)
+    additions: list[Any] = [_Addition(reduced, laws, rate.tolist(), 1 / step, loads)]
+    if between is not None:
+        additions.append(partial(_touching, between))
+    accuracy = ACCURACY if between is None else COLLIDING
+    return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0], laws
+
+
+def _touching(between: Between, rig: Any) -> ContactConnector:
+    markers = [rig.bodies[0].marker(floor + 1) for floor in (between.left, between.right)]
+    return ContactConnector(rig.mbs, between.law, between.gap_m, *markers)
 
 
 def _padded(numbers: Sequence[float], end: float) -> np.ndarray:
@@ -298,8 +378,12 @@ def _channels(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     laws: Sequence[_Law],
+    mean_s: float = 0.0,
 ) -> np.ndarray:
-    """Return what the channels show of the engine's motion, sensors' gains, delays and offsets included."""
+    """Return what the channels show of the engine's motion, sensors' gains, delays and offsets included.
+
+    Accelerations are means over `mean_s`; at zero they are those of the moment.
+    """
     run, observed = believed.observed.runs[number], believed.observed
     times = np.arange(len(run.table)) * run.step_s
     # Sensors that are late show the motion of before.
@@ -313,7 +397,8 @@ def _channels(
     for c, (quantity, f) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
         late = np.clip(times - assembly.channel_delay_s[c], 0.0, motion.time_s[-1])
         if quantity == ACCELERATION:
-            shown = _absolute(believed, assembly, number, rate(late, 1)[:, :floors], late)[:, f]
+            relative = rate(late, 1) if mean_s == 0.0 else _mean_rate(rate, late, mean_s, motion.time_s[-1])
+            shown = _absolute(believed, assembly, number, relative[:, :floors], late)[:, f]
         elif quantity == VELOCITY:
             shown = rate(late)[:, f]
         elif quantity == TABLE_DISPLACEMENT:
@@ -330,6 +415,12 @@ def _channels(
                 shown = shown + assembly.table_tilt * pitching * height[f]
         outputs[:, c] = (1 + assembly.channel_gain[c]) * shown + assembly.channel_offset[c]
     return outputs
+
+
+def _mean_rate(velocity: CubicHermiteSpline, at: np.ndarray, over_s: float, end_s: float) -> np.ndarray:
+    """Return the mean acceleration over `over_s` about each time."""
+    before, after = np.maximum(at - over_s / 2, 0.0), np.minimum(at + over_s / 2, end_s)
+    return np.asarray((velocity(after) - velocity(before)) / (after - before)[:, None])
 
 
 def _absolute(

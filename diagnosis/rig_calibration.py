@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import monotonic
@@ -20,7 +20,7 @@ from joblib import Parallel, delayed
 
 from diagnosis.believed import Believed
 from diagnosis.catalogue import Effect
-from diagnosis.confidence import Calibration, Features, basis, confidence, fit, shipped
+from diagnosis.confidence import Calibration, Features, fit, restated, shipped
 from diagnosis.findings import Findings, Judged
 from diagnosis.observations import RunData, root_mean_square
 from diagnosis.search import search
@@ -53,44 +53,62 @@ class Outcome:
 
 
 def calibrate(
-    found: Findings,
-    folder: Path,
+    simulate: Callable[[int], Outcome],
+    path: Path,
     progress: Progress = lambda what, share: None,
     *,
     cases: int = CASES,
     minutes: float = MINUTES,
     workers: int = WORKERS,
 ) -> list[Outcome]:
-    """Return the outcomes of simulated cases on the rig of a diagnosis, those kept in `folder` first.
+    """Return the outcomes of simulated cases on the rig of a diagnosis, those kept in a file first.
 
     Args:
-        found: What the search found on the measured data.
-        folder: Where outcomes are kept, in a file named after rig, records, candidates and software.
+        simulate: Returns the outcome of the case of a number, the same whenever it is asked for.
+        path: File that keeps outcomes, named after rig, records, candidates and software (`fingerprint`).
         progress: Called with what is being done and the share that is done.
         cases: How many cases.
         minutes: When to stop with what is there.
         workers: Processes; one where candidates are the user's own, whose code lives in this process.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"calibration-{fingerprint(found)}.jsonl"
+    path.parent.mkdir(parents=True, exist_ok=True)
     done = read_outcomes(path)
     known = {one.number for one in done}
     missing = [number for number in range(cases) if number not in known]
     began = monotonic()
-    own = any(hasattr(one.effect, "source") for one in found.scores.ranked)
-    batch = 1 if own else workers
-    with Parallel(n_jobs=batch) as parallel, path.open("a", encoding="utf-8") as kept:
+    with Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
         while missing and monotonic() - began < 60 * minutes:
             progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
-            numbers, missing = missing[:batch], missing[batch:]
-            for outcome in parallel(delayed(simulate_and_judge)(found, number) for number in numbers):
+            numbers, missing = missing[:workers], missing[workers:]
+            for outcome in parallel(delayed(simulate)(number) for number in numbers):
                 done.append(outcome)
                 kept.write(json.dumps(asdict(outcome)) + "\n")
             kept.flush()
     return sorted(done, key=lambda one: one.number)
 
 
-def fingerprint(found: Findings) -> str:
+def calibrated(
+    found: Findings,
+    folder: Path,
+    simulate: Callable[[int], Outcome],
+    drawn_from: Sequence[str],
+    progress: Progress,
+) -> list[Outcome]:
+    """Return the outcomes of a diagnosis' calibration, kept in a folder under the hash of all that they depend on.
+
+    Args:
+        found: What the search found on the measured data.
+        folder: Where the file is kept.
+        simulate: Returns the outcome of a case.
+        drawn_from: What the cases hide, and contacts as stated, in words.
+        progress: Called with what is being done and the share that is done.
+    """
+    own = any(hasattr(one.effect, "source") for one in found.scores.ranked)
+    path = folder / f"calibration-{fingerprint(found, drawn_from)}.jsonl"
+    return calibrate(simulate, path, progress, workers=1 if own else WORKERS)
+
+
+def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
     """Return a hash of rig, records, candidates, what was found and software."""
     digest = hashlib.sha256(software_version().encode())
     for frame in found.believed.structure.frames:
@@ -98,9 +116,10 @@ def fingerprint(found: Findings) -> str:
             np.ascontiguousarray(frame.mass).tobytes() + np.ascontiguousarray(frame.stiffness).tobytes()
         )
     for run in found.believed.observed.runs:
-        digest.update(run.table.tobytes() + np.ascontiguousarray(run.measured).tobytes())
+        for series in (run.table, run.measured, run.contact):
+            digest.update(np.ascontiguousarray(series).tobytes())
     digest.update(" ".join(sorted(one.effect.label() for one in found.scores.ranked)).encode())
-    digest.update(" ".join(_name(one) for one in hypotheses(found)).encode())
+    digest.update(" ".join(drawn_from).encode())
     digest.update(repr(found.believed.prior).encode())
     return digest.hexdigest()[:12]
 
@@ -125,15 +144,15 @@ def hypotheses(found: Findings) -> list[Judged]:
     return [found.null, *single[:RIVALS]]
 
 
+def turn(number: int, rivals: int) -> int:
+    """Return whose turn it is in a case: 0, nothing missing, in every third; from 1, the rivals in the others."""
+    return 0 if number % 3 == 0 or rivals == 0 else 1 + (number - number // 3 - 1) % rivals
+
+
 def simulate_and_judge(found: Findings, number: int) -> Outcome:
     """Return the outcome of the case of a number, the same whenever it is asked for."""
     tried = hypotheses(found)
-    # Every third case hides nothing; the rivals share the others.
-    truth = (
-        found.null
-        if number % 3 == 0 or len(tried) == 1
-        else tried[1 + (number - number // 3 - 1) % (len(tried) - 1)]
-    )
+    truth = tried[turn(number, len(tried) - 1)]
     believed = simulated(found, truth, np.random.default_rng([number, 20261121]))
     effects = [one.effect for one in found.scores.ranked]
     again = search(believed, effects, found.training, found.held_out, lambda what, share: None)
@@ -143,26 +162,23 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     right = decision.verdict == "nothing_missing" if not hidden else (
         decision.verdict in ("effect_named", "effect_class") and hidden in claimed
     )  # fmt: skip
-    return Outcome(number, _name(truth), bool(right), features(again, decision))
+    return Outcome(number, name_of(truth), bool(right), features(again, decision))
 
 
 def _key(effect: Effect) -> tuple[object, ...]:
     return tuple(effect.place().values())
 
 
-def _name(judged: Judged) -> str:
+def name_of(judged: Judged) -> str:
+    """Return effects in words."""
     return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Believed:
     """Return the rig with data that it makes itself, parameters drawn, noise as estimated, dropouts where they were."""
     believed = found.believed
-    ordinary = believed.std * np.clip(rng.standard_normal(len(believed.std)), -WITHIN, WITHIN)
-    acting = []
-    for effect, values in zip(truth.effects, truth.fit.values, strict=True):
-        changed = np.array(values, float)
-        changed[_amplitude(effect)] *= np.exp(SIZE_SCATTER * rng.standard_normal())
-        acting.append((effect, changed))
+    ordinary = drawn(believed, rng)
+    acting = scattered(truth, rng)
     best = found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
     noise = best.fit.baseline.noise[0]
     first = believed.observed.runs[best.fit.baseline.runs[0]]
@@ -183,6 +199,21 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Belie
     return Believed(believed.structure, observed, believed.prior)
 
 
+def drawn(believed: Believed, rng: np.random.Generator) -> np.ndarray:
+    """Return ordinary parameters drawn from their priors."""
+    return np.asarray(believed.std * np.clip(rng.standard_normal(len(believed.std)), -WITHIN, WITHIN))
+
+
+def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:
+    """Return effects of about their fitted size."""
+    acting = []
+    for effect, values in zip(truth.effects, truth.fit.values, strict=True):
+        changed = np.array(values, float)
+        changed[_amplitude(effect)] *= np.exp(SIZE_SCATTER * rng.standard_normal())
+        acting.append((effect, changed))
+    return acting
+
+
 def _amplitude(effect: Effect) -> int:
     """Return which parameter says how strong an effect is: that which its size scales."""
     one, two = (
@@ -198,9 +229,8 @@ def _shape_length(effect: Effect) -> int:
     return max(len(effect.quantities) - 1, 1)
 
 
-def stated(found: Findings, outcomes: Sequence[Outcome]) -> dict[str, Any]:
+def stated(report: Mapping[str, Any], outcomes: Sequence[Outcome]) -> dict[str, Any]:
     """Return ``confidence`` and ``confidence_basis`` of a report after a calibration on its rig."""
-    given = features(found, decide(found))
     right = sum(one.right for one in outcomes)
     source = (
         f"{len(outcomes)} cases simulated on this rig and its records, of which {right} were diagnosed rightly; "
@@ -214,6 +244,7 @@ def stated(found: Findings, outcomes: Sequence[Outcome]) -> dict[str, Any]:
         count[1] += 1
     simulated_cases = [{"truth": name, "right": r, "cases": n} for name, (r, n) in by_truth.items()]
     return {
-        "confidence": confidence(given, learnt),
-        "confidence_basis": basis(given, learnt) | {"simulated": simulated_cases},
+        "confidence": restated(report, learnt),
+        "confidence_basis": report["confidence_basis"]
+        | {"calibration": source, "simulated": simulated_cases},
     }

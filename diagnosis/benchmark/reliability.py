@@ -8,7 +8,7 @@ that is shipped now, is put beside the share that was right.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,7 +19,7 @@ from cyclopts import Parameter
 from diagnosis.benchmark.pictures import draw_reliability
 from diagnosis.benchmark.scoring import Judged, judge
 from diagnosis.benchmark.summary import reliability, shown
-from diagnosis.confidence import Features, confidence
+from diagnosis.confidence import deciding, restated
 from diagnosis.errors import CaseError
 from frames.files import write_whole
 
@@ -46,30 +46,14 @@ def finished(folder: Path) -> list[Finished]:
     return sorted(found, key=lambda one: one[0])
 
 
-def restated(report: Mapping[str, Any]) -> float:
-    """Return the confidence that the shipped calibration states for a report's features."""
-    basis = report["confidence_basis"]
-    contact, frames = basis.get("contact"), Features(**basis["features"])
-    if contact is None:
-        return confidence(frames)
-    named = frames.verdict in ("effect_named", "effect_class")
-    return confidence(Features(**contact)) * (confidence(frames) if named else 1.0)
-
-
 def lines(cases: Sequence[Finished]) -> list[str]:
     """Return features with ``right`` of cases as `diagnosis.confidence.read_pairs` has them; of contacts those that
     stand alone."""
     written = []
     for _, truth, report in cases:
-        judged, basis = judge(truth, report), report["confidence_basis"]
-        named = basis["features"]["verdict"] in ("effect_named", "effect_class")
-        if "contact" not in basis:
-            features = basis["features"]
-        elif not named:
-            features = basis["contact"]
-        else:
-            continue
-        written.append(json.dumps(asdict(Features(**features)) | {"right": shown(judged)}))
+        features = deciding(report)
+        if features is not None:
+            written.append(json.dumps(asdict(features) | {"right": shown(judge(truth, report))}))
     return written
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from diagnosis import rig_calibration
 from diagnosis.catalogue import candidates
-from diagnosis.confidence import shipped
+from diagnosis.confidence import basis, shipped
 from diagnosis.diagnose import diagnose_case
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
@@ -20,6 +20,7 @@ from diagnosis.rig_calibration import (
     fingerprint,
     hypotheses,
     read_outcomes,
+    simulate_and_judge,
     simulated,
     stated,
 )
@@ -52,24 +53,28 @@ def test_simulated_data_have_the_noise_and_the_dropouts_of_the_measured(found: F
 
 @pytest.mark.slow
 def test_an_interrupted_calibration_goes_on_and_a_finished_one_costs_nothing(
-    found: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    found: Findings, tmp_path: Path
 ) -> None:
-    first = calibrate(found, tmp_path, cases=2, workers=1)
+    kept = tmp_path / "kept.jsonl"
+    first = calibrate(partial(simulate_and_judge, found), kept, cases=2, workers=1)
     assert [one.number for one in first] == [0, 1]
     assert first[0].truth == "nothing missing"
     assert all(one.right for one in first)
-    (kept,) = tmp_path.iterdir()
     kept.write_text(kept.read_text() + '{"number": 2, "tru')  # cut off in the middle of a line
     assert read_outcomes(kept) == first
-    monkeypatch.setattr(rig_calibration, "simulate_and_judge", lambda *a: pytest.fail("was kept"))
-    assert calibrate(found, tmp_path, cases=2, workers=1) == first
-    assert calibrate(found, tmp_path, cases=5, minutes=0.0, workers=1) == first
+
+    def refused(number: int) -> Outcome:
+        pytest.fail(f"case {number} was kept, or there is no time left")
+
+    assert calibrate(refused, kept, cases=2, workers=1) == first
+    assert calibrate(refused, kept, cases=5, minutes=0.0, workers=1) == first
 
 
 def test_another_record_is_another_calibration(found: Findings) -> None:
-    before = fingerprint(found)
+    before = fingerprint(found, ["cubic stiffness"])
+    assert fingerprint(found, ["another"]) != before
     found.believed.observed.runs[1].table[5] += 1e-3
-    assert fingerprint(found) != before
+    assert fingerprint(found, ["cubic stiffness"]) != before
     found.believed.observed.runs[1].table[5] -= 1e-3
 
 
@@ -80,17 +85,18 @@ def outcomes(found: Findings, right: int, of: int) -> list[Outcome]:
 
 
 def test_the_stated_rate_follows_what_happened_on_the_rig(found: Findings) -> None:
-    good, bad = (stated(found, outcomes(found, right, 20)) for right in (20, 4))
+    report = {"confidence_basis": basis(features(found, decide(found)))}
+    good, bad = (stated(report, outcomes(found, right, 20)) for right in (20, 4))
     assert good["confidence"] > 0.8
     assert bad["confidence"] < 0.4
-    basis = good["confidence_basis"]
-    assert basis["calibration"].startswith("20 cases simulated on this rig")
-    assert shipped().source in basis["calibration"]
-    assert basis["simulated"] == [{"truth": "cubic stiffness", "right": 20, "cases": 20}]
+    behind = good["confidence_basis"]
+    assert behind["calibration"].startswith("20 cases simulated on this rig")
+    assert shipped().source in behind["calibration"]
+    assert behind["simulated"] == [{"truth": "cubic stiffness", "right": 20, "cases": 20}]
     json.dumps(good)
 
 
-def test_pairs_and_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
+def test_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(
         '[[frame]]\nname = "5B"\n[[modal]]\nquantity = "mass"\nvalue = 33.0\nunit = "kg"\nstd = 1.0\n'
     )

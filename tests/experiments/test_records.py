@@ -66,6 +66,14 @@ def test_a_missing_record_says_where_to_get_it_and_nothing_else_is_taken(monkeyp
     assert not [entry for entry in available() if "northridge_sylmar" in entry.name]
 
 
+def test_an_unknown_record_is_answered_by_those_that_are_known_each_once(test_records):
+    with pytest.raises(ExperimentError) as caught:
+        find("quux", test_records)
+    said = str(caught.value).partition("known are ")[2].split(", ")
+    assert set(README) <= set(said)
+    assert len(said) == len(set(said))
+
+
 def test_the_same_samples_in_other_digits_and_units_are_known_again(test_records, tmp_path):
     kobe = find("kobe", test_records)
     written(tmp_path / "kobe.csv", kobe, "g", STANDARD_GRAVITY, digits=6)

@@ -1,0 +1,215 @@
+"""`--calibrate` for two frames that touch: the whole pair, contact and force cell included, simulated by exudyn.
+
+As on a single frame null and rivals take turns at being the truth, the contact's rivals beside those of the frames. A
+simulated case is diagnosed from its channels alone, as the measured one was: forces known or found, frames, impacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contact.errors import ContactError
+from contact.parameters import make_law
+from diagnosis import contacts
+from diagnosis.believed import Acting, Believed
+from diagnosis.case import Case, Run
+from diagnosis.colliding import Pair, Touched
+from diagnosis.confidence import Features, deciding
+from diagnosis.engine import Between, simulate_touching
+from diagnosis.errors import CaseError
+from diagnosis.findings import Findings, Judged
+from diagnosis.impacts import Law
+from diagnosis.observations import RunData, root_mean_square
+from diagnosis.pair_report import place
+from diagnosis.rig_calibration import SIZE_SCATTER, Outcome, drawn, name_of, scattered, turn
+
+RIVALS = 2
+"""Candidates of the frames, and as many of the contact, that take turns at being the truth."""
+SEED = 20261122
+Judge = Callable[[Case], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a simulated case hides: in words, its place as a report has it, and what makes it; nothing by default."""
+
+    label: str = "nothing missing"
+    place: dict[str, Any] | None = None
+    frames: Judged | None = None
+    contact: contacts.Fitted | None = None
+
+
+def truths(found: Findings, touched: Touched) -> list[Truth]:
+    """Return nothing missing and the best single candidates of the frames and of the contact."""
+    single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].foil]
+    rivals = [Truth(name_of(one), place(one.effects[0].place()), frames=one) for one in single[:RIVALS]]
+    seen: set[str] = set()
+    for _, fit in touched.ranked:
+        effect = fit.hypothesis.effect
+        if effect not in seen and len(seen) < RIVALS:
+            seen.add(effect)
+            where = place({"effect": effect, "contact": 1})
+            rivals.append(Truth(effect.replace("_", " "), where, contact=fit))
+    return [Truth(), *rivals]
+
+
+def simulate_and_judge(
+    case: Case, found: Findings, touched: Touched, diagnose: Judge, number: int
+) -> Outcome:
+    """Return the outcome of the case of a number, the same whenever it is asked for.
+
+    Args:
+        case: The measured case.
+        found: What the search found of its frames. touched: What its impacts say.
+        diagnose: Returns the report on a case.
+        number: Number of the simulated case.
+    """
+    tried = truths(found, touched)
+    truth = tried[turn(number, len(tried) - 1)]
+    report = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
+    return Outcome(number, truth.label, right(report, truth), _features(report))
+
+
+def right(report: dict[str, Any], truth: Truth) -> bool:
+    """Return whether a report names what is hidden, or a class that holds it, and nothing else."""
+    if truth.place is None:
+        return bool(report["verdict"] == "nothing_missing")
+    claims = report["effects"]
+    if report["verdict"] not in ("effect_named", "effect_class") or len(claims) != 1:
+        return False
+    return truth.place in [place(one) for one in claims[0]["class"]]
+
+
+def _features(report: dict[str, Any]) -> Features:
+    """Return what the confidence rests on; of claims on frames and contact, what it rests on for the frames."""
+    return deciding(report) or Features(**report["confidence_basis"]["features"])
+
+
+def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
+    """Return the case with data that the believed pair makes itself, something being hidden in it.
+
+    Raises:
+        CaseError: The contact's law and damping make no law that the engine knows.
+    """
+    assert found.pair is not None
+    bare = _without_forces(found.pair.full)
+    values = drawn(bare, rng)
+    acting = scattered(truth.frames, rng) if truth.frames is not None else []
+    between = _between(case, found.pair, truth, rng)
+    runs = [
+        _run(case, found, bare, (values, acting), number, between, rng) for number in range(len(case.runs))
+    ]
+    return replace(case, runs=tuple(runs), warnings=())
+
+
+def _without_forces(full: Believed) -> Believed:
+    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in full.observed.runs)
+    return Believed(
+        full.structure, replace(full.observed, runs=runs, contact_floors=(), warnings=[]), full.prior
+    )
+
+
+def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> Between:
+    """Return the contact as it was set up, its numbers off by as much as they may be."""
+    left, right = pair.full.observed.contact_floors[pair.column]
+    mass = np.concatenate([frame.floor_mass for frame in pair.full.structure.frames])
+    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
+    stated = contacts.believed_law(case.contacts[0], reduced)
+    law = stated if truth.contact is None else _of_size(stated, truth.contact, rng)
+    built = contacts.at(contacts.null(law), rng.standard_normal(3))
+    try:
+        acts = make_law(
+            built.name,
+            stiffness=built.stiffness,
+            damping=_given(built.damping),
+            restitution=_given(built.restitution),
+            masses=(2 * reduced, 2 * reduced),  # of which it is the reduced mass
+        )
+    except ContactError as error:
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: --calibrate cannot simulate contact 1: {error}"
+        ) from error
+    return Between(left, right, acts, max(built.gap_m, 0.0))
+
+
+def _given(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+def _of_size(stated: Law, fitted: contacts.Fitted, rng: np.random.Generator) -> Law:
+    """Return a contact whose departure from the stated one is about the fitted one's; another law is as fitted."""
+    law, effect = fitted.law, fitted.hypothesis.effect
+    share = float(np.exp(SIZE_SCATTER * rng.standard_normal()))
+    if effect == "gap_offset":
+        return replace(stated, gap_m=stated.gap_m + share * (law.gap_m - stated.gap_m))
+    if effect == "contact_stiffness":
+        return replace(stated, stiffness=stated.stiffness * (law.stiffness / stated.stiffness) ** share)
+    if effect == "contact_damping":
+        if np.isnan(stated.damping):
+            changed = stated.restitution + share * (law.restitution - stated.restitution)
+            return replace(stated, restitution=float(np.clip(changed, 0.05, 0.99)))
+        return replace(stated, damping=stated.damping * (law.damping / stated.damping) ** share)
+    return replace(law, gap_m=stated.gap_m)
+
+
+def _run(
+    case: Case,
+    found: Findings,
+    bare: Believed,
+    model: tuple[np.ndarray, Sequence[tuple[Acting, np.ndarray]]],
+    number: int,
+    between: Between,
+    rng: np.random.Generator,
+) -> Run:
+    """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were."""
+    run, measured = bare.observed.runs[number], case.runs[number]
+    clean, force = simulate_touching(bare, *model, number, between)
+    channel, table = _noise(found, number)
+    values = measured.values.copy()
+    for column, one in enumerate(case.channels):
+        missing = ~np.isfinite(measured.values[:, column])
+        scatter = rng.standard_normal(len(values))
+        if one.name in bare.observed.names:
+            c = bare.observed.names.index(one.name)
+            size = channel[c] * float(root_mean_square(clean[:, c]))
+            values[:, column] = clean[:, c] + size * scatter
+        elif one.quantity == "contact_force":
+            values[:, column] = _recorded(found, measured.values[:, column], force, number, scatter)
+        elif one.is_table:
+            values[:, column] = _table(run, measured.values[:, column]) + table * scatter
+        values[missing, column] = np.nan
+    return replace(measured, values=values)
+
+
+def _table(run: RunData, series: np.ndarray) -> np.ndarray:
+    index, good = np.arange(len(series)), np.isfinite(series)
+    return np.asarray(np.interp(index, index[good], series[good])) if good.any() else run.table
+
+
+def _recorded(
+    found: Findings, measured: np.ndarray, force: np.ndarray, number: int, scatter: np.ndarray
+) -> np.ndarray:
+    """Return what the force channel shows; one that clips does so again."""
+    assert found.pair is not None
+    if found.pair.cell is not None:
+        return np.asarray(force + found.pair.noise[number] * scatter)
+    return np.asarray(np.minimum(force, np.nanmax(measured, initial=0.0)))
+
+
+def _noise(found: Findings, number: int) -> tuple[np.ndarray, float]:
+    """Return the noise of each channel over its root mean square, and that of the table [m/s^2], at the logger's rate."""
+    best = found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
+    baseline, observed = best.fit.baseline, found.believed.observed
+    slow = observed.runs[baseline.runs[0]]
+    noise = baseline.noise[0]
+    rms = root_mean_square(slow.measured)
+    known = np.isfinite(noise.channel) & (rms > 0)
+    # White noise loses so much of its power where a run is slowed.
+    more = float(np.sqrt(observed.slower))
+    share = np.where(known, more * noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
+    table = more * noise.table / float(root_mean_square(slow.table))
+    return share, table * float(root_mean_square(observed.runs[number].table))

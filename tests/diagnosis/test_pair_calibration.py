@@ -1,0 +1,128 @@
+"""The calibration of a pair: simulated as it is measured, against another integrator, and diagnosed like it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from contact.parameters import make_law
+from diagnosis.believed import Believed
+from diagnosis.case import Case, Contact
+from diagnosis.colliding import Touched
+from diagnosis.confidence import CONTACT as CONTACT_CLAIM
+from diagnosis.confidence import Features
+from diagnosis.engine import Between, simulate_touching
+from diagnosis.errors import CaseError
+from diagnosis.findings import Findings
+from diagnosis.pair_calibration import Truth, right, simulate_and_judge, simulated, truths
+from diagnosis.pair_report import place
+from diagnosis.pairs import quick_baseline
+from diagnosis.rig_calibration import turn
+from tests.diagnosis.colliding_models import CONTACT, FLOORS, MASS, STEP_S, colliding, judged, model, shaken
+
+OFFSET = replace(CONTACT, gap_m=0.0048)
+
+
+@pytest.mark.parametrize("contact", [CONTACT, replace(CONTACT, law="hertz", stiffness=1e9, restitution=None)])
+def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contact) -> None:
+    wanted = shaken((contact,), 0)
+    believed = model(colliding(contact, measured=False))
+    run = replace(believed.observed.runs[0], table=wanted[:, 0])
+    alone = Believed(believed.structure, replace(believed.observed, runs=(run,)), believed.prior)
+    law = make_law(
+        contact.law, stiffness=contact.stiffness, restitution=contact.restitution, masses=(MASS, MASS)
+    )
+    between = Between(FLOORS - 1, 2 * FLOORS - 1, law, contact.gap_m)
+    channels, force = simulate_touching(alone, np.zeros(len(alone.std)), (), 0, between)
+    assert force.sum() * STEP_S == pytest.approx(wanted[:, -1].sum() * STEP_S, rel=0.02)
+    for c, name in enumerate(alone.observed.names):
+        column = [one.name for one in colliding(contact).channels].index(name)
+        rms = float(np.sqrt(np.mean(wanted[:, column] ** 2)))
+        # Displacements pass through any logger's filter as they are; the accelerations' impacts do not.
+        within = 0.02 if "_d" in name else 0.35
+        assert float(np.sqrt(np.mean((channels[:, c] - wanted[:, column]) ** 2))) < within * rms, name
+
+
+def findings(case: Case) -> tuple[Findings, Touched]:
+    """Return findings on a pair whose frames are as believed, and what its impacts say."""
+    pair, touched, _ = judged(case)
+    null = SimpleNamespace(fit=SimpleNamespace(baseline=quick_baseline(pair.slow, [0])), nats=0.0)
+    found = SimpleNamespace(pair=pair, judged=[], null=null, believed=pair.slow, claimable=lambda: [])
+    return cast(Findings, found), touched
+
+
+def test_nothing_and_the_contacts_rivals_take_turns() -> None:
+    found, touched = findings(colliding(OFFSET))
+    tried = truths(found, touched)
+    assert [one.label for one in tried][:2] == ["nothing missing", "gap offset"]
+    assert len(tried) == 3
+    assert [turn(number, 2) for number in range(6)] == [0, 1, 2, 0, 1, 2]
+    assert turn(1, 0) == 0
+
+
+def test_a_simulated_pair_is_recorded_as_the_measured_one_was() -> None:
+    case = colliding(CONTACT)
+    case.runs[0].values[100:120, 2] = np.nan
+    found, _ = findings(case)
+    made = [simulated(case, found, Truth(), np.random.default_rng(seed)) for seed in (1, 1, 2)]
+    first, again, other = (one.runs[0].values for one in made)
+    np.testing.assert_array_equal(first, again)
+    assert np.isnan(first[100:120, 2]).all()
+    assert not np.allclose(first[200:], other[200:])
+    force = first[:, -1]
+    assert force.max() > 20.0
+    # Between touches the cell is as noisy as it was.
+    assert np.std(force[np.abs(force) < 3.0]) == pytest.approx(found.pair.noise[0], rel=0.3)  # type: ignore[union-attr]
+    assert [run.file for run in made[0].runs] == [run.file for run in case.runs]
+
+
+def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
+    case = colliding(OFFSET)
+    found, touched = findings(case)
+    offset = truths(found, touched)[1]
+    assert offset.contact is not None
+    made = simulated(case, found, offset, np.random.default_rng(5))
+    _, _, report = judged(made)
+    (claim,) = report["effects"]
+    assert claim["effect"] == "gap_offset"
+    # Of the size that was found, times a factor of chance.
+    assert 0.2 < claim["parameters"][0]["value"] < 3.0
+
+
+def test_a_verdict_is_right_by_type_and_place_alone() -> None:
+    hidden = Truth("gap offset", place({"effect": "gap_offset", "contact": 1}))
+    claim = {"effect": "gap_offset", "contact": 1, "log_evidence": 40.0}
+    other = {"effect": "contact_law", "contact": 1}
+    named: dict[str, Any] = {"verdict": "effect_named", "effects": [claim | {"class": [claim]}]}
+    assert right(named, hidden)
+    assert not right(named, Truth())
+    assert right({"verdict": "effect_class", "effects": [other | {"class": [other, claim]}]}, hidden)
+    assert not right({"verdict": "effect_named", "effects": named["effects"] * 2}, hidden)
+    assert not right({"verdict": "unknown_effect", "effects": named["effects"]}, hidden)
+    assert right({"verdict": "nothing_missing", "effects": []}, Truth())
+
+
+def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
+    case = colliding(CONTACT)
+    found, touched = findings(case)
+    frames, contact = (Features(name, 12.0, 3.0, 1.0, 1.0, 1) for name in ("nothing_missing", CONTACT_CLAIM))
+
+    def diagnose(made: Case) -> dict[str, Any]:
+        assert not np.array_equal(made.runs[0].values, case.runs[0].values)
+        basis = {"features": vars(frames), "contact": vars(contact)}
+        return {"verdict": "effect_named", "effects": [], "confidence_basis": basis}
+
+    outcome = simulate_and_judge(case, found, touched, diagnose, 0)
+    assert (outcome.truth, outcome.right, outcome.features) == ("nothing missing", False, contact)
+
+
+def test_a_damping_that_no_law_of_the_engine_has_is_refused() -> None:
+    case = colliding(CONTACT)
+    found, _ = findings(case)
+    odd = replace(CONTACT, law="nonlinear_viscoelastic", damping=900.0, restitution=None)
+    with pytest.raises(CaseError, match="--calibrate cannot simulate contact 1"):
+        simulated(replace(case, contacts=(odd,)), found, Truth(), np.random.default_rng(1))
