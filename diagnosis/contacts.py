@@ -27,10 +27,14 @@ BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 phase that grows with the cube [rad], at the highest frequency."""
 ROBUST = 4.0
 """Standard deviations from which an impact counts less (Huber)."""
+MOST_NATS = 12.0
+"""What one impact may say against a contact: floors that press on each other at a millimetre a second bounce as chance has
+it, and a single one of these decided between stiffnesses and laws where forty plain impacts had no opinion."""
 ITERATIONS = 25
-LOST = 12.0
-REGAINED = np.linspace(-5.0, 5.0, 41)
-"""Standard deviations from which an impact counts as lost, and errors of its displacement with which it is looked for."""
+LOST, ROUNDS = 4.0, 4
+REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
+"""Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of
+displacement and velocity."""
 WARMED = 300.0
 """Evidence [nats] behind the best within which a fit is tried again from the best one's impacts."""
 
@@ -190,11 +194,16 @@ def fit(
     if others is not None:
         x[:FILTER], x[COMMON:] = others[:FILTER], others[COMMON:]
     x, gram = _descended(bodies, hypothesis, x)
-    regained = _regained(bodies, hypothesis, x)
-    if regained is not None:
+    for _ in range(ROUNDS):
+        regained = _regained(bodies, hypothesis, x)
+        if regained is None:
+            break
         x, gram = _descended(bodies, hypothesis, regained)
-    residual, weight = _residuals(bodies, hypothesis, x)
-    cost = _cost(residual, weight, x)
+    counted = _robust(_residuals(bodies, hypothesis, x)[0]) < MOST_NATS
+    if not counted.all():
+        x, gram = _descended(bodies, hypothesis, x, counted)
+    residual, _ = _residuals(bodies, hypothesis, x)
+    cost = float(np.minimum(_robust(residual), MOST_NATS).sum() + 0.5 * x @ x)
     freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
     inverse = np.linalg.inv(gram)
     scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
@@ -211,22 +220,25 @@ def fit(
     )
 
 
-def _descended(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the unknowns at the end of a damped Gauss-Newton descent, and the information there."""
-    cost = _cost(*_residuals(bodies, hypothesis, x), x)
+def _descended(
+    bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counted: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the unknowns at the end of a damped Gauss-Newton descent on the impacts that count, and the information."""
+    counts = np.ones(len(bodies.impacts)) if counted is None else counted.astype(float)
+    cost = _cost(bodies, hypothesis, x, counts)
     damping = 1e-2
     gram = np.eye(len(x))
     for _ in range(ITERATIONS):
         residual, weight = _residuals(bodies, hypothesis, x)
         slope = _slopes(bodies, hypothesis, x, residual)
-        scaled = slope * np.repeat(weight, 7)[:, None]
+        scaled = slope * np.repeat(weight * counts, 7)[:, None]
         gram = slope.T @ scaled + np.eye(len(x))
         pull = -scaled.T @ residual.ravel() - x
         better = False
         for _ in range(6):
             step = np.linalg.solve(gram + damping * np.diag(np.diag(gram)), pull)
             trial = x + np.clip(step, -30.0, 30.0)
-            found = _cost(*_residuals(bodies, hypothesis, trial), trial)
+            found = _cost(bodies, hypothesis, trial, counts)
             if found < cost:
                 better = True
                 break
@@ -249,18 +261,22 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
     size = np.sqrt(np.sum(_residuals(bodies, hypothesis, x)[0] ** 2, axis=1))
     for i in np.flatnonzero(size > LOST):
         own = slice(COMMON + 2 * i, COMMON + 2 * i + 2)
-        tried = [np.array([moved, 0.0]) for moved in REGAINED]
+        tried = [np.array(errors) for errors in REGAINED]
         left = [float(np.sum(_residual(bodies, int(i), law, x, one) ** 2)) for one in tried]
         if min(left) < size[i] ** 2:
             found[own] = tried[int(np.argmin(left))]
     return None if np.array_equal(found, x) else found
 
 
-def _cost(residual: np.ndarray, weight: np.ndarray, x: np.ndarray) -> float:
+def _cost(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counts: np.ndarray) -> float:
+    return float(counts @ _robust(_residuals(bodies, hypothesis, x)[0]) + 0.5 * x @ x)
+
+
+def _robust(residual: np.ndarray) -> np.ndarray:
+    """Return what each impact says against a fit [nats], growing slowly from `ROBUST` on (Huber)."""
     square = np.sum(residual**2, axis=1)
     size = np.sqrt(square)
-    robust = np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
-    return float(robust.sum() + 0.5 * x @ x)
+    return np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
 
 
 def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:

@@ -184,6 +184,21 @@ def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
     assert again.cost < found.null.cost + 1.0
 
 
+def test_a_single_impact_decides_nothing() -> None:
+    _, found, _ = judged(colliding(CONTACT))
+    assert found.bodies is not None
+    assert found.null is not None
+    first, *others = found.bodies.impacts
+    odd = replace(first, seen=first.seen + np.array([0, 1, 1, 1, 1, 1, 1]))
+    one_odd = replace(found.bodies, impacts=(odd, *others))
+    again = contacts.again(one_odd, found.null, found.null)
+    assert again.distance[0] > 2 * contacts.ROBUST
+    assert again.cost < found.null.cost + contacts.MOST_NATS + 0.5
+    # Nor does it pull the others away.
+    assert again.distance[1:] == pytest.approx(found.null.distance[1:], abs=0.5)
+    assert again.law.gap_m == pytest.approx(found.null.law.gap_m, abs=found.null.std[0])
+
+
 def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:
     _, found, _ = judged(colliding(CONTACT))
     assert found.bodies is not None
@@ -291,20 +306,21 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     found.pair = pair
     assert found.claimable() == judged_ones[1:]
     assert not found.plain(40.0, 0.21)
-    assert found.plain(100.0, 0.25)
+    assert not found.plain(249.0, 0.5)
+    assert found.plain(250.0, 0.25)
     assert found.plain(1000.0, 0.1)
     verdict = Decision("nothing_missing", judged_ones[0], ())
     assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
     found.pair = replace(pair, contact_claimed=True)
-    assert not found.plain(199.0, 0.5)
-    assert found.plain(200.0, 0.5)
+    assert not found.plain(499.0, 0.5)
+    assert found.plain(500.0, 0.5)
     assert not found.plain(1999.0, 0.1)
     assert found.plain(2000.0, 0.1)
     found.pair = replace(pair, second=(2, 500.0, 1))
     assert found.claimable() == [judged_ones[1], judged_ones[5]]
     assert not found.plain(1000.0, 0.1)
-    assert not found.plain(299.0, 0.25)
-    assert found.plain(300.0, 0.25)
+    assert not found.plain(499.0, 0.25)
+    assert found.plain(500.0, 0.25)
 
 
 def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
