@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.damping import reduced_mass
 from diagnosis import contacts, impacts, pairs
 from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import Acting, Believed
@@ -175,12 +176,7 @@ def _found_by(
 ) -> tuple[Believed, list[float]]:
     """Return the model with the force that frames with these parameters and effects ask for, and its noise [N]."""
     full = pair.full
-    bare = replace(
-        full.observed,
-        runs=tuple(replace(run, contact=run.contact[:, :0]) for run in full.observed.runs),
-        contact_floors=(),
-    )
-    without = Believed(full.structure, bare, full.prior)
+    without = pairs.without_forces(full)
     again = run_baseline(without, values, starting_noise(full, runs, LEVEL), runs, effects)
     return found_force(without, full.observed.contact_floors[pair.column], again)
 
@@ -307,7 +303,7 @@ def _met(
     start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
     left, right = full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
-    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
+    reduced = reduced_mass(float(mass[left]), float(mass[right]))
     return full, start, impacts.bodies(full, start, pair.column, noise, reduced)
 
 

@@ -146,23 +146,19 @@ def _key(effect: Any) -> tuple[object, ...]:
     return tuple(effect.place().values())
 
 
-def restated(report: Mapping[str, Any], calibration: Calibration | None = None) -> float:
-    """Return the confidence that a calibration states for a report's features: the shipped one when None."""
-    given = report["confidence_basis"]
-    contact, frames = given.get("contact"), Features(**given["features"])
-    if contact is None:
-        return confidence(frames, calibration)
-    named = frames.verdict in ("effect_named", "effect_class")
-    return confidence(Features(**contact), calibration) * (confidence(frames, calibration) if named else 1.0)
-
-
-def deciding(report: Mapping[str, Any]) -> Features | None:
-    """Return the features that a report's confidence rests on; None where it rests on those of frames and contact."""
+def behind(report: Mapping[str, Any]) -> tuple[Features, ...]:
+    """Return the features that a report's confidence rests on: the frames', the contact's, or those of claims on both."""
     given = report["confidence_basis"]
     frames = Features(**given["features"])
     if "contact" not in given:
-        return frames
-    return None if frames.verdict in ("effect_named", "effect_class") else Features(**given["contact"])
+        return (frames,)
+    contact = Features(**given["contact"])
+    return (frames, contact) if frames.verdict in ("effect_named", "effect_class") else (contact,)
+
+
+def restated(report: Mapping[str, Any], calibration: Calibration | None = None) -> float:
+    """Return the confidence that a calibration states for a report's features: the shipped one when None."""
+    return float(np.prod([confidence(one, calibration) for one in behind(report)]))
 
 
 def basis(features: Features, calibration: Calibration | None = None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from typing import Any
 import exudyn
 import numpy as np
 from exudyn import itemInterface as items
-from scipy.interpolate import CubicHermiteSpline, CubicSpline
+from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 
 import frames
@@ -22,19 +22,10 @@ from contact.connector import ContactConnector
 from contact.laws import Law as ContactLaw
 from diagnosis.believed import Acting, Believed
 from diagnosis.calling import called
+from diagnosis.engine_channels import channels
 from diagnosis.errors import CaseError
 from diagnosis.ordinary import Assembly
-from diagnosis.predictor import (
-    ABSOLUTE_DISPLACEMENT,
-    ACCELERATION,
-    DRAG,
-    FRICTION,
-    HYSTERESIS,
-    TABLE_DISPLACEMENT,
-    USER,
-    VELOCITY,
-    law,
-)
+from diagnosis.predictor import DRAG, FRICTION, HYSTERESIS, USER, law
 from diagnosis.tilt import tilt_series
 from experiments.errors import ExperimentError
 from experiments.motion import ContactHistory, FrameMotion
@@ -121,16 +112,17 @@ def simulate_touching(
     assembly = believed.assemble(values, effects)
     run = believed.observed.runs[number]
     try:
-        motion, laws = _shaken(believed, assembly, number, between)
+        motion = _shaken(believed, assembly, number, between)
     except ExperimentError as error:
         raise CaseError(
             f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
         ) from error
-    channels = _channels(believed, assembly, number, motion, values, effects, laws, run.step_s)
-    return channels, _mean_force(motion, between, len(run.table), run.step_s)
+    shown = channels(believed, assembly, number, motion, values, effects, run.step_s)
+    return shown, _mean_force(motion, between, len(run.table), run.step_s)
 
 
 def _mean_force(motion: FrameMotion, between: Between, samples: int, step_s: float) -> np.ndarray:
+    """Return the contact's mean force [N] over each sample, shape (samples,)."""
     apart = [
         series[:, between.left] - series[:, between.right]
         for series in (motion.displacement_m, motion.velocity_m_s, motion.acceleration_m_s2)
@@ -195,14 +187,14 @@ def _run(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
 ) -> np.ndarray:
-    motion, laws = _shaken(believed, assembly, number)
-    return _channels(believed, assembly, number, motion, values, effects, laws)
+    motion = _shaken(believed, assembly, number)
+    return channels(believed, assembly, number, motion, values, effects)
 
 
 def _shaken(
     believed: Believed, assembly: Assembly, number: int, between: Between | None = None
-) -> tuple[FrameMotion, list[_Law]]:
-    """Return the motion of all frames as one body through a run, and the laws that acted in it."""
+) -> FrameMotion:
+    """Return the motion of all frames as one body through a run."""
     run = believed.observed.runs[number]
     step = run.step_s / FINER
     at = np.arange(FINER * (len(run.table) - 1) + 1) * step
@@ -216,7 +208,7 @@ def _shaken(
     if between is not None:
         additions.append(partial(_touching, between))
     accuracy = ACCURACY if between is None else COLLIDING
-    return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0], laws
+    return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0]
 
 
 def _touching(between: Between, rig: Any) -> ContactConnector:
@@ -368,65 +360,3 @@ class _Addition:
             )
         )
         return force, item
-
-
-def _channels(
-    believed: Believed,
-    assembly: Assembly,
-    number: int,
-    motion: Any,
-    values: np.ndarray,
-    effects: Sequence[tuple[Acting, np.ndarray]],
-    laws: Sequence[_Law],
-    mean_s: float = 0.0,
-) -> np.ndarray:
-    """Return what the channels show of the engine's motion, sensors' gains, delays and offsets included.
-
-    Accelerations are means over `mean_s`; at zero they are those of the moment.
-    """
-    run, observed = believed.observed.runs[number], believed.observed
-    times = np.arange(len(run.table)) * run.step_s
-    # Sensors that are late show the motion of before.
-    place = CubicHermiteSpline(motion.time_s, motion.displacement_m, motion.velocity_m_s)
-    rate = CubicHermiteSpline(motion.time_s, motion.velocity_m_s, motion.acceleration_m_s2)
-    table = CubicSpline(times, believed.predict(values, None, effects, [number]).before[0][:, -2])
-    floors = believed.structure.floors
-    outputs = np.zeros((len(times), len(observed.names)))
-    modes = believed.plain_modes(assembly)
-    tilted = tilt_series(believed, modes, run) if assembly.table_tilt else None
-    for c, (quantity, f) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
-        late = np.clip(times - assembly.channel_delay_s[c], 0.0, motion.time_s[-1])
-        if quantity == ACCELERATION:
-            relative = rate(late, 1) if mean_s == 0.0 else _mean_rate(rate, late, mean_s, motion.time_s[-1])
-            shown = _absolute(believed, assembly, number, relative[:, :floors], late)[:, f]
-        elif quantity == VELOCITY:
-            shown = rate(late)[:, f]
-        elif quantity == TABLE_DISPLACEMENT:
-            shown = table(late)
-        else:
-            shown = place(late)[:, f]
-            if quantity == ABSOLUTE_DISPLACEMENT:
-                shown = shown + table(late)
-        if tilted is not None:
-            pitch, pitching, *_, seen = tilted
-            shown = shown + assembly.table_tilt * pitch * seen[c]
-            if quantity == ACCELERATION:
-                height = np.concatenate([frame.height_m for frame in believed.structure.frames])
-                shown = shown + assembly.table_tilt * pitching * height[f]
-        outputs[:, c] = (1 + assembly.channel_gain[c]) * shown + assembly.channel_offset[c]
-    return outputs
-
-
-def _mean_rate(velocity: CubicHermiteSpline, at: np.ndarray, over_s: float, end_s: float) -> np.ndarray:
-    """Return the mean acceleration over `over_s` about each time."""
-    before, after = np.maximum(at - over_s / 2, 0.0), np.minimum(at + over_s / 2, end_s)
-    return np.asarray((velocity(after) - velocity(before)) / (after - before)[:, None])
-
-
-def _absolute(
-    believed: Believed, assembly: Assembly, number: int, relative: np.ndarray, late: np.ndarray
-) -> np.ndarray:
-    run = believed.observed.runs[number]
-    spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
-    table = (1 + assembly.table_gain) * spline(np.clip(late - assembly.table_delay_s, 0.0, None))
-    return np.asarray(relative + table[:, None])

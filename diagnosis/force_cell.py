@@ -124,13 +124,7 @@ def _against_motion(
     believed: Believed, touching: tuple[int, int], series: list[np.ndarray]
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return the cell's relative gain and its delay [s] against the forces that the motion asks for, with errors."""
-    observed = believed.observed
-    bare = replace(
-        observed,
-        runs=tuple(replace(run, contact=run.contact[:, :0]) for run in observed.runs),
-        contact_floors=(),
-    )
-    without = Believed(believed.structure, bare, believed.prior)
+    observed, without = believed.observed, pairs.without_forces(believed)
     runs = range(len(observed.runs))
     baseline = pairs.quick_baseline(without, runs)
     ratio, late = [], []

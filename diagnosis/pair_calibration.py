@@ -12,25 +12,27 @@ from typing import Any
 
 import numpy as np
 
+from contact.damping import reduced_mass
 from contact.errors import ContactError
 from contact.parameters import make_law
 from diagnosis import contacts
 from diagnosis.believed import Acting, Believed
 from diagnosis.case import Case, Run
 from diagnosis.colliding import Pair, Touched
-from diagnosis.confidence import Features, deciding
+from diagnosis.confidence import behind
 from diagnosis.engine import Between, simulate_touching
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings, Judged
 from diagnosis.impacts import Law
 from diagnosis.observations import RunData, root_mean_square
 from diagnosis.pair_report import place
-from diagnosis.rig_calibration import SIZE_SCATTER, Outcome, drawn, name_of, scattered, turn
+from diagnosis.pairs import without_forces
+from diagnosis.rig_calibration import SIZE_SCATTER, Outcome, drawn, name_of, noise_shares, scattered, turn
 
 RIVALS = 2
 """Candidates of the frames, and as many of the contact, that take turns at being the truth."""
 SEED = 20261122
-Judge = Callable[[Case], dict[str, Any]]
+Diagnose = Callable[[Case], dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ def truths(found: Findings, touched: Touched) -> list[Truth]:
 
 
 def simulate_and_judge(
-    case: Case, found: Findings, touched: Touched, diagnose: Judge, number: int
+    case: Case, found: Findings, touched: Touched, diagnose: Diagnose, number: int
 ) -> Outcome:
     """Return the outcome of the case of a number, the same whenever it is asked for.
 
@@ -71,7 +73,8 @@ def simulate_and_judge(
     tried = truths(found, touched)
     truth = tried[turn(number, len(tried) - 1)]
     report = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
-    return Outcome(number, truth.label, right(report, truth), _features(report))
+    # Of claims on both, that on the frames.
+    return Outcome(number, truth.label, right(report, truth), behind(report)[0])
 
 
 def right(report: dict[str, Any], truth: Truth) -> bool:
@@ -84,11 +87,6 @@ def right(report: dict[str, Any], truth: Truth) -> bool:
     return truth.place in [place(one) for one in claims[0]["class"]]
 
 
-def _features(report: dict[str, Any]) -> Features:
-    """Return what the confidence rests on; of claims on frames and contact, what it rests on for the frames."""
-    return deciding(report) or Features(**report["confidence_basis"]["features"])
-
-
 def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
     """Return the case with data that the believed pair makes itself, something being hidden in it.
 
@@ -96,7 +94,7 @@ def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generato
         CaseError: The contact's law and damping make no law that the engine knows.
     """
     assert found.pair is not None
-    bare = _without_forces(found.pair.full)
+    bare = without_forces(found.pair.full)
     values = drawn(bare, rng)
     acting = scattered(truth.frames, rng) if truth.frames is not None else []
     between = _between(case, found.pair, truth, rng)
@@ -106,19 +104,12 @@ def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generato
     return replace(case, runs=tuple(runs), warnings=())
 
 
-def _without_forces(full: Believed) -> Believed:
-    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in full.observed.runs)
-    return Believed(
-        full.structure, replace(full.observed, runs=runs, contact_floors=(), warnings=[]), full.prior
-    )
-
-
 def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> Between:
     """Return the contact as it was set up, its numbers off by as much as they may be."""
     left, right = pair.full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in pair.full.structure.frames])
-    reduced = float(1 / (1 / mass[left] + 1 / mass[right]))
-    stated = contacts.believed_law(case.contacts[0], reduced)
+    masses = float(mass[left]), float(mass[right])
+    stated = contacts.believed_law(case.contacts[0], reduced_mass(*masses))
     law = stated if truth.contact is None else _of_size(stated, truth.contact, rng)
     built = contacts.at(contacts.null(law), rng.standard_normal(3))
     try:
@@ -127,7 +118,7 @@ def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> 
             stiffness=built.stiffness,
             damping=_given(built.damping),
             restitution=_given(built.restitution),
-            masses=(2 * reduced, 2 * reduced),  # of which it is the reduced mass
+            masses=masses,
         )
     except ContactError as error:
         raise CaseError(
@@ -168,19 +159,22 @@ def _run(
     """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were."""
     run, measured = bare.observed.runs[number], case.runs[number]
     clean, force = simulate_touching(bare, *model, number, between)
-    channel, table = _noise(found, number)
+    channel, table = noise_shares(found)
+    # White noise loses so much of its power where a run is slowed.
+    more = float(np.sqrt(found.believed.observed.slower))
     values = measured.values.copy()
     for column, one in enumerate(case.channels):
         missing = ~np.isfinite(measured.values[:, column])
         scatter = rng.standard_normal(len(values))
         if one.name in bare.observed.names:
             c = bare.observed.names.index(one.name)
-            size = channel[c] * float(root_mean_square(clean[:, c]))
+            size = more * channel[c] * float(root_mean_square(clean[:, c]))
             values[:, column] = clean[:, c] + size * scatter
         elif one.quantity == "contact_force":
             values[:, column] = _recorded(found, measured.values[:, column], force, number, scatter)
         elif one.is_table:
-            values[:, column] = _table(run, measured.values[:, column]) + table * scatter
+            size = more * table * float(root_mean_square(run.table))
+            values[:, column] = _table(run, measured.values[:, column]) + size * scatter
         values[missing, column] = np.nan
     return replace(measured, values=values)
 
@@ -198,18 +192,3 @@ def _recorded(
     if found.pair.cell is not None:
         return np.asarray(force + found.pair.noise[number] * scatter)
     return np.asarray(np.minimum(force, np.nanmax(measured, initial=0.0)))
-
-
-def _noise(found: Findings, number: int) -> tuple[np.ndarray, float]:
-    """Return the noise of each channel over its root mean square, and that of the table [m/s^2], at the logger's rate."""
-    best = found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
-    baseline, observed = best.fit.baseline, found.believed.observed
-    slow = observed.runs[baseline.runs[0]]
-    noise = baseline.noise[0]
-    rms = root_mean_square(slow.measured)
-    known = np.isfinite(noise.channel) & (rms > 0)
-    # White noise loses so much of its power where a run is slowed.
-    more = float(np.sqrt(observed.slower))
-    share = np.where(known, more * noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
-    table = more * noise.table / float(root_mean_square(slow.table))
-    return share, table * float(root_mean_square(observed.runs[number].table))

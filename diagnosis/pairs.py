@@ -113,6 +113,14 @@ def quick_baseline(believed: Believed, runs: Sequence[int]) -> Baseline:
     return run_baseline(believed, np.zeros(len(believed.std)), noise, runs)
 
 
+def without_forces(believed: Believed) -> Believed:
+    """Return the model as if no contact force were known."""
+    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in believed.observed.runs)
+    return Believed(
+        believed.structure, replace(believed.observed, runs=runs, contact_floors=()), believed.prior
+    )
+
+
 def with_force(
     observed: Observations, floors: tuple[int, int], forces: dict[int, np.ndarray]
 ) -> Observations:

@@ -21,7 +21,7 @@ from joblib import Parallel, delayed
 from diagnosis.believed import Believed
 from diagnosis.catalogue import Effect
 from diagnosis.confidence import Calibration, Features, fit, restated, shipped
-from diagnosis.findings import Findings, Judged
+from diagnosis.findings import Findings, Judged, best
 from diagnosis.observations import RunData, root_mean_square
 from diagnosis.search import search
 from diagnosis.verdict import decide, features
@@ -179,12 +179,7 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Belie
     believed = found.believed
     ordinary = drawn(believed, rng)
     acting = scattered(truth, rng)
-    best = found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
-    noise = best.fit.baseline.noise[0]
-    first = believed.observed.runs[best.fit.baseline.runs[0]]
-    rms = root_mean_square(first.measured)
-    share = np.where(np.isfinite(noise.channel) & (rms > 0), noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
-    table_share = noise.table / float(root_mean_square(first.table))
+    share, table_share = noise_shares(found)
     runs: list[RunData] = []
     outputs = believed.predict(ordinary, None, acting).outputs
     for run, clean in zip(believed.observed.runs, outputs, strict=True):
@@ -197,6 +192,16 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Belie
         runs.append(replace(run, measured=noisy, table=table))
     observed = replace(believed.observed, runs=tuple(runs), warnings=[])
     return Believed(believed.structure, observed, believed.prior)
+
+
+def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
+    """Return the noise over the root mean square of each channel, shape (channels,), and of the table, as estimated."""
+    baseline = best(found).fit.baseline
+    noise, first = baseline.noise[0], found.believed.observed.runs[baseline.runs[0]]
+    rms = root_mean_square(first.measured)
+    known = np.isfinite(noise.channel) & (rms > 0)
+    share = np.where(known, noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
+    return share, noise.table / float(root_mean_square(first.table))
 
 
 def drawn(believed: Believed, rng: np.random.Generator) -> np.ndarray:

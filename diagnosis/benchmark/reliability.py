@@ -19,7 +19,7 @@ from cyclopts import Parameter
 from diagnosis.benchmark.pictures import draw_reliability
 from diagnosis.benchmark.scoring import Judged, judge
 from diagnosis.benchmark.summary import reliability, shown
-from diagnosis.confidence import deciding, restated
+from diagnosis.confidence import behind, restated
 from diagnosis.errors import CaseError
 from frames.files import write_whole
 
@@ -51,8 +51,8 @@ def lines(cases: Sequence[Finished]) -> list[str]:
     stand alone."""
     written = []
     for _, truth, report in cases:
-        features = deciding(report)
-        if features is not None:
+        features, *others = behind(report)
+        if not others:
             written.append(json.dumps(asdict(features) | {"right": shown(judge(truth, report))}))
     return written
 

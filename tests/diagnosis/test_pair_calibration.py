@@ -41,10 +41,12 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
     assert force.sum() * STEP_S == pytest.approx(wanted[:, -1].sum() * STEP_S, rel=0.02)
     for c, name in enumerate(alone.observed.names):
         column = [one.name for one in colliding(contact).channels].index(name)
-        rms = float(np.sqrt(np.mean(wanted[:, column] ** 2)))
-        # Displacements pass through any logger's filter as they are; the accelerations' impacts do not.
-        within = 0.02 if "_d" in name else 0.35
-        assert float(np.sqrt(np.mean((channels[:, c] - wanted[:, column]) ** 2))) < within * rms, name
+        mine, other = channels[:, c], wanted[:, column]
+        if "_a" in name:
+            # Of accelerations the velocities: each logger's filter shapes an impact in its own way, its impulse stays.
+            mine, other = np.cumsum(mine) * STEP_S, np.cumsum(other) * STEP_S
+        rms = float(np.sqrt(np.mean(other**2)))
+        assert float(np.sqrt(np.mean((mine - other) ** 2))) < 0.03 * rms, name
 
 
 def findings(case: Case) -> tuple[Findings, Touched]:
@@ -76,10 +78,12 @@ def test_a_simulated_pair_is_recorded_as_the_measured_one_was() -> None:
     force = first[:, -1]
     assert force.max() > 20.0
     # Between touches the cell is as noisy as it was.
-    assert np.std(force[np.abs(force) < 3.0]) == pytest.approx(found.pair.noise[0], rel=0.3)  # type: ignore[union-attr]
+    assert found.pair is not None
+    assert np.std(force[np.abs(force) < 3.0]) == pytest.approx(found.pair.noise[0], rel=0.3)
     assert [run.file for run in made[0].runs] == [run.file for run in case.runs]
 
 
+@pytest.mark.slow
 def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
     case = colliding(OFFSET)
     found, touched = findings(case)
