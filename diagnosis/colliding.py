@@ -88,11 +88,14 @@ class Foretold:
         impacts: How many impacts.
         believed: With the contact as believed.
         likeliest: With the likeliest other contact, as fitted to the training runs.
+        gained: What the second says for itself against the believed contact with its ordinary scatter, as fitted to the
+            training runs too [nats].
     """
 
     impacts: int
     believed: float
     likeliest: float
+    gained: float
 
 
 def prepare(case: Case, believed: Believed) -> Pair:
@@ -319,8 +322,10 @@ def foretold(case: Case, found: Findings, report: dict[str, Any], touched: Touch
     _, _, met = _met(found.pair, baseline.values, baseline.effects, found.held_out)
     if len(met.impacts) < LEAST_IMPACTS:
         return None
-    believed = contacts.misfit(met, contacts.believed_law(case.contacts[0], met.mass))
-    return Foretold(len(met.impacts), believed, contacts.misfit(met, touched.ranked[0][1].law))
+    believed = contacts.held(met, contacts.believed_law(case.contacts[0], met.mass))
+    ordinary, likeliest = (contacts.held(met, one.law) for one in (touched.null, touched.ranked[0][1]))
+    gained = ordinary.cost - likeliest.cost
+    return Foretold(len(met.impacts), believed.misfit, likeliest.misfit, gained)
 
 
 def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: float) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from diagnosis.case import Contact
 from diagnosis.impacts import DAMPED, LAWS, STEP_S, Bodies, Impact, Law, spectrum, strike
 
 GAP_M, GAP_SHARE = 3e-5, 0.003
-STIFFNESS, DAMPING, RESTITUTION = 0.05, 0.05, 0.02
+STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01
 """How well a contact is known that is as believed: its gap [m] and as a share, stiffness, damping, restitution."""
 WIDE_GAP, WIDE_STIFFNESS, WIDE_DAMPING, WIDE_RESTITUTION = 0.4, 1.0, 1.0, 0.2
 """The same where it is what is missing; the first a share of the gap, the next two of logarithms."""
@@ -35,8 +35,9 @@ LOST, ROUNDS = 4.0, 4
 REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
 """Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of
 displacement and velocity."""
-WARMED = 300.0
-"""Evidence [nats] behind the best within which a fit is tried again from the best one's impacts."""
+WARMED, PLAUSIBLE = 300.0, 2.0
+"""Evidence [nats] behind the best within which a fit is tried again from the best one's impacts, and from its contact as far
+as so many standard deviations reach."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,11 @@ class Fitted:
     freedom: int
     distance: np.ndarray
     unknowns: np.ndarray
+
+    @property
+    def misfit(self) -> float:
+        """What is left of the impacts, root mean square in standard deviations."""
+        return float(np.sqrt(2 * self.cost / max(self.freedom, 1)))
 
 
 def believed_law(contact: Contact, mass: float) -> Law:
@@ -358,10 +364,9 @@ def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitte
     return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
 
 
-def misfit(bodies: Bodies, law: Law) -> float:
-    """Return what a contact leaves of impacts, root mean square in standard deviations, filter and states being free."""
-    found = fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
-    return float(np.sqrt(2 * found.cost / max(found.freedom, 1)))
+def held(bodies: Bodies, law: Law) -> Fitted:
+    """Return a contact with its numbers held, only the filter and the states before the impacts being fitted."""
+    return fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
 
 
 def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
@@ -370,5 +375,23 @@ def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
     best = max(found, key=lambda one: one.log_evidence)
     for i, one in enumerate(found):
         if one is not best and one.log_evidence > best.log_evidence - WARMED:
-            found[i] = max(one, again(bodies, one, best), key=lambda each: each.log_evidence)
+            tried = [one, again(bodies, one, best)]
+            if one.law.name == best.law.name:
+                tried.append(fit(bodies, one.hypothesis, _near(one.hypothesis, best.law), best.unknowns))
+            found[i] = max(tried, key=lambda each: each.log_evidence)
     return found
+
+
+def _near(hypothesis: Hypothesis, law: Law) -> tuple[float, float, float]:
+    """Return gap, stiffness and loss in units of a hypothesis' spreads, as near to a law's as it may well have them."""
+    own = hypothesis.law
+    if law.name not in DAMPED or hypothesis.loss == 0:
+        loss = 0.0
+    elif np.isnan(own.damping):
+        loss = (law.restitution - own.restitution) / hypothesis.loss
+    else:
+        loss = float(np.log(law.damping / own.damping)) / hypothesis.loss
+    gap = (law.gap_m - own.gap_m) / hypothesis.gap
+    stiffness = float(np.log(law.stiffness / own.stiffness)) / hypothesis.stiffness
+    found = np.clip([gap, stiffness, loss], -PLAUSIBLE, PLAUSIBLE)
+    return float(found[0]), float(found[1]), float(found[2])

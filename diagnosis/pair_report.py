@@ -16,13 +16,15 @@ from diagnosis.impacts import DAMPED
 from diagnosis.verdict import CLASS_NATS
 
 NAMED = ("effect_named", "effect_class")
-CLAIM_NATS = 15.0
-CLAIM_BESIDE_NATS = 40.0
-FORETOLD = 0.9
+CLAIM_NATS = 10.0
+CLAIM_BESIDE_NATS = 20.0
+UNHEARD_FACTOR = 2.0
+FORETOLD, FORETOLD_NATS = 0.25, 3.0
 BLIND_LEFT = 2.0
-"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; and
-the share of what the believed contact leaves of the held-out impacts that it may leave at most; and times the noise left
-from which forces that no cell measured are said to be poor."""
+"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; how
+many times as much where no cell measured the force and no held-out impacts are heard; the share of its evidence that as
+many held-out impacts have to say for it, less some nats that a few may lack by chance; and times the noise left from which
+forces that no cell measured are said to be poor."""
 
 
 def claims_of(
@@ -109,13 +111,14 @@ def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Feat
 def _holds(pair: Pair, best: dict[str, Any], touched: Touched, foretold: Foretold | None) -> bool:
     """Return whether the held-out impacts like an effect too that was fitted to the others.
 
-    Without any of them a force cell's word is taken, and not that of forces which the motion asks for.
+    Without any of them a force cell's word is taken, and that of forces which the motion asks for if it is plain.
     """
     if not touched.ranked or best["effect"] != touched.ranked[0][1].hypothesis.effect:
         return True
+    nats = float(best["log_evidence"])
     if foretold is None:
-        return pair.cell is not None
-    return foretold.likeliest < FORETOLD * foretold.believed
+        return pair.cell is not None or nats > UNHEARD_FACTOR * BLIND_FACTOR * CLAIM_NATS
+    return foretold.gained > FORETOLD * nats * min(foretold.impacts / touched.impacts, 1.0) - FORETOLD_NATS
 
 
 def _contact_gap(foretold: Foretold, claimed: bool) -> dict[str, Any]:

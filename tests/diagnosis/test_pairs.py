@@ -15,7 +15,7 @@ from diagnosis.calibrate import grouped_signatures, motions, whitened
 from diagnosis.case import Case, Contact
 from diagnosis.colliding import Foretold, Pair, Touched, foretold, found_again, prepare
 from diagnosis.confidence import PAIR_NOTHING, features_of
-from diagnosis.findings import Findings
+from diagnosis.findings import BLIND_FACTOR, Findings
 from diagnosis.gap import simulate, touch_response
 from diagnosis.impacts import Law, strike
 from diagnosis.pair_report import CLAIM_NATS, joined
@@ -90,9 +90,15 @@ def test_what_is_different_in_a_contact_is_named(
     case = colliding(true, measured=measured, runs=2 if measured else 3)
     pair, found, report = judged(case)
     if not measured:
-        # Forces that the motion asks for claim nothing unless impacts that they were not fitted to agree.
-        assert claimed(report) == []
-        report = joined(case, pair, found, NOTHING | {"gap": {}}, foretold_by(case, pair, found))
+        # Forces that the motion asks for need more where no impacts that they were not fitted to agree.
+        (nats, best), *others = found.ranked
+        unsure = replace(found, ranked=((1.9 * BLIND_FACTOR * CLAIM_NATS, best), *others))
+        assert claimed(joined(case, pair, unsure, NOTHING)) == []
+        assert claimed(report) == ([effect] if nats > 2 * BLIND_FACTOR * CLAIM_NATS else [])
+        told = foretold_by(case, pair, found)
+        assert told is not None
+        assert told.gained > 0
+        report = joined(case, pair, found, NOTHING | {"gap": {}}, told)
     assert claimed(report) == [effect]
     assert report["effects"][0]["contact"] == 1
     assert value(report, parameter) == pytest.approx(wanted, abs=within)
@@ -279,8 +285,13 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert kept["after"] == told.believed
     # An effect that the held-out impacts do not like is not claimed.
     assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, told)) == ["contact_damping"]
-    worse = replace(told, likeliest=told.believed)
+    worse = replace(told, gained=-10.0)
     assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, worse)) == []
+    # A single one that says nothing either way is no veto.
+    few = replace(told, gained=-0.5, impacts=1)
+    assert claimed(joined(case, pair, replace(found, impacts=40), NOTHING | {"gap": {}}, few)) == [
+        "contact_damping"
+    ]
     findings.held_out = ()
     assert foretold(case, cast(Findings, findings), NOTHING, found) is None
 
