@@ -19,12 +19,12 @@ NAMED = ("effect_named", "effect_class")
 CLAIM_NATS = 10.0
 CLAIM_BESIDE_NATS = 20.0
 UNHEARD_FACTOR = 2.0
-FORETOLD, FORETOLD_NATS = 0.25, 3.0
+FORETOLD, FORETOLD_MOST, FORETOLD_LEAST = 0.25, 10.0, 3.0
 BLIND_LEFT = 2.0
 """Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; how
 many times as much where no cell measured the force and no held-out impacts are heard; the share of its evidence that as
-many held-out impacts have to say for it, less some nats that a few may lack by chance; and times the noise left from which
-forces that no cell measured are said to be poor."""
+many held-out impacts have to say for it, so many nats at most and so many less that a few may lack by chance; and times the
+noise left from which forces that no cell measured are said to be poor."""
 
 
 def claims_of(
@@ -118,7 +118,8 @@ def _holds(pair: Pair, best: dict[str, Any], touched: Touched, foretold: Foretol
     nats = float(best["log_evidence"])
     if foretold is None:
         return pair.cell is not None or nats > UNHEARD_FACTOR * BLIND_FACTOR * CLAIM_NATS
-    return foretold.gained > FORETOLD * nats * min(foretold.impacts / touched.impacts, 1.0) - FORETOLD_NATS
+    asked = FORETOLD * nats * foretold.impacts / touched.impacts
+    return foretold.gained > min(asked, FORETOLD_MOST) - FORETOLD_LEAST
 
 
 def _contact_gap(foretold: Foretold, claimed: bool) -> dict[str, Any]:

@@ -287,6 +287,11 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, told)) == ["contact_damping"]
     worse = replace(told, gained=-10.0)
     assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, worse)) == []
+    # However plain it is to the others, what they say must not be strong, only true.
+    (_, best), *others = found.ranked
+    plainer = replace(found, ranked=((500.0, best), *others))
+    agreed = replace(told, gained=8.0, impacts=found.impacts)
+    assert claimed(joined(case, pair, plainer, NOTHING | {"gap": {}}, agreed)) == ["contact_damping"]
     # A single one that says nothing either way is no veto.
     few = replace(told, gained=-0.5, impacts=1)
     assert claimed(joined(case, pair, replace(found, impacts=40), NOTHING | {"gap": {}}, few)) == [
