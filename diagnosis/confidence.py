@@ -133,7 +133,7 @@ def features_of(found: Findings, decision: Decision, visible: float, closed: flo
     mine = {_key(effect) for effect in best.effects} | {
         _key(effect) for one in decision.alike for effect in one.effects
     }
-    others = [one.nats for one in found.judged if not {_key(effect) for effect in one.effects} & mine]
+    others = [one.nats for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine]
     refined = {effect for one in found.judged for effect in one.effects}
     others += [
         one.nats for one in found.scores.ranked if one.effect not in refined and _key(one.effect) not in mine

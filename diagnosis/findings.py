@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,17 +28,20 @@ class Judged:
         fit: The fit. nats: Its log evidence against the null model.
         gap: Median gap over the training and over the held-out runs (NaN without any).
         channel_gap: Gap of each channel over the training and the held-out runs, shape (2, channels).
+        beside: A fit without which it is not judged, of what only tells how sensors are known; nats are against that.
     """
 
     fit: Fit
     nats: float
     gap: tuple[float, float]
     channel_gap: np.ndarray
+    beside: Judged | None = None
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects in the fit."""
-        return self.fit.effects
+        """The effects in the fit, without those that it is judged beside."""
+        aside = () if self.beside is None else self.beside.fit.effects
+        return tuple(effect for effect in self.fit.effects if effect not in aside)
 
 
 DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
@@ -106,17 +109,32 @@ class Findings:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
 
         Those are delays as filters make them, and effects beside a second contact, whose force is what the motion asks for.
+        Where such a delay is the likeliest effect, others are judged beside it, since alone they may imitate it.
         """
         pair = self.pair
         if pair is None:
             return self.judged
         floor = None if pair.second is None else pair.second[0]
-        return [one for one in self.judged if not _of_filters(one) and not _beside(one, floor)]
+        told = [one for one in self.judged if not _beside(one, floor)]
+        single = [one for one in told if len(one.effects) == 1]
+        if not single or not _of_filters(single[0]):
+            return [one for one in told if not _of_filters(one)]
+        delay = single[0]
+        found = [
+            replace(one, nats=one.nats - delay.nats, beside=delay)
+            for one in told
+            if len(one.effects) == 2 and delay.effects[0] in one.effects
+        ]
+        return [one for one in found if not _of_filters(one)]
 
 
 def _of_filters(judged: Judged) -> bool:
-    each = zip(judged.effects, judged.fit.values, strict=True)
-    return any(effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S for effect, values in each)
+    each = zip(judged.fit.effects, judged.fit.values, strict=True)
+    return any(
+        effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S
+        for effect, values in each
+        if effect in judged.effects
+    )
 
 
 def _beside(judged: Judged, floor: int | None) -> bool:

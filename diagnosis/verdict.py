@@ -146,9 +146,9 @@ def visible(found: Findings, judged: Judged, without: Judged | None = None) -> f
     Args:
         found: The findings.
         judged: The effects.
-        without: What they are compared with; the null model when None.
+        without: What they are compared with; when None what they are judged beside, or the null model.
     """
-    before, after = _over(found, without or found.null), _over(found, judged)
+    before, after = _over(found, without or judged.beside or found.null), _over(found, judged)
     taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))
     return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
 
@@ -242,7 +242,7 @@ def _effects(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     fit = decision.judged.fit
     shown = []
     for number, effect in enumerate(fit.effects):
-        if effect.foil:
+        if effect.foil or effect not in decision.judged.effects:
             continue
         for entry in effect.entries():
             shown.append(
@@ -283,7 +283,7 @@ def parameters(
 
 def _candidates(found: Findings) -> list[dict[str, Any]]:
     nats: dict[Effect, float] = {one.effect: one.nats for one in found.scores.ranked}
-    for judged in found.judged:
+    for judged in (*found.judged, *found.claimable()):
         if len(judged.effects) == 1:
             nats[judged.effects[0]] = judged.nats
     ranked = sorted(nats.items(), key=lambda item: -item[1])
