@@ -267,8 +267,8 @@ def touched(
     law = contacts.believed_law(case.contacts[0], met.mass)
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
     met, temper, (null, *fits) = _fitted(met, law, max(speed, 1e-2))
-    ranked = sorted(((one.log_evidence - null.log_evidence) / temper, i) for i, one in enumerate(fits))
-    best_first = tuple((nats, fits[i]) for nats, i in ranked[::-1])
+    against = [(one.log_evidence - null.log_evidence) / temper for one in fits]
+    best_first = contacts.ranked(against, fits)
     return Touched(null, best_first, second, len(met.impacts), nearest, spread, met)
 
 

@@ -364,6 +364,18 @@ def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitte
     return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
 
 
+def ranked(nats: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
+    """Return fits with their nats against the believed contact, best first.
+
+    Another law is one effect however many laws there are: each has its share of what is believed of that beforehand, or the
+    many would win wherever impacts tell two effects apart by nothing.
+    """
+    laws = sum(one.hypothesis.effect == "contact_law" for one in fits)
+    shares = [np.log(laws) if one.hypothesis.effect == "contact_law" else 0.0 for one in fits]
+    found = [(float(value - share), one) for value, share, one in zip(nats, shares, fits, strict=True)]
+    return tuple(sorted(found, key=lambda each: -each[0]))
+
+
 def held(bodies: Bodies, law: Law) -> Fitted:
     """Return a contact with its numbers held, only the filter and the states before the impacts being fitted."""
     return fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))

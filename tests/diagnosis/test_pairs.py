@@ -116,6 +116,18 @@ def still_frames(pair: Pair) -> SimpleNamespace:
     return SimpleNamespace(pair=pair, held_out=(2,), judged=[], null=fit)
 
 
+def test_laws_share_what_is_believed_of_another_law() -> None:
+    law = Law("hertz_damp", 0.003, 1e9, np.nan, 0.7, 3.0)
+    fits: Any = [SimpleNamespace(hypothesis=one) for one in contacts.hypotheses(law, 0.1)]
+    ranked = contacts.ranked([20.0] * len(fits), fits)
+    assert [one.hypothesis.effect for _, one in ranked[:3]] == [
+        "gap_offset",
+        "contact_stiffness",
+        "contact_damping",
+    ]
+    assert sum(np.exp(nats - 20.0) for nats, _ in ranked[3:]) == pytest.approx(1.0)
+
+
 def test_another_law_is_named() -> None:
     true = replace(CONTACT, law="hertz", stiffness=1e9, restitution=None)
     _, _, report = judged(colliding(true))
