@@ -18,6 +18,7 @@ from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import Acting, Believed
 from diagnosis.calibrate import Baseline, run_baseline
 from diagnosis.case import Case
+from diagnosis.contact_hypotheses import GAP_M, believed_law, hypotheses, null
 from diagnosis.contacts import Fitted
 from diagnosis.findings import Findings
 from diagnosis.force_cell import Cell, checked
@@ -264,12 +265,11 @@ def touched(
         second = second_fit(full, start, pair.second[2], met.mass)
     if len(met.impacts) < LEAST_IMPACTS:
         return Touched(None, (), second, len(met.impacts), nearest, spread)
-    law = contacts.believed_law(case.contacts[0], met.mass)
+    law = believed_law(case.contacts[0], met.mass)
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
-    met, temper, (null, *fits) = _fitted(met, law, max(speed, 1e-2))
-    against = [(one.log_evidence - null.log_evidence) / temper for one in fits]
-    best_first = contacts.ranked(against, fits)
-    return Touched(null, best_first, second, len(met.impacts), nearest, spread, met)
+    met, temper, (believed, *fits) = _fitted(met, law, max(speed, 1e-2))
+    against = [(one.log_evidence - believed.log_evidence) / temper for one in fits]
+    return Touched(believed, contacts.ranked(against, fits), second, len(met.impacts), nearest, spread, met)
 
 
 def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
@@ -277,7 +277,7 @@ def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fi
 
     The first fit is that of the believed contact.
     """
-    tried = [contacts.null(law), *contacts.hypotheses(law, speed)]
+    tried = [null(law), *hypotheses(law, speed)]
     fits = contacts.warmed(met, [contacts.best_fit(met, one) for one in tried])
     fits = contacts.warmed(met, fits)
     level = _level(met, fits)
@@ -322,7 +322,7 @@ def foretold(case: Case, found: Findings, report: dict[str, Any], touched: Touch
     _, _, met = _met(found.pair, baseline.values, baseline.effects, found.held_out)
     if len(met.impacts) < LEAST_IMPACTS:
         return None
-    believed = contacts.held(met, contacts.believed_law(case.contacts[0], met.mass))
+    believed = contacts.held(met, believed_law(case.contacts[0], met.mass))
     ordinary, likeliest = (contacts.held(met, one.law) for one in (touched.null, touched.ranked[0][1]))
     gained = ordinary.cost - likeliest.cost
     return Foretold(len(met.impacts), believed.misfit, likeliest.misfit, gained)
@@ -334,4 +334,4 @@ def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: flo
     n = len(baseline.modes.omega)
     top = max(float((states[:, :n] @ row).max()) for states in baseline.prediction.after)
     spread = float(np.sqrt(np.sum((row * baseline.filters[0].spread[:n]) ** 2)))
-    return top, float(np.hypot(np.hypot(spread, contacts.GAP_M), 0.01 * gap))
+    return top, float(np.hypot(np.hypot(spread, GAP_M), 0.01 * gap))

@@ -8,19 +8,13 @@ log determinant of its information (Laplace).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.case import Contact
-from diagnosis.impacts import DAMPED, LAWS, STEP_S, Bodies, Impact, Law, spectrum, strike
+from diagnosis.contact_hypotheses import STIFFNESS, Hypothesis, at, near
+from diagnosis.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
 
-GAP_M, GAP_SHARE = 3e-5, 0.003
-STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01
-"""How well a contact is known that is as believed: its gap [m] and as a share, stiffness, damping, restitution."""
-WIDE_GAP, WIDE_STIFFNESS, WIDE_DAMPING, WIDE_RESTITUTION = 0.4, 1.0, 1.0, 0.2
-"""The same where it is what is missing; the first a share of the gap, the next two of logarithms."""
-USUAL_RESTITUTION, USUAL_SPREAD = 0.75, 0.12
 GAIN, DELAY_S = 0.01, 1.5e-4
 BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 """The filter: gain, delay, logarithmic magnitude that grows with the square of frequency, what departs from that, and
@@ -41,17 +35,6 @@ as so many standard deviations reach."""
 
 
 @dataclass(frozen=True)
-class Hypothesis:
-    """A contact as it may be: law, centres and spreads of gap [m], log stiffness and loss (log damping or restitution)."""
-
-    effect: str
-    law: Law
-    gap: float
-    stiffness: float
-    loss: float
-
-
-@dataclass(frozen=True)
 class Fitted:
     """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and what is left."""
 
@@ -68,87 +51,6 @@ class Fitted:
     def misfit(self) -> float:
         """What is left of the impacts, root mean square in standard deviations."""
         return float(np.sqrt(2 * self.cost / max(self.freedom, 1)))
-
-
-def believed_law(contact: Contact, mass: float) -> Law:
-    """Return a case's contact as a law."""
-    nan = float("nan")
-    return Law(
-        contact.law,
-        contact.gap_m,
-        contact.stiffness,
-        nan if contact.damping is None else contact.damping,
-        nan if contact.restitution is None else contact.restitution,
-        mass,
-    )
-
-
-def null(law: Law) -> Hypothesis:
-    """Return the contact as believed, with ordinary scatter."""
-    gap = float(np.hypot(GAP_M, GAP_SHARE * law.gap_m))
-    return Hypothesis("", law, gap, STIFFNESS, _loss(law, DAMPING, RESTITUTION))
-
-
-def _loss(law: Law, damping: float, restitution: float) -> float:
-    if law.name not in DAMPED:
-        return 0.0
-    return restitution if np.isnan(law.damping) else damping
-
-
-def hypotheses(law: Law, speed: float) -> list[Hypothesis]:
-    """Return what a contact can be instead; `speed` [m/s] is typical of the impacts."""
-    plain = null(law)
-    found = [
-        replace(plain, effect="gap_offset", gap=max(WIDE_GAP * law.gap_m, 1e-3)),
-        replace(plain, effect="contact_stiffness", stiffness=WIDE_STIFFNESS),
-    ]
-    if law.name in DAMPED:
-        found.append(
-            replace(plain, effect="contact_damping", loss=_loss(law, WIDE_DAMPING, WIDE_RESTITUTION))
-        )
-    for name in LAWS:
-        if name != law.name:
-            other = Law(
-                name,
-                law.gap_m,
-                equivalent(law, name, speed),
-                float("nan"),
-                USUAL_RESTITUTION if name in DAMPED else float("nan"),
-                law.mass,
-            )
-            spread = USUAL_SPREAD if name in DAMPED else 0.0
-            found.append(Hypothesis("contact_law", other, plain.gap, WIDE_STIFFNESS, spread))
-    return found
-
-
-def equivalent(law: Law, name: str, speed: float) -> float:
-    """Return the stiffness with which another law stores as much at the same depth as `law` in a typical impact."""
-    if law.name.startswith("linear") == name.startswith("linear"):
-        return law.stiffness
-    energy = 0.5 * law.mass * speed**2
-    if law.name.startswith("linear"):
-        depth = np.sqrt(2 * energy / law.stiffness)
-        return float(2.5 * energy / depth**2.5)
-    depth = (2.5 * energy / law.stiffness) ** 0.4
-    return float(2 * energy / depth**2)
-
-
-def at(hypothesis: Hypothesis, x: Sequence[float] | np.ndarray) -> Law:
-    """Return the law at scaled gap, log stiffness and loss."""
-    law = hypothesis.law
-    damping, restitution = law.damping, law.restitution
-    if law.name in DAMPED:
-        if np.isnan(damping):
-            restitution = float(np.clip(restitution + hypothesis.loss * x[2], 0.05, 0.995))
-        else:
-            damping = float(damping * np.exp(np.clip(hypothesis.loss * x[2], -5, 5)))
-    return replace(
-        law,
-        gap_m=float(law.gap_m + hypothesis.gap * x[0]),
-        stiffness=float(law.stiffness * np.exp(np.clip(hypothesis.stiffness * x[1], -5, 5))),
-        damping=damping,
-        restitution=restitution,
-    )
 
 
 FILTER = 6
@@ -389,21 +291,8 @@ def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
         if one is not best and one.log_evidence > best.log_evidence - WARMED:
             tried = [one, again(bodies, one, best)]
             if one.law.name == best.law.name:
-                tried.append(fit(bodies, one.hypothesis, _near(one.hypothesis, best.law), best.unknowns))
+                tried.append(
+                    fit(bodies, one.hypothesis, near(one.hypothesis, best.law, PLAUSIBLE), best.unknowns)
+                )
             found[i] = max(tried, key=lambda each: each.log_evidence)
     return found
-
-
-def _near(hypothesis: Hypothesis, law: Law) -> tuple[float, float, float]:
-    """Return gap, stiffness and loss in units of a hypothesis' spreads, as near to a law's as it may well have them."""
-    own = hypothesis.law
-    if law.name not in DAMPED or hypothesis.loss == 0:
-        loss = 0.0
-    elif np.isnan(own.damping):
-        loss = (law.restitution - own.restitution) / hypothesis.loss
-    else:
-        loss = float(np.log(law.damping / own.damping)) / hypothesis.loss
-    gap = (law.gap_m - own.gap_m) / hypothesis.gap
-    stiffness = float(np.log(law.stiffness / own.stiffness)) / hypothesis.stiffness
-    found = np.clip([gap, stiffness, loss], -PLAUSIBLE, PLAUSIBLE)
-    return float(found[0]), float(found[1]), float(found[2])

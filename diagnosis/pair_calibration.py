@@ -15,11 +15,12 @@ import numpy as np
 from contact.damping import reduced_mass
 from contact.errors import ContactError
 from contact.parameters import make_law
-from diagnosis import contacts
 from diagnosis.believed import Acting, Believed
 from diagnosis.case import Case, Run
 from diagnosis.colliding import Pair, Touched
 from diagnosis.confidence import behind
+from diagnosis.contact_hypotheses import at, believed_law, null
+from diagnosis.contacts import Fitted
 from diagnosis.engine import Between, simulate_touching
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings, Judged
@@ -42,7 +43,7 @@ class Truth:
     label: str = "nothing missing"
     place: dict[str, Any] | None = None
     frames: Judged | None = None
-    contact: contacts.Fitted | None = None
+    contact: Fitted | None = None
 
 
 def truths(found: Findings, touched: Touched) -> list[Truth]:
@@ -109,9 +110,9 @@ def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> 
     left, right = pair.full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in pair.full.structure.frames])
     masses = float(mass[left]), float(mass[right])
-    stated = contacts.believed_law(case.contacts[0], reduced_mass(*masses))
+    stated = believed_law(case.contacts[0], reduced_mass(*masses))
     law = stated if truth.contact is None else _of_size(stated, truth.contact, rng)
-    built = contacts.at(contacts.null(law), rng.standard_normal(3))
+    built = at(null(law), rng.standard_normal(3))
     try:
         acts = make_law(
             built.name,
@@ -131,7 +132,7 @@ def _given(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-def _of_size(stated: Law, fitted: contacts.Fitted, rng: np.random.Generator) -> Law:
+def _of_size(stated: Law, fitted: Fitted, rng: np.random.Generator) -> Law:
     """Return a contact whose departure from the stated one is about the fitted one's; another law is as fitted."""
     law, effect = fitted.law, fitted.hypothesis.effect
     share = float(np.exp(SIZE_SCATTER * rng.standard_normal()))

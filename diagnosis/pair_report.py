@@ -36,7 +36,7 @@ def claims_of(
     needed = CLAIM_BESIDE_NATS if report["verdict"] in NAMED or claims else CLAIM_NATS
     if pair.cell is None:
         needed *= BLIND_FACTOR
-    if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], touched, foretold):
+    if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], needed, touched, foretold):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
@@ -108,16 +108,19 @@ def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Feat
     return Features(CONTACT, nats, margin, 1.0, 1.0, len(claims))
 
 
-def _holds(pair: Pair, best: dict[str, Any], touched: Touched, foretold: Foretold | None) -> bool:
+def _holds(
+    pair: Pair, best: dict[str, Any], needed: float, touched: Touched, foretold: Foretold | None
+) -> bool:
     """Return whether the held-out impacts like an effect too that was fitted to the others.
 
-    Without any of them a force cell's word is taken, and that of forces which the motion asks for if it is plain.
+    Without any of them a force cell's word is taken, and that of forces which the motion asks for if it says much more than
+    is needed.
     """
     if not touched.ranked or best["effect"] != touched.ranked[0][1].hypothesis.effect:
         return True
     nats = float(best["log_evidence"])
     if foretold is None:
-        return pair.cell is not None or nats > UNHEARD_FACTOR * BLIND_FACTOR * CLAIM_NATS
+        return pair.cell is not None or nats > UNHEARD_FACTOR * needed
     asked = FORETOLD * nats * foretold.impacts / touched.impacts
     return foretold.gained > min(asked, FORETOLD_MOST) - FORETOLD_LEAST
 

@@ -10,6 +10,7 @@ import numpy as np
 from diagnosis import contacts, impacts, pairs
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
+from diagnosis.contact_hypotheses import Hypothesis
 from diagnosis.contacts import Fitted
 
 LONG_S = 8e-3
@@ -131,4 +132,4 @@ def second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> 
         return None
     onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
     law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
-    return contacts.fit(met, contacts.Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))
+    return contacts.fit(met, Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))

@@ -1,0 +1,86 @@
+"""What may be claimed of a pair's frames, by hand-made verdicts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from diagnosis.confidence import PAIR_NOTHING, features_of
+from diagnosis.findings import Findings, Judged
+from diagnosis.verdict import Decision
+from tests.diagnosis.colliding_models import CONTACT, colliding, judged
+
+
+def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
+    """Return something like an effect, and its parameters."""
+    return SimpleNamespace(**({"name": name, "storey": None, "floor": None} | where)), [value]
+
+
+def together(nats: float, *several: tuple[Any, list[float]]) -> Judged:
+    """Return effects as they may have been judged."""
+    effects, values = zip(*several, strict=True)
+    return Judged(
+        cast(Any, SimpleNamespace(effects=effects, values=values)), nats, (0.1, 0.1), np.ones((2, 1))
+    )
+
+
+def one(name: str, value: float, **where: Any) -> Judged:
+    return together(12.0, effect(name, value, **where))
+
+
+def test_effects_are_judged_beside_the_delay_of_a_filter_that_is_likelier_than_each() -> None:
+    filtered, late = effect("sensor_delay", 1e-4), effect("sensor_delay", 1e-3)
+    bumper, friction = effect("bumper", 0.5, storey=2), effect("coulomb_friction", 3.0, storey=4)
+    judged_ones = [
+        together(900.0, filtered, bumper),
+        together(700.0, filtered),
+        together(650.0, friction),
+    ]
+    nothing: Any = None
+    found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
+    found.pair, *_ = judged(colliding(CONTACT))
+    # What imitates the delay alone is not claimed.
+    (claimed_one,) = found.claimable()
+    assert claimed_one.effects == (bumper[0],)
+    assert claimed_one.nats == pytest.approx(200.0)
+    assert claimed_one.beside is judged_ones[1]
+    found.judged = [together(1000.0, late), *judged_ones]
+    assert found.claimable() == [found.judged[0], judged_ones[2]]
+
+
+def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed() -> None:
+    judged_ones = [
+        one("sensor_delay", 1e-3),
+        one("sensor_delay", 1e-4),
+        one("bumper", 0.5, storey=2),
+        one("bumper", 0.5, storey=3),
+        one("added_mass", 0.5, floor=2),
+        one("bumper", 0.5, storey=4),
+    ]
+    nothing: Any = None
+    found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
+    assert found.claimable() == judged_ones
+    assert found.plain(40.0, 0.21)
+    pair, *_ = judged(colliding(CONTACT))
+    found.pair = pair
+    assert found.claimable() == [judged_ones[0], *judged_ones[2:]]
+    assert not found.plain(40.0, 0.21)
+    assert not found.plain(249.0, 0.5)
+    assert found.plain(250.0, 0.25)
+    assert found.plain(1000.0, 0.1)
+    verdict = Decision("nothing_missing", judged_ones[1], ())
+    assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
+    found.pair = replace(pair, contact_claimed=True)
+    assert not found.plain(499.0, 0.5)
+    assert found.plain(500.0, 0.5)
+    assert not found.plain(1999.0, 0.1)
+    assert found.plain(2000.0, 0.1)
+    found.pair = replace(pair, second=(2, 500.0, 1))
+    assert found.claimable() == [judged_ones[0], judged_ones[5]]
+    assert not found.plain(1000.0, 0.1)
+    assert not found.plain(499.0, 0.25)
+    assert found.plain(500.0, 0.25)
