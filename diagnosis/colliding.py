@@ -99,15 +99,20 @@ class Foretold:
     gained: float
 
 
-def prepare(case: Case, believed: Believed) -> Pair:
-    """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them."""
+def prepare(case: Case, believed: Believed, against_motion: bool = True) -> Pair:
+    """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them.
+
+    Args:
+        case: The case. believed: The believed model.
+        against_motion: Whether a force cell's gain and delay are judged by what the frames' sensors say.
+    """
     contact = case.contacts[0]
     structure = believed.structure
     left, right = structure.index(contact.left), structure.index(contact.right)
     floors = pairs.shared_floors(structure, left, right)
     touching = floors[contact.floor - 1]
     runs = range(len(believed.observed.runs))
-    observed, cell, warnings = checked(case, believed, touching)
+    observed, cell, warnings = checked(case, believed, touching, against_motion)
     full = Believed(structure, observed, case.prior)
     found = touching in observed.contact_floors
     if found:

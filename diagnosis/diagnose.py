@@ -16,6 +16,7 @@ from diagnosis.colliding import Touched, foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
+from diagnosis.force_errors import put_right
 from diagnosis.observations import observe
 from diagnosis.pair_report import NAMED, claims_of, joined
 from diagnosis.search import search
@@ -146,29 +147,50 @@ def _own(file: Path | str) -> list[type[Effect]]:
 
 
 def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> Findings:
-    """Return what the search finds in a case, with kinds of effects of the user's `own` beside the catalogue."""
+    """Return what the search finds in a case, with kinds of effects of the user's `own` beside the catalogue.
+
+    A force cell whose gain or delay was put right by sensors of which one is wrong itself is taken at its word instead.
+    """
+    found = _find(case, progress, own)
+    cell = None if found.pair is None else found.pair.cell
+    if cell is not None and cell.corrected and _wrong_sensor(found):
+        found = _find(case, progress, own, against_motion=False)
+    return found
+
+
+def _wrong_sensor(found: Findings) -> bool:
+    decision = decide(found)
+    wrong = any(effect.channel is not None for effect in decision.judged.effects)
+    return decision.verdict in NAMED and wrong
+
+
+def _find(
+    case: Case, progress: Progress, own: Sequence[type[Effect]], against_motion: bool = True
+) -> Findings:
     structure = Structure(believed_frames(case))
     observed = screened(observe(case, structure))
     believed = Believed(structure, observed, case.prior)
     if not case.contacts:
         # Impacts fill the spectrum and change its first peak.
         observed.warnings.extend(frequency_warnings(believed))
-    pair = prepare(case, believed) if case.contacts else None
+    pair = prepare(case, believed, against_motion) if case.contacts else None
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}
+    used = usable(observed, [numbers[run.file] for run in training])
+    unseen = usable(observed, [numbers[run.file] for run in held_out])
+    if not used:
+        used, unseen = unseen, []
+    start = None
     if pair is not None:
-        pair = found_again(pair, [numbers[run.file] for run in training])
-        observed, believed = pair.slow.observed, pair.slow
+        pair = found_again(pair, used)
+        believed, start = put_right(pair.slow, used, not pair.blind)
+        pair = replace(pair, slow=believed)
     effects = [
         effect
         for effect in candidates(believed)
         if effect.name != "joint_flexibility" or structure.frames[effect.index].joint_derivative is not None
     ]
     effects += [effect for kind in own for effect in places(kind, believed)]
-    used = usable(observed, [numbers[run.file] for run in training])
-    unseen = usable(observed, [numbers[run.file] for run in held_out])
-    if not used:
-        used, unseen = unseen, []
-    found = search(believed, effects, used, unseen, progress)
+    found = search(believed, effects, used, unseen, progress, start)
     found.pair = pair
     return found

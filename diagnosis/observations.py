@@ -92,7 +92,7 @@ class Observations:
         quantity, floor: Kind (see `diagnosis.predictor`) and floor of each channel, shape (channels,).
         runs: The runs.
         contact_floors: Left and right floor of each contact force, measured or found.
-        force_cell: Whether a contact force was measured.
+        touching: Whether frames may touch: contact forces, measured or found, have a clock of their own.
         slower: How many samples of the logger one of these stands for, if they were made fewer.
         touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
         warnings: What was odd.
@@ -104,7 +104,7 @@ class Observations:
     floor: np.ndarray
     runs: tuple[RunData, ...]
     contact_floors: tuple[tuple[int, int], ...] = ()
-    force_cell: bool = False
+    touching: bool = False
     touches: tuple[Touch, ...] = ()
     slower: int = 1
     warnings: list[str] = field(default_factory=list)
@@ -155,7 +155,7 @@ def observe(case: Case, structure: Structure) -> Observations:
         floor=np.array(floor),
         runs=runs,
         contact_floors=pairs,
-        force_cell=bool(forces),
+        touching=bool(case.contacts),
         warnings=warnings,
     )
 

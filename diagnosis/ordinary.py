@@ -90,8 +90,8 @@ def ordinary_parameters(structure: Structure, observed: Observations, prior: Pri
     found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
     channels = range(len(observed.names))
     found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
-    # One channel keeps the time: all of them late together are a table that is early; a force cell keeps its own.
-    first_free = 0 if observed.force_cell else 1
+    # One channel keeps the time: all of them late together are a table that is early; contact forces keep their own.
+    first_free = 0 if observed.touching else 1
     found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
     found += [Parameter("touch_gain", number, touch.std) for number, touch in enumerate(observed.touches)]
     return found

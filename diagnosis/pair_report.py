@@ -16,8 +16,8 @@ from diagnosis.impacts import DAMPED
 from diagnosis.verdict import CLASS_NATS
 
 NAMED = ("effect_named", "effect_class")
-CLAIM_NATS = 10.0
-CLAIM_BESIDE_NATS = 20.0
+CLAIM_NATS = 8.0
+CLAIM_BESIDE_NATS = 16.0
 UNHEARD_FACTOR = 2.0
 FORETOLD, FORETOLD_MOST, FORETOLD_LEAST = 0.25, 10.0, 3.0
 BLIND_LEFT = 2.0

@@ -11,7 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import BOX, Baseline, log_likelihood, run_baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.doubts import bent
-from diagnosis.effects_frame import TorsionalEccentricity
+from diagnosis.effects_frame import BaseRocking, TorsionalEccentricity
 from diagnosis.effects_storey import CoulombFriction, FadingFriction
 from diagnosis.evidence import Score, Scores, scales, score
 from diagnosis.findings import Findings, best, judge, noise_floor, unexplained
@@ -38,6 +38,8 @@ many of what scores best are tried and at which multiples of their scored size."
 RESTARTS, RESTARTED, RESTARTED_SHARE = 2, 5.0, 0.05
 """How often, and for which gain [nats] and which share of the evidence, the null model is calibrated again from where the
 likeliest effect led."""
+SOFTER = 0.4
+"""Share of the stiffness found for a base that turns, from which a softer one is looked for."""
 FADED = (0.3, 1.0)
 """Rates, over the usual one, at which a friction that fades is thought to have lost half of itself at first."""
 GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
@@ -54,10 +56,11 @@ def search(
     training: Sequence[int],
     held_out: Sequence[int],
     progress: Progress,
+    start: Baseline | None = None,
 ) -> Findings:
-    """Return what speaks for each effect."""
+    """Return what speaks for each effect; `start` is the null model as calibrated, where that is known already."""
     progress("calibrating the believed model", 0.05)
-    start = calibrated(believed, training)
+    start = start or calibrated(believed, training)
     null = best_null(believed, refine(believed, start, (), (), ()))
     believed, null = unswapped(believed, null, training)
     runs = (tuple(training), tuple(held_out))
@@ -99,7 +102,10 @@ def _refined_best(
         order.insert(THOROUGH - 1, 0)  # What scores best is refined to the end, however hard it is to start.
     for count, i in enumerate(order[:THOROUGH]):
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
-        _keep(found, _refined(found, null.baseline, chosen[i], start=quick[i]))
+        fit = _refined(found, null.baseline, chosen[i], start=quick[i])
+        _keep(found, fit)
+        if isinstance(chosen[i].effect, BaseRocking):
+            _keep(found, _softer(found, fit))
     _turned(found, effects)
     if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
         progress("trying larger effects", 0.65)
@@ -198,6 +204,12 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
         return found_there if np.isfinite(found_there) else -np.inf
 
     return max(starts, key=likely)
+
+
+def _softer(found: Findings, fit: Fit) -> Fit:
+    """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values."""
+    values = SOFTER * fit.values[0]
+    return refine(found.believed, found.null.fit.baseline, fit.effects, (values,), (values,))
 
 
 def _turned(found: Findings, effects: Sequence[Effect]) -> None:

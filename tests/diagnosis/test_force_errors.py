@@ -1,0 +1,85 @@
+"""Contact forces put right by the motion: errors of a cell's samples found, and a right force left as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.baseline import calibrated
+from diagnosis.believed import Believed
+from diagnosis.case import Case
+from diagnosis.colliding import prepare
+from diagnosis.force_errors import put_right
+from diagnosis.gap import channel_gaps, simulate
+from diagnosis.refine import Fit, refine
+from tests.diagnosis.colliding_models import CONTACT, colliding, model
+
+TRAINING = (0,)
+
+
+def slow(case: Case) -> Believed:
+    return prepare(case, model(case)).slow
+
+
+def with_errors(believed: Believed, share: float) -> Believed:
+    """Return the model with forces whose samples are each off by a share of their size."""
+    rng = np.random.default_rng(3)
+    runs = []
+    for run in believed.observed.runs:
+        contact = run.contact * (1 + share * rng.standard_normal(run.contact.shape))
+        assert run.fine_contact is not None
+        at, fine = np.arange(len(contact)) * run.step_s, np.arange(len(run.fine_contact)) * run.fine_step_s
+        added = np.interp(fine, at, (contact - run.contact)[:, 0])
+        runs.append(replace(run, contact=contact, fine_contact=run.fine_contact + added[:, None]))
+    return Believed(believed.structure, replace(believed.observed, runs=tuple(runs)), believed.prior)
+
+
+def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() -> None:
+    right = slow(colliding(CONTACT))
+    wrong = with_errors(right, 0.05)
+    found, frames = put_right(wrong, TRAINING)
+
+    assert frames is not None
+    assert frames.runs == TRAINING
+
+    def fitted(believed: Believed) -> Fit:
+        return refine(believed, calibrated(believed, TRAINING), (), (), ())
+
+    def held_out(believed: Believed) -> np.ndarray:
+        outputs = simulate(believed, np.zeros(len(believed.std)), (), (1,))
+        return channel_gaps(believed, outputs, (1,))
+
+    # As likely as with the right forces, which errors had made far less likely, and the struck floors' noise is one per
+    # cent again, as it was made.
+    likely = [fitted(one).log_posterior for one in (wrong, right, found)]
+    assert likely[1] > likely[0] + 1000.0
+    assert likely[2] > likely[1]
+    struck = [channel.endswith("a3") for channel in right.observed.names]
+    noise = fitted(found).baseline.noise[0].channel / found.observed.rms(found.observed.runs[0])
+    np.testing.assert_allclose(noise[struck], 0.01, rtol=0.15)
+    # The other run's motion follows from its forces again: the frames are right, and nothing was fitted to it.
+    off = [held_out(one)[~np.array(struck)] for one in (wrong, right, found)]
+    assert np.median(off[0]) > 2.0 * np.median(off[1])
+    assert np.median(off[2]) < 1.2 * np.median(off[1])
+
+
+def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:
+    right = slow(colliding(CONTACT))
+    assert {touch.run for touch in right.observed.touches} == {0, 1}
+    assert {touch.run for touch in put_right(right, TRAINING)[0].observed.touches} == {0}
+    assert {touch.run for touch in put_right(right, TRAINING, measured=False)[0].observed.touches} == {0, 1}
+
+
+def test_a_force_that_is_right_hardly_changes() -> None:
+    right = slow(colliding(CONTACT))
+    found, _ = put_right(right, TRAINING)
+    for one, run in zip(found.observed.runs, right.observed.runs, strict=True):
+        assert np.linalg.norm(one.contact - run.contact) < 0.02 * np.linalg.norm(run.contact)
+        silent = np.abs(run.contact) < 1e-4 * np.abs(run.contact).max()
+        np.testing.assert_allclose(one.contact[silent], run.contact[silent], atol=1.0)
+
+
+def test_without_contact_there_is_nothing_to_put_right() -> None:
+    never = slow(colliding(replace(CONTACT, gap_m=0.2)))
+    assert put_right(never, TRAINING) == (never, None)
