@@ -105,7 +105,7 @@ def _refined_best(
         fit = _refined(found, null.baseline, chosen[i], start=quick[i])
         _keep(found, fit)
         if isinstance(chosen[i].effect, BaseRocking):
-            _keep(found, _softer(found, fit))
+            _keep(found, softer(found, fit))
     _turned(found, effects)
     if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
         progress("trying larger effects", 0.65)
@@ -206,7 +206,7 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
     return max(starts, key=likely)
 
 
-def _softer(found: Findings, fit: Fit) -> Fit:
+def softer(found: Findings, fit: Fit) -> Fit:
     """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values."""
     values = SOFTER * fit.values[0]
     return refine(found.believed, found.null.fit.baseline, fit.effects, (values,), (values,))

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from diagnosis import pairs
+from diagnosis import diagnose, pairs
 from diagnosis.case import Case
 from diagnosis.colliding import Touched, prepare
 from diagnosis.diagnose import find, report_on_pair
 from diagnosis.knocks import knocks
 from diagnosis.pair_report import candidates, joined
-from diagnosis.verdict import report_of
+from diagnosis.verdict import Decision, report_of
 from tests.diagnosis.colliding_models import (
     CONTACT,
     DRIFT,
@@ -57,6 +58,34 @@ def test_a_force_cell_of_the_wrong_gain_is_no_other_contact() -> None:
     _, _, report = judged(changed(colliding(CONTACT), lambda force: 1.25 * force))
     assert claimed(report) == ["sensor_gain"]
     assert value(report, "relative_change") == pytest.approx(0.25, abs=0.04)
+
+
+def test_a_force_cell_is_not_judged_by_a_sensor_that_is_wrong_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = changed(colliding(CONTACT), lambda force: 1.25 * force)
+    asked = []
+
+    def findings(case: Case, progress: Any, own: Any, against_motion: bool = True) -> Any:
+        asked.append(against_motion)
+        return SimpleNamespace(pair=prepare(case, model(case), against_motion))
+
+    def naming(channel: str | None) -> Any:
+        effect = SimpleNamespace(channel=channel)
+        return lambda found: Decision("effect_named", cast(Any, SimpleNamespace(effects=(effect,))), ())
+
+    monkeypatch.setattr(diagnose, "_find", findings)
+    monkeypatch.setattr(diagnose, "decide", naming("tall_a3"))
+    pair = find(case, lambda what, share: None).pair
+    assert asked == [True, False]
+    assert pair is not None
+    assert pair.cell is not None
+    assert pair.cell.faults == ()
+    # Sensors of which none is wrong are believed.
+    monkeypatch.setattr(diagnose, "decide", naming(None))
+    pair = find(case, lambda what, share: None).pair
+    assert asked == [True, False, True]
+    assert pair is not None
+    assert pair.cell is not None
+    assert pair.cell.corrected
 
 
 def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
