@@ -80,6 +80,19 @@ def test_a_force_that_is_right_hardly_changes() -> None:
         np.testing.assert_allclose(one.contact[silent], run.contact[silent], atol=1.0)
 
 
+def test_a_run_without_a_touch_stays_without() -> None:
+    right = slow(colliding(CONTACT))
+    touching, quiet = right.observed.runs
+    quiet = replace(
+        quiet, contact=np.zeros(quiet.contact.shape), fine_contact=np.zeros_like(quiet.fine_contact)
+    )
+    believed = Believed(right.structure, replace(right.observed, runs=(touching, quiet)), right.prior)
+    found, _ = put_right(believed, TRAINING)
+    assert np.any(found.observed.runs[0].contact != touching.contact)
+    assert not np.any(found.observed.runs[1].contact)
+    assert not np.any(found.observed.runs[1].fine_contact)
+
+
 def test_without_contact_there_is_nothing_to_put_right() -> None:
     never = slow(colliding(replace(CONTACT, gap_m=0.2)))
     assert put_right(never, TRAINING) == (never, None)
