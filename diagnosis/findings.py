@@ -48,8 +48,9 @@ DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
 """Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
 PAIR_NATS, PAIR_SIZE = 200.0, 0.2
 CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
-"""The same for frames that collide, where effects that were not hidden had up to 174 nats and 0.15 of the noise; and where
-a force cell told of the impacts, what is slow beside them may also show by so much evidence in less of it."""
+"""The same for frames that collide, where effects that were not hidden had up to 174 nats and 0.15 of the noise in the
+cases that this was set by; and where a force cell told of the impacts, what is slow beside them may also show by so much
+evidence in less of it."""
 BLIND_FACTOR = 2.0
 """Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
 these miss looks like an effect too."""
