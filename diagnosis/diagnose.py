@@ -16,8 +16,8 @@ from diagnosis.colliding import Touched, foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
-from diagnosis.force_errors import put_right
-from diagnosis.observations import observe
+from diagnosis.force_errors import put_right, put_right_by
+from diagnosis.observations import RunData, observe
 from diagnosis.pair_report import NAMED, claims_of, joined
 from diagnosis.search import search
 from diagnosis.sensors import screened, usable
@@ -164,6 +164,16 @@ def _wrong_sensor(found: Findings) -> bool:
     return decision.verdict in NAMED and wrong
 
 
+def _settle(found: Findings, measured: tuple[RunData, ...]) -> None:
+    """Keep the forces of `measured` runs as frames with what is named put them right, unless channels were exchanged."""
+    believed, decision = found.believed, decide(found)
+    if decision.verdict not in NAMED or found.pair is None or believed is not found.pair.slow:
+        return
+    as_measured = Believed(believed.structure, replace(believed.observed, runs=measured), believed.prior)
+    told = put_right_by(as_measured, believed, decision.judged.fit.baseline)
+    found.settled = (decision.judged, *told)
+
+
 def _find(
     case: Case, progress: Progress, own: Sequence[type[Effect]], against_motion: bool = True
 ) -> Findings:
@@ -180,9 +190,10 @@ def _find(
     unseen = usable(observed, [numbers[run.file] for run in held_out])
     if not used:
         used, unseen = unseen, []
-    start = None
+    start, measured = None, observed.runs
     if pair is not None:
         pair = found_again(pair, used)
+        measured = pair.slow.observed.runs
         believed, start = put_right(pair.slow, used, not pair.blind)
         pair = replace(pair, slow=believed)
     effects = [
@@ -193,4 +204,6 @@ def _find(
     effects += [effect for kind in own for effect in places(kind, believed)]
     found = search(believed, effects, used, unseen, progress, start)
     found.pair = pair
+    if start is not None:
+        _settle(found, measured)
     return found

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Scores
 from diagnosis.gap import channel_gaps, floors, over_floor, simulate
@@ -85,6 +86,8 @@ class Findings:
     """Scores of second effects about the best fit."""
     pair: Pair | None = None
     """Two frames that touch, at the rate of the logger."""
+    settled: tuple[Judged, Believed, Baseline] | None = None
+    """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
     engine: dict[int, np.ndarray] = field(default_factory=dict)
     """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 

@@ -77,12 +77,32 @@ def put_right(
         touches = tuple(touch for touch in observed.touches if touch.run in training)
         believed = Believed(believed.structure, replace(observed, touches=touches), believed.prior)
     baseline = calibrated(believed, training)
-    errors = [np.zeros(run.contact.shape) for run in believed.observed.runs]
-    better = believed
-    for last in (False,) * (ROUNDS - 1) + (True,):
-        if last:
-            baseline = refine(better, baseline, (), (), ()).baseline
-        for column in range(len(observed.contact_floors)):
+    better, baseline = _told(believed, believed, baseline, training, ROUNDS - 1)
+    baseline = refine(better, baseline, (), (), ()).baseline
+    return _told(believed, better, baseline, training, 1)
+
+
+def put_right_by(believed: Believed, corrected: Believed, baseline: Baseline) -> tuple[Believed, Baseline]:
+    """Return the model with contact forces as frames with effects correct them, and these frames.
+
+    Forces that frames without an effect have put right keep a part of it.
+
+    Args:
+        believed: The model with the forces as they were measured or found.
+        corrected: The same with those about which the effects were fitted.
+        baseline: The fit, with its effects.
+    """
+    return _told(believed, corrected, baseline, baseline.runs, ROUNDS)
+
+
+def _told(
+    believed: Believed, better: Believed, baseline: Baseline, training: Sequence[int], rounds: int
+) -> tuple[Believed, Baseline]:
+    """Return the model with errors of its forces as a baseline tells them that works with those of `better`."""
+    pairs_of_runs = zip(better.observed.runs, believed.observed.runs, strict=True)
+    errors = [one.contact - run.contact for one, run in pairs_of_runs]
+    for _ in range(rounds):
+        for column in range(len(believed.observed.contact_floors)):
             _find(believed, (better, _of_all_runs(better, baseline)), column, training, errors)
             better = _with_errors(believed, errors)
         baseline = _quieter(better, baseline)
@@ -91,9 +111,10 @@ def put_right(
 
 def _quieter(believed: Believed, baseline: Baseline) -> Baseline:
     """Return frames and noise of each channel as they are with better forces."""
-    start = run_baseline(believed, baseline.values, baseline.noise, baseline.runs)
+    start = run_baseline(believed, baseline.values, baseline.noise, baseline.runs, baseline.effects)
     noise = matched_noise(believed, start)
-    return descend(believed, run_baseline(believed, start.values, noise, start.runs), 2)
+    start = run_baseline(believed, start.values, noise, start.runs, start.effects)
+    return descend(believed, start, 2)
 
 
 def _of_all_runs(believed: Believed, baseline: Baseline) -> Baseline:
@@ -102,7 +123,7 @@ def _of_all_runs(believed: Believed, baseline: Baseline) -> Baseline:
     known, first = believed.observed.runs[baseline.runs[0]], baseline.noise[0]
     runs = range(len(believed.observed.runs))
     each = [noise.get(run) or _scaled(believed.observed, first, known, run) for run in runs]
-    return run_baseline(believed, baseline.values, each, runs)
+    return run_baseline(believed, baseline.values, each, runs, baseline.effects)
 
 
 def _scaled(observed: Observations, noise: Noise, known: RunData, run: int) -> Noise:

@@ -214,13 +214,15 @@ def report_of(case: Case, found: Findings) -> dict[str, Any]:
 
 
 def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
-    believed, baseline = found.believed, judged.fit.baseline
+    believed, model, baseline = found.believed, found.believed, judged.fit.baseline
+    if found.settled is not None and found.settled[0] is judged:
+        _, model, baseline = found.settled
 
     def numbers(which: int) -> dict[str, float]:
         after = found.null.gap[which]
         if judged is not found.null:
             runs = (found.training, found.held_out)[which]
-            outputs = simulate_engine(believed, baseline.values, baseline.effects, runs)
+            outputs = simulate_engine(model, baseline.values, baseline.effects, runs)
             found.engine.update(zip(runs, outputs, strict=True))
             after = gap(believed, outputs, runs)
         return {

@@ -8,12 +8,14 @@ import numpy as np
 
 from diagnosis.baseline import calibrated
 from diagnosis.believed import Believed
+from diagnosis.calibrate import Baseline
 from diagnosis.case import Case
+from diagnosis.catalogue import candidates
 from diagnosis.colliding import prepare
-from diagnosis.force_errors import put_right
+from diagnosis.force_errors import put_right, put_right_by
 from diagnosis.gap import channel_gaps, simulate
 from diagnosis.refine import Fit, refine
-from tests.diagnosis.colliding_models import CONTACT, colliding, model
+from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model
 
 TRAINING = (0,)
 
@@ -62,6 +64,28 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
     off = [held_out(one)[~np.array(struck)] for one in (wrong, right, found)]
     assert np.median(off[0]) > 2.0 * np.median(off[1])
     assert np.median(off[2]) < 1.2 * np.median(off[1])
+
+
+def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> None:
+    case = colliding(CONTACT)
+    lighter = model(case)
+    lighter.structure.frames[0].mass[-1, -1] -= 1.5
+    raw = prepare(case, lighter).slow
+    without, start = put_right(raw, TRAINING)
+    assert start is not None
+    mass = next(one for one in candidates(without) if one.name == "added_mass" and one.floor == FLOORS)
+    fit = refine(without, start, (mass,), (np.array([1.5]),), (np.array([1.5]),))
+    measured = replace(without.observed, runs=raw.observed.runs)
+    settled, frames = put_right_by(
+        Believed(without.structure, measured, without.prior), without, fit.baseline
+    )
+
+    def left(believed: Believed, baseline: Baseline) -> float:
+        outputs = simulate(believed, baseline.values, baseline.effects, (1,))
+        return float(np.median(channel_gaps(believed, outputs, (1,))))
+
+    # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
+    assert left(settled, frames) < 0.7 * left(without, fit.baseline)
 
 
 def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:
