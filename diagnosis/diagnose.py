@@ -192,6 +192,7 @@ def _find(
         used, unseen = unseen, []
     start, measured = None, observed.runs
     if pair is not None:
+        progress("putting contact forces right", 0.02)
         pair = found_again(pair, used)
         measured = pair.slow.observed.runs
         believed, start = put_right(pair.slow, used, not pair.blind)

@@ -51,7 +51,10 @@ class _Touching:
     own: np.ndarray
 
     def within(self, share: float) -> tuple[np.ndarray, float]:
-        """Return the errors of the force [N], (n,), known beforehand within a share of its size, and the nats of that."""
+        """Return the posterior mean of the force's errors [N], (n,), and the log evidence of there being any [nats].
+
+        Beforehand they are independent and Gaussian, of a standard deviation that is a share of the force's size.
+        """
         width = share * self.size
         factor = cho_factor(width[:, None] * self.own * width + np.eye(len(width)))
         found = cho_solve(factor, width * self.pull)
@@ -103,7 +106,7 @@ def _told(
     errors = [one.contact - run.contact for one, run in pairs_of_runs]
     for _ in range(rounds):
         for column in range(len(believed.observed.contact_floors)):
-            _find(believed, (better, _of_all_runs(better, baseline)), column, training, errors)
+            _estimate(believed, (better, _of_all_runs(better, baseline)), column, training, errors)
             better = _with_errors(believed, errors)
         baseline = _quieter(better, baseline)
     return better, baseline
@@ -135,7 +138,7 @@ def _scaled(observed: Observations, noise: Noise, known: RunData, run: int) -> N
     return Noise(noise.latent, noise.table * table, noise.channel * np.where(ratio > 0, ratio, np.inf))
 
 
-def _find(
+def _estimate(
     believed: Believed,
     better: tuple[Believed, Baseline],
     column: int,

@@ -22,7 +22,7 @@ def test_a_soft_base_is_found_from_a_stiff_one() -> None:
     sizes = scales(believed, null.baseline)
     scores = score(believed, null.baseline, [base], sizes)
     found = Findings(believed, judge(believed, null, null, (0,), (1,)), scores, sizes, (0,), (1,))
-    stiff = 2.5 * truth
+    stiff = 6.0 * truth
     stuck = refine(believed, null.baseline, (base,), (stiff,), (stiff,), iterations=0, thorough=False)
     fit = softer(found, stuck)
     assert fit.log_posterior > stuck.log_posterior + 1000.0
