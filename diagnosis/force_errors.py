@@ -19,8 +19,8 @@ from diagnosis import pairs
 from diagnosis.baseline import calibrated
 from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline, descend, matched_noise, run_baseline
-from diagnosis.kalman import Noise
-from diagnosis.observations import Observations, RunData, root_mean_square
+from diagnosis.gap import expected_noise
+from diagnosis.observations import RunData
 from diagnosis.refine import refine
 
 SHARES = (0.003, 0.01, 0.03, 0.1)
@@ -122,20 +122,12 @@ def _quieter(believed: Believed, baseline: Baseline) -> Baseline:
 
 def _of_all_runs(believed: Believed, baseline: Baseline) -> Baseline:
     """Return a baseline with the runs that it was not fitted to, whose noise is as large a share of their channels."""
-    noise = dict(zip(baseline.runs, baseline.noise, strict=True))
-    known, first = believed.observed.runs[baseline.runs[0]], baseline.noise[0]
     runs = range(len(believed.observed.runs))
-    each = [noise.get(run) or _scaled(believed.observed, first, known, run) for run in runs]
-    return run_baseline(believed, baseline.values, each, runs, baseline.effects)
-
-
-def _scaled(observed: Observations, noise: Noise, known: RunData, run: int) -> Noise:
-    one = observed.runs[run]
-    before, after = observed.rms(known), observed.rms(one)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.nan_to_num(after / before, nan=np.inf, posinf=np.inf)
-    table = float(root_mean_square(one.table) / root_mean_square(known.table))
-    return Noise(noise.latent, noise.table * table, noise.channel * np.where(ratio > 0, ratio, np.inf))
+    known = dict(zip(baseline.runs, baseline.noise, strict=True))
+    noise = [
+        known.get(run) or one for run, one in zip(runs, expected_noise(believed, baseline, runs), strict=True)
+    ]
+    return run_baseline(believed, baseline.values, noise, runs, baseline.effects)
 
 
 def _estimate(

@@ -106,21 +106,33 @@ def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.nd
         baseline: A fit; its noise is taken as a share of each channel's rms, its modes carry the table's noise.
         runs: Runs for which the floor is wanted, fitted or not.
     """
-    shares, table_share = _shares(believed, baseline)
-    squares, total, count = 0.0, 0.0, 0
-    for number in runs:
+    squares, total = np.zeros(len(believed.observed.names)), np.zeros(len(believed.observed.names))
+    for number, noise in zip(runs, expected_noise(believed, baseline, runs), strict=True):
         run = believed.observed.runs[number]
         rms = np.nan_to_num(believed.observed.rms(run))
-        table = table_share * float(root_mean_square(run.table))
-        carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * table
+        own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
+        carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * noise.table
         pushed = 0.0 if number in baseline.runs else touch_response(believed, baseline.modes, number)
-        squares = squares + len(run.table) * ((shares * rms) ** 2 + carried**2 + pushed)
+        squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
-        count += len(run.table)
-    del count
     return np.sqrt(
         np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
     )
+
+
+def expected_noise(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> list[Noise]:
+    """Return the noise of runs, fitted or not, as the same share of table and channels as in those of a fit.
+
+    What a channel never showed in a fit is infinite.
+    """
+    shares, table = _shares(believed, baseline)
+    found = []
+    for number in runs:
+        run = believed.observed.runs[number]
+        channel = shares * np.nan_to_num(believed.observed.rms(run))
+        of_table = table * float(root_mean_square(run.table))
+        found.append(Noise(baseline.noise[0].latent, of_table, np.where(channel > 0, channel, np.inf)))
+    return found
 
 
 def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:
