@@ -83,6 +83,8 @@ class Effect:
     """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
     foil: ClassVar[bool] = False
     """Whether this is outside the catalogue and stands for 'something else'."""
+    absorbing: ClassVar[bool] = False
+    """Whether a little of it mends what every believed frame has wrong: its modes, or losses that are not viscous."""
 
     def place(self) -> dict[str, object]:
         """Return effect and place as in the report."""

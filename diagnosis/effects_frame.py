@@ -38,6 +38,7 @@ class JointFlexibility(FrameEffect):
     """The rotational stiffness of each floor-column joint differs: the joints' part of the flexibility is rescaled."""
 
     name = "joint_flexibility"
+    absorbing = True
     quantities = (Quantity("joint_stiffness", "N m/rad"),)
 
     def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -74,6 +75,7 @@ class BaseRocking(FrameEffect):
     """The base turns on a spring instead of being fixed: the flexibility grows by h h' / k."""
 
     name = "base_rocking"
+    absorbing = True
     quantities = (Quantity("rotational_stiffness", "N m/rad"),)
     sign = 1
 
@@ -111,6 +113,7 @@ class PDelta(FrameEffect):
     """Geometric stiffness of weight_factor times the frame's weight beyond what the model has."""
 
     name = "p_delta"
+    absorbing = True
     linear = True
     quantities = (Quantity("weight_factor", "1"),)
     sign = 1
@@ -208,6 +211,7 @@ class TorsionalEccentricity(FrameEffect):
     """
 
     name = "torsional_eccentricity"
+    absorbing = True
     quantities = (
         Quantity("eccentricity", "m"),
         Quantity("torsional_frequency_ratio", "1", reported=False),
@@ -307,6 +311,7 @@ class Appendage(FrameEffect):
     """A mass on a spring that nobody listed: not in the catalogue, so its evidence speaks for an unknown effect."""
 
     name = "appendage"
+    absorbing = True
     where = "floor"
     foil = True
     quantities = (Quantity("mass", "kg"), Quantity("frequency", "Hz"), Quantity("damping_ratio", "1"))

@@ -211,6 +211,7 @@ class Hysteresis(StoreyEffect):
     """
 
     name = "hysteresis"
+    absorbing = True
     quantities = (
         Quantity("yield_force", "N"),
         Quantity("stiffness", "N/m"),

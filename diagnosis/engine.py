@@ -31,8 +31,9 @@ from experiments.errors import ExperimentError
 from experiments.motion import ContactHistory, FrameMotion
 from experiments.rig import COLLIDING, Accuracy, Rig
 
-FINER = 4
-"""The table's samples are interpolated smoothly to so many steps, because the rig connects its samples by lines."""
+FINER, FINEST_S = 4, 2.5e-4
+"""The table's samples are interpolated smoothly to at least so many steps, and to steps of at most this [s], because the rig
+connects samples by lines: impacts below `pairs.RATE_HZ` ring the modes a per cent off on a grid of a millisecond."""
 ACCURACY = Accuracy(1e-6, 1e-8, 2.5e-4)
 FORCE_HZ = 5e4
 """Rate at which a contact's force is taken before it is averaged over the logger's samples."""
@@ -196,8 +197,9 @@ def _shaken(
 ) -> FrameMotion:
     """Return the motion of all frames as one body through a run."""
     run = believed.observed.runs[number]
-    step = run.step_s / FINER
-    at = np.arange(FINER * (len(run.table) - 1) + 1) * step
+    finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
+    step = run.step_s / finer
+    at = np.arange(finer * (len(run.table) - 1) + 1) * step
     spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
     table = (1 + assembly.table_gain) * spline(np.clip(at - assembly.table_delay_s, 0.0, at[-1]))
     reduced = reduced_frame(believed, assembly)

@@ -48,16 +48,17 @@ class Judged:
 DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
 """Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
 PAIR_NATS, PAIR_SIZE = 200.0, 0.2
+LOCAL_NATS, LOCAL_SIZE = 100.0, 0.1
 CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
-"""The same for frames that collide, where effects that were not hidden had up to 174 nats and 0.15 of the noise in the
-cases that this was set by; and where a force cell told of the impacts, what is slow beside them may also show by so much
-evidence in less of it."""
+"""The same for frames that collide. Impacts show how a believed frame is off: effects that absorb some of that had up to 463
+nats, and up to 0.16 of the noise where nothing at all was hidden; others, whose thresholds are the second, up to 21. Where a
+force cell told of the impacts, what is slow beside them may also show by so much evidence in less of it."""
 BLIND_FACTOR = 2.0
 """Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
 these miss looks like an effect too."""
 BESIDE_FACTOR = 1.5
-"""Times as much that they need where something is missing between the frames already, since a second effect is rarer; where
-evidence makes up for size, only of that."""
+"""Times as much that absorbing effects need where something is missing between the frames already; where evidence makes up
+for size, only of that."""
 FILTERED_S = 2.5e-4
 """Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
 
@@ -91,22 +92,28 @@ class Findings:
     engine: dict[int, np.ndarray] = field(default_factory=dict)
     """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 
-    def thresholds(self) -> tuple[float, float]:
-        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named."""
+    def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
+        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
+
+        Args:
+            absorbing: Whether a little of it mends what every believed frame has wrong (see `Effect.absorbing`).
+        """
         if self.pair is None:
             return DETECTED_NATS, DETECTED_SIZE
         known = BLIND_FACTOR if self.pair.blind else 1.0
-        return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
+        if absorbing:
+            return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
+        return known * LOCAL_NATS, LOCAL_SIZE
 
     def _beside(self) -> float:
         return BESIDE_FACTOR if self.pair is not None and self.pair.contact_claimed else 1.0
 
-    def plain(self, nats: float, size: float) -> bool:
-        """Return whether an effect of this evidence [nats] and size is detected."""
-        needed, least = self.thresholds()
+    def plain(self, judged: Judged, size: float) -> bool:
+        """Return whether effects are detected that have so much evidence and this size."""
+        needed, least = self.thresholds(any(effect.absorbing for effect in judged.effects))
         certain = self.pair is not None and not self.pair.blind
-        return (nats >= needed and size >= least) or (
-            certain and nats >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
+        return (judged.nats >= needed and size >= least) or (
+            certain and judged.nats >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
         )
 
     def claimable(self) -> list[Judged]:

@@ -29,15 +29,19 @@ def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, 
         name: gap | {"closed": _closed(gap)} if gap and "noise_floor" in gap else gap
         for name, gap in report["gap"].items()
     }
-    nats, size = found.thresholds()
     return report | {
         "gap": gaps,
         "channels": channels(found, decide(found)),
         "smallest_detectable": smallest(case, found, decide(found)),
         "apart": apart(report, _measured(found)),
-        "thresholds": {"log_evidence": nats, "share_of_noise": size},
+        "thresholds": _thresholds(found, False) | {"absorbing": _thresholds(found, True)},
         "origin": origin(case),
     }
+
+
+def _thresholds(found: Findings, absorbing: bool) -> dict[str, float]:
+    nats, size = found.thresholds(absorbing)
+    return {"log_evidence": nats, "share_of_noise": size}
 
 
 def channels(found: Findings, decision: Decision) -> list[dict[str, Any]]:

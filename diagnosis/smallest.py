@@ -81,7 +81,7 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
 
 def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
     effect, believed = one.effect, found.believed
-    nats, size = found.thresholds()
+    nats, size = found.thresholds(effect.absorbing)
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]

@@ -29,10 +29,10 @@ UNEXPLAINED, BLIND_UNEXPLAINED = 1.15, 1.3
 PLAINLY_LEFT = 2.5
 """Gap over noise floor below which nothing is left to explain, the second where contact forces are those that the motion
 asks for; from which on something is missing whatever the candidates say, and plainly so."""
-SECOND_NATS, SECOND_SIZE = 2.0, 0.5
+SECOND_NATS, SECOND_SIZE = 2.0, 0.1
 SECOND_SHARE = 0.1
-"""What a second effect must add to the evidence and to what is seen, as multiples of what a first one needs; and as a share
-of the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
+"""What a second effect must add: evidence as a multiple of what a first one needs, size in units of a channel's noise; and a
+share of the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
 SAME_STOREY = 0.8
 """Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
 LEFT = 1.6
@@ -53,7 +53,7 @@ def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
-    if not single or not found.plain(single[0].nats, visible(found, single[0])):
+    if not single or not found.plain(single[0], visible(found, single[0])):
         doubted = _doubts(found, found.null)
         if doubted or leftover(found, found.null) > _unexplained(found):
             return Decision("unknown_effect", single[0] if single else found.null, (), doubted)
@@ -171,9 +171,11 @@ def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
-    nats, size = found.thresholds()
+    nats, _ = found.thresholds(
+        any(effect.absorbing for effect in double.effects if effect not in single.effects)
+    )
     likely = double.nats > single.nats + SECOND_NATS * nats + SECOND_SHARE * single.nats
-    if not likely or visible(found, double, single) < SECOND_SIZE * size:
+    if not likely or visible(found, double, single) < SECOND_SIZE:
         return False
     if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
         return True

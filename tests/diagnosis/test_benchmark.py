@@ -30,6 +30,7 @@ from diagnosis.hidden.writing import write_hidden
 PLACE = dict.fromkeys(("frame", "storey", "floor", "channel", "contact", "left", "right"))
 FRICTION = {**PLACE, "effect": "coulomb_friction", "frame": "5A", "storey": 3}
 GAIN = {**PLACE, "effect": "table_gain"}
+STIFFNESS = {**PLACE, "effect": "contact_stiffness", "contact": 1}
 
 
 def truth(*effects: dict[str, Any], kind: str = "single", value: float = 10.0) -> dict[str, Any]:
@@ -103,6 +104,16 @@ def test_closed_gap_and_parameter_error() -> None:
     single = report("effect_named", FRICTION)
     single["gap"]["held_out"] = None
     assert np.isnan(judge(truth(FRICTION), single).gap_closed)
+
+
+def test_what_is_named_of_a_contact_closes_the_gap_of_the_impacts() -> None:
+    """The frames' gap, whose forces are known inputs, has nothing to do with it."""
+    found = report("effect_named", STIFFNESS)
+    assert np.isnan(judge(truth(STIFFNESS), found).gap_closed)
+    found["gap"]["contact"] = {"impacts": 9, "before": 5.0, "after": 1.4}
+    assert judge(truth(STIFFNESS), found).gap_closed == pytest.approx(0.9)
+    found["gap"]["contact"]["before"] = 1.05
+    assert np.isnan(judge(truth(STIFFNESS), found).gap_closed)
 
 
 def test_wilson_interval_of_textbooks() -> None:

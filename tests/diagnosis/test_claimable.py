@@ -17,7 +17,9 @@ from tests.diagnosis.colliding_models import CONTACT, colliding, judged
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
     """Return something like an effect, and its parameters."""
-    return SimpleNamespace(**({"name": name, "storey": None, "floor": None} | where)), [value]
+    return SimpleNamespace(**({"name": name, "storey": None, "floor": None, "absorbing": False} | where)), [
+        value
+    ]
 
 
 def together(nats: float, *several: tuple[Any, list[float]]) -> Judged:
@@ -26,6 +28,16 @@ def together(nats: float, *several: tuple[Any, list[float]]) -> Judged:
     return Judged(
         cast(Any, SimpleNamespace(effects=effects, values=values)), nats, (0.1, 0.1), np.ones((2, 1))
     )
+
+
+def absorbing(nats: float) -> Judged:
+    """Return a change of a frame's modes with so much evidence."""
+    return together(nats, effect("p_delta", 1.0, absorbing=True))
+
+
+def local(nats: float) -> Judged:
+    """Return an effect in a storey with so much evidence."""
+    return together(nats, effect("bumper", 1.0))
 
 
 def one(name: str, value: float, **where: Any) -> Judged:
@@ -64,23 +76,37 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     nothing: Any = None
     found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
     assert found.claimable() == judged_ones
-    assert found.plain(40.0, 0.21)
+    assert found.plain(absorbing(40.0), 0.21)
     pair, *_ = judged(colliding(CONTACT))
     found.pair = pair
     assert found.claimable() == [judged_ones[0], *judged_ones[2:]]
-    assert not found.plain(40.0, 0.21)
-    assert not found.plain(199.0, 0.5)
-    assert found.plain(200.0, 0.2)
-    assert found.plain(1000.0, 0.1)
     verdict = Decision("nothing_missing", judged_ones[1], ())
     assert features_of(found, verdict, 0.1, 1.0).verdict == PAIR_NOTHING
-    found.pair = replace(pair, contact_claimed=True)
-    assert not found.plain(299.0, 0.5)
-    assert found.plain(300.0, 0.5)
-    assert not found.plain(1499.0, 0.1)
-    assert found.plain(1500.0, 0.1)
     found.pair = replace(pair, second=(2, 500.0, 1))
     assert found.claimable() == [judged_ones[0], judged_ones[5]]
-    assert not found.plain(1000.0, 0.1)
-    assert not found.plain(399.0, 0.25)
-    assert found.plain(500.0, 0.25)
+
+
+def test_what_an_effect_needs_in_a_pair() -> None:
+    nothing: Any = None
+    found = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
+    assert found.plain(absorbing(30.0), 0.2)
+    pair, *_ = judged(colliding(CONTACT))
+    found.pair = pair
+    # Modes are never quite those of the believed frame, and impacts show it.
+    assert not found.plain(absorbing(199.0), 0.5)
+    assert found.plain(absorbing(200.0), 0.2)
+    assert found.plain(absorbing(1000.0), 0.1)
+    assert not found.plain(local(99.0), 0.5)
+    assert found.plain(local(100.0), 0.1)
+    found.pair = replace(pair, contact_claimed=True)
+    assert not found.plain(absorbing(299.0), 0.5)
+    assert found.plain(absorbing(300.0), 0.5)
+    assert not found.plain(absorbing(1499.0), 0.1)
+    assert found.plain(absorbing(1500.0), 0.1)
+    assert found.plain(local(100.0), 0.1)
+    # Without a cell, forces are what the motion asks for.
+    found.pair = replace(pair, second=(2, 500.0, 1))
+    assert not found.plain(absorbing(1000.0), 0.1)
+    assert not found.plain(absorbing(399.0), 0.25)
+    assert found.plain(absorbing(500.0), 0.25)
+    assert not found.plain(local(199.0), 0.5)
