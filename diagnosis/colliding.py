@@ -33,10 +33,12 @@ LEAST_IMPACTS = 2
 SHARPEST = 0.5
 """The share of their expected errors that impacts are believed to have at least, however well they fit."""
 CELL_FORCE, FOUND_FORCE = 0.03, 0.1
+CELL_NATS = 8.0
 AROUND_S = 0.01
 MOST_TOUCHES = 60
-"""How well the size of a contact force is known, relative, from a cell and from the motion; how far a touch reaches
-beyond its samples once it is below `pairs.RATE_HZ` [s]; how many are free."""
+"""How well the size of a contact force is known, relative, from a cell and from the motion; by how much calibrated frames
+must like it better that a cell is put right; how far a touch reaches beyond its samples once it is below `pairs.RATE_HZ`
+[s]; how many are free."""
 
 
 @dataclass
@@ -141,6 +143,28 @@ def prepare(case: Case, believed: Believed, against_motion: bool = True) -> Pair
             full, second, (_, cell, warnings) = again, once_more, plainly
     pair = Pair(full, full, column, noise, cell, second, warnings)
     return replace(pair, slow=_slow(pair))
+
+
+def cell_at_its_word(case: Case, believed: Believed, pair: Pair, training: Sequence[int]) -> Pair:
+    """Return a pair whose force cell is put right only if calibrated frames like that better than the cell's own word.
+
+    Its gain and delay were told by frames as believed, which may be wrong by more than the cell.
+
+    Args:
+        case: The case. believed: The believed model. pair: The pair, as `prepare` gives it.
+        training: The runs that the frames are calibrated to.
+    """
+    if pair.cell is None or not pair.cell.corrected:
+        return pair
+    plain = prepare(case, believed, against_motion=False)
+    gained = _likely(pair.slow, training) - _likely(plain.slow, training)
+    return pair if gained > CELL_NATS else plain
+
+
+def _likely(believed: Believed, training: Sequence[int]) -> float:
+    """Return the log posterior of calibrated frames [nats]."""
+    baseline = calibrated(believed, training)
+    return baseline.log_likelihood - 0.5 * float(np.sum((baseline.values / believed.std) ** 2))
 
 
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:

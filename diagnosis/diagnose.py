@@ -12,7 +12,7 @@ from diagnosis.believe import believed_frames
 from diagnosis.believed import Believed
 from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
-from diagnosis.colliding import Touched, foretold, found_again, prepare, touch
+from diagnosis.colliding import Touched, cell_at_its_word, foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
 from diagnosis.findings import Findings
 from diagnosis.first_frequencies import frequency_warnings
@@ -193,7 +193,7 @@ def _find(
     start, measured = None, observed.runs
     if pair is not None:
         progress("putting contact forces right", 0.02)
-        pair = found_again(pair, used)
+        pair = found_again(cell_at_its_word(case, believed, pair, used), used)
         measured = pair.slow.observed.runs
         believed, start = put_right(pair.slow, used, not pair.blind)
         pair = replace(pair, slow=believed)

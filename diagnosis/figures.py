@@ -169,9 +169,14 @@ def _evidence(report: dict[str, Any]) -> Figure:
     )
     axes.set_yticks(range(len(shown)), labels)
     axes.set_ylim(-0.6, len(shown) + 0.1)
-    needed = report["thresholds"]["log_evidence"]
+    thresholds = report["thresholds"]
+    needed, absorbing = thresholds["log_evidence"], thresholds["absorbing"]["log_evidence"]
     axes.axvline(needed, color=GREY, ls="--", lw=1)
-    axes.text(needed, len(shown) - 0.45, " needed for a verdict", fontsize=8, color=GREY, va="bottom")
+    said = " needed for a verdict"
+    if absorbing != needed:
+        axes.axvline(absorbing, color=GREY, ls=":", lw=1)
+        said += "; dotted: by what mends any frame"
+    axes.text(needed, len(shown) - 0.45, said, fontsize=8, color=GREY, va="bottom")
     axes.set_xscale("symlog", linthresh=10)
     axes.set_xlim(min(0.0, 1.6 * min(values)), max(5.0 * max(values), 100.0))
     axes.set_xlabel("log evidence against 'nothing missing' [nats], logarithmic beyond 10")

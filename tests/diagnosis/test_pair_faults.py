@@ -13,7 +13,7 @@ from scipy.signal import StateSpace, lsim
 
 from diagnosis import diagnose, pairs
 from diagnosis.case import Case
-from diagnosis.colliding import Touched, prepare
+from diagnosis.colliding import Touched, cell_at_its_word, prepare
 from diagnosis.diagnose import find, report_on_pair
 from diagnosis.knocks import knocks
 from diagnosis.pair_report import candidates, joined
@@ -86,6 +86,20 @@ def test_a_force_cell_is_not_judged_by_a_sensor_that_is_wrong_itself(monkeypatch
     assert pair is not None
     assert pair.cell is not None
     assert pair.cell.corrected
+
+
+def test_a_force_cell_is_put_right_only_if_calibrated_frames_like_it_better() -> None:
+    """Frames as believed may be wrong by more than the cell, and then misjudge its gain."""
+    told = (("sensor_gain", 0.25, 0.03, 20.0),)
+    for gain, kept in ((1.25, True), (1.0, False)):
+        case = changed(colliding(CONTACT), lambda force, by=gain: by * force)
+        less = changed(case, lambda force: force / 1.25)
+        right = prepare(less, model(less), against_motion=False)
+        assert right.cell is not None
+        pair = replace(right, cell=replace(right.cell, faults=told))
+        kept_or_not = cell_at_its_word(case, model(case), pair, [0, 1])
+        assert kept_or_not.cell is not None
+        assert kept_or_not.cell.corrected == kept
 
 
 def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
