@@ -14,7 +14,7 @@ from diagnosis.case import Case, read_case
 from diagnosis.catalogue import Effect, candidates, places
 from diagnosis.colliding import Touched, cell_at_its_word, foretold, found_again, prepare, touch
 from diagnosis.errors import CaseError
-from diagnosis.findings import Findings
+from diagnosis.findings import Findings, judged_on
 from diagnosis.first_frequencies import frequency_warnings
 from diagnosis.force_errors import put_right, put_right_by
 from diagnosis.observations import RunData, observe
@@ -165,13 +165,26 @@ def _wrong_sensor(found: Findings) -> bool:
 
 
 def _settle(found: Findings, measured: tuple[RunData, ...]) -> None:
-    """Keep the forces of `measured` runs as frames with what is named put them right, unless channels were exchanged."""
+    """Keep the forces of `measured` runs as frames with what is found put them right, unless channels were exchanged.
+
+    Where the forces that frames without it had put right were all that left it unexplained, it is judged by these.
+    """
     believed, decision = found.believed, decide(found)
-    if decision.verdict not in NAMED or found.pair is None or believed is not found.pair.slow:
+    chosen = decision.judged
+    known = bool(chosen.effects) and not any(effect.foil for effect in chosen.effects)
+    if found.pair is None or believed is not found.pair.slow or not known:
         return
     as_measured = Believed(believed.structure, replace(believed.observed, runs=measured), believed.prior)
-    told = put_right_by(as_measured, believed, decision.judged.fit.baseline)
-    found.settled = (decision.judged, *told)
+    model, baseline = put_right_by(as_measured, believed, chosen.fit.baseline)
+    if decision.verdict not in NAMED:
+        before = found.judged
+        again = judged_on(chosen, model, baseline, found.training, found.held_out)
+        found.judged = [again if one is chosen else one for one in before]
+        chosen = decide(found).judged
+        if decide(found).verdict not in NAMED:
+            found.judged = before
+            return
+    found.settled = (chosen, model, baseline)
 
 
 def _find(

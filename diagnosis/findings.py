@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -159,17 +160,35 @@ def judge(
     believed: Believed, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]
 ) -> Judged:
     """Return a fit with its evidence and its gaps."""
-    each = [fit_gaps(believed, fit, runs) for runs in (training, held_out)]
-    median = [float(np.nanmedian(gaps)) if np.isfinite(gaps).any() else float("nan") for gaps in each]
-    return Judged(fit, fit.log_posterior - null.log_posterior, (median[0], median[1]), np.array(each))
+    each = [fit_gaps(believed, fit.baseline, runs) for runs in (training, held_out)]
+    return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
 
-def fit_gaps(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> np.ndarray:
+def judged_on(judged: Judged, believed: Believed, baseline: Baseline, *runs: tuple[int, ...]) -> Judged:
+    """Return a candidate with the gaps that a baseline with its effects leaves in a model with other contact forces.
+
+    Args:
+        judged: The candidate.
+        believed: The model.
+        baseline: Its frames with the effects.
+        runs: Numbers of the training and of the held-out runs.
+    """
+    each = [fit_gaps(believed, baseline, some) for some in runs]
+    return replace(judged, gap=_medians(each), channel_gap=np.array(each))
+
+
+def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
+    training, held_out = (
+        float(np.nanmedian(gaps)) if np.isfinite(gaps).any() else float("nan") for gaps in each
+    )
+    return training, held_out
+
+
+def fit_gaps(believed: Believed, baseline: Baseline, runs: tuple[int, ...]) -> np.ndarray:
     """Return the gap of each channel that a fit leaves over some runs, NaN without any."""
     if not runs:
         return np.full(len(believed.observed.names), np.nan)
-    outputs = simulate(believed, fit.baseline.values, fit.baseline.effects, runs)
-    return channel_gaps(believed, outputs, runs)
+    return channel_gaps(believed, simulate(believed, baseline.values, baseline.effects, runs), runs)
 
 
 def noise_floor(found: Findings, fit: Fit) -> np.ndarray:

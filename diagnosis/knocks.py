@@ -28,7 +28,7 @@ ALONE_NATS = 10.0
 MOST = 6
 """Times told."""
 APART_S = 0.1
-"""Two answers nearer than this are one push."""
+"""Two answers nearer than this are one push; so near an end of a run none is looked for."""
 BESIDE_TOUCH_S = 0.05
 """So long about a touch of two floors no push is looked for."""
 
@@ -94,6 +94,9 @@ def _answers(
         answer = np.abs(matched) / np.sqrt(own[0])
         highest = maximum_filter1d(answer, 2 * max(1, round(APART_S / run.step_s)) + 1)
         answer[_touching(run.contact, run.step_s)] = 0.0
+        # A filter begins from rest, and a low-pass knows nothing beyond a run's ends.
+        ends = max(1, round(APART_S / run.step_s))
+        answer[:ends] = answer[-ends:] = 0.0
         usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
         for touch in touches:
             # What pushes both frames is a touch that the force cell did not show.

@@ -31,7 +31,7 @@ def best_null(believed: Believed, null: Fit) -> Fit:
 
 
 def _leaves(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> bool:
-    over = over_floor(believed, fit_gaps(believed, fit, runs), floors(believed, fit.baseline, runs))
+    over = over_floor(believed, fit_gaps(believed, fit.baseline, runs), floors(believed, fit.baseline, runs))
     return bool(np.nanmedian(over) > UNEXPLAINED)
 
 
@@ -57,7 +57,10 @@ def unswapped(believed: Believed, null: Fit, training: Sequence[int]) -> tuple[B
     again = Believed(believed.structure, observed, believed.prior)
     fit = refine(again, calibrated(again, training), (), (), ())
     runs = tuple(training)
-    before, after = (fit_gaps(*one, runs)[list(pair)].max() for one in ((believed, null), (again, fit)))
+    before, after = (
+        fit_gaps(model, one.baseline, runs)[list(pair)].max()
+        for model, one in ((believed, null), (again, fit))
+    )
     if fit.log_posterior < null.log_posterior + SWAPPED_NATS or after > SWAPPED_GAP * before:
         return believed, null
     one, other = (observed.names[channel] for channel in pair)

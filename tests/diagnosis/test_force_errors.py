@@ -2,22 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
+import pytest
 
+from diagnosis import diagnose
 from diagnosis.baseline import calibrated
 from diagnosis.believed import Believed
+from diagnosis.benchmark.drawing import draw_set
 from diagnosis.calibrate import Baseline
-from diagnosis.case import Case
+from diagnosis.case import Case, read_case
 from diagnosis.catalogue import candidates
 from diagnosis.colliding import prepare
+from diagnosis.diagnose import find
+from diagnosis.findings import Judged
 from diagnosis.force_errors import put_right, put_right_by
 from diagnosis.gap import channel_gaps, simulate
+from diagnosis.hidden.hide import hide
+from diagnosis.hidden.writing import write_hidden
 from diagnosis.refine import Fit, refine
+from diagnosis.verdict import Decision, decide, leftover
 from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model
 
 TRAINING = (0,)
+
+
+@dataclass(frozen=True)
+class Observed:
+    """Observations of nothing."""
+
+    runs: tuple[Any, ...] = ()
 
 
 def slow(case: Case) -> Believed:
@@ -86,6 +105,42 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
 
     # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
     assert left(settled, frames) < 0.7 * left(without, fit.baseline)
+
+
+def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where only those of frames without it left much unexplained, it is named after all; else nothing changes."""
+    effect = SimpleNamespace(foil=False)
+    fit = SimpleNamespace(effects=(effect,), baseline="fitted")
+    chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
+    better = replace(chosen, gap=(0.05, 0.05))
+    believed = SimpleNamespace(structure=None, observed=Observed(), prior=None)
+
+    def decided(found: Any, explained: Judged) -> Decision:
+        verdict = "effect_named" if found.judged[0] is explained else "unknown_effect"
+        return Decision(verdict, found.judged[0], ())
+
+    monkeypatch.setattr(diagnose, "Believed", lambda *given: "as measured")
+    monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
+    monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
+    for explained, after in ((better, better), (None, chosen)):
+        monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
+        found: Any = SimpleNamespace(
+            pair=SimpleNamespace(slow=believed), believed=believed, judged=[chosen], settled=None,
+            training=(0,), held_out=(1,),
+        )  # fmt: skip
+        diagnose._settle(found, ())
+        assert found.judged == [after]
+        assert (found.settled is None) == (explained is None)
+
+
+@pytest.mark.slow
+def test_a_calibration_is_not_held_back_by_what_wrong_forces_needed(tmp_path: Path) -> None:
+    """Frames that were calibrated on forces a few per cent off left 2.7 times the noise, and the gain was no effect."""
+    drawn = draw_set(80, 20261208, pairs=True)[38]
+    write_hidden(hide(drawn.effects, drawn.frames, seed=drawn.seed), tmp_path / "case")
+    found = find(read_case(tmp_path / "case"), lambda what, share: None)
+    assert leftover(found, found.null) < 1.1
+    assert [effect.label() for effect in decide(found).judged.effects] == ["sensor gain, channel 10_d10"]
 
 
 def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:

@@ -66,6 +66,13 @@ def test_a_good_model_and_one_knock_are_no_knocks() -> None:
     assert knocks(once, null_model(once)) is None
 
 
+def test_the_ends_of_a_run_are_no_knocks() -> None:
+    """A low-pass has no samples beyond them, and what it makes up answers like a push."""
+    end = STEP_S * len(measured().observed.runs[0].table)
+    believed = knocked([0.03, end - 0.04], 2, 0.1)
+    assert knocks(believed, null_model(believed)) is None
+
+
 def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
     spring = CubicStiffness(index=1, frame="bench", storey=2)
     believed = measured([(spring, np.array([2e10]))])
