@@ -20,7 +20,7 @@ TONE = 200.0
 """Power of a line in the innovations over the median beside it from which it is a tone; noise alone reaches some 40."""
 BESIDE = 41
 """Bins of the spectrum about a line."""
-OWN = 0.03
+OWN = 0.02
 """Relative distance from a natural frequency within which a line may be a mode that is not quite right."""
 MAINS_HZ, HUM_HZ = (50.0, 60.0), 0.3
 """Mains frequencies, and how near to a multiple of them a line is hum of the cables and no motion."""

@@ -61,6 +61,13 @@ def test_a_fan_is_told_with_its_frequency_and_run() -> None:
     assert "23.0 Hz" in said
 
 
+def test_a_line_beside_a_mode_is_a_fan_and_one_at_a_mode_is_that_mode() -> None:
+    own = float(null_model(measured()).modes.omega[1] / (2 * np.pi))
+    beside, at = (with_tone(own * ratio, 0.3, [0, 1, 2]) for ratio in (1.025, 1.005))
+    assert len(doubts(beside, null_model(beside))) == 1
+    assert doubts(at, null_model(at)) == []
+
+
 def test_hum_of_the_mains_is_no_fan() -> None:
     for frequency in (50.0, 60.0, 100.0, 180.0):
         believed = with_tone(frequency, 0.3, [0, 1, 2])
