@@ -13,7 +13,7 @@ import signal
 import socket
 import threading
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -23,6 +23,7 @@ from typing import Any
 
 from experiments.errors import ExperimentError
 from experiments.sweep_store import Case, Outcome, Run, Store
+from frames.files import clear_begun
 
 ATTEMPTS_ALONE = 2
 """How often a case that may have killed its worker is tried in a worker of its own."""
@@ -98,7 +99,7 @@ def _until_broken(queue: deque[Task], workers: int) -> Generator[Finished, None,
                     yield task, future
         return broken + list(flight.values())
     finally:
-        _stop(pool)
+        _stop(pool, [task.folder for task in (*broken, *flight.values())])
 
 
 def _alone(task: Task) -> Running:
@@ -115,7 +116,7 @@ def _alone(task: Task) -> Running:
             future = pool.submit(task)
             error = future.exception()
         finally:
-            _stop(pool)
+            _stop(pool, [task.folder])
         if not isinstance(error, BrokenProcessPool):
             break
     yield task, future
@@ -142,8 +143,13 @@ def _end_with(sentinel: int) -> None:
     os._exit(1)
 
 
-def _stop(pool: ProcessPoolExecutor) -> None:
-    """End a pool now: cases that are still running are lost, and are run again by the next sweep."""
+def _stop(pool: ProcessPoolExecutor, folders: Iterable[Path | None]) -> None:
+    """End a pool now: cases that are still running are lost, and are run again by the next sweep.
+
+    Args:
+        pool: The pool.
+        folders: Where its cases are kept; a file that a case was just writing is removed.
+    """
     # `kill_workers` does this from Python 3.14 on.
     processes = list((pool._processes or {}).values())
     pool.shutdown(wait=False, cancel_futures=True)
@@ -151,6 +157,8 @@ def _stop(pool: ProcessPoolExecutor) -> None:
         process.terminate()
     for process in processes:
         process.join()
+    for folder in {folder for folder in folders if folder is not None}:
+        clear_begun(folder, (process.pid for process in processes))
 
 
 def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Running:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -34,6 +34,19 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
+
+
+def clear_begun(folder: str | Path, processes: Iterable[int | None]) -> None:
+    """Remove what processes that were killed had begun to write by `replacing` in a folder.
+
+    Args:
+        folder: The folder.
+        processes: Their numbers.
+    """
+    for process in processes:
+        for part in Path(folder).glob(f".*.{process}.part*"):
+            with suppress(OSError):
+                part.unlink(missing_ok=True)
 
 
 def write_whole(path: str | Path, content: bytes) -> None:

@@ -8,6 +8,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from experiments.sweep_store import StoreError
+from frames.files import replacing
+
 
 def square(x, y=0.0, offset=0.0):
     return {"sum": x**2 + y + offset, "label": f"x={x}"}
@@ -60,3 +63,15 @@ def bulky(x, log):
 def heeding_ctrl_c():
     """Let a child process heed Ctrl-C even where this one was started in the background and ignores it."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def writes_while_the_disk_fills(x, folder):
+    """Be stopped in the middle of a file, because the other case finds no room."""
+    begun = Path(folder) / "begun.json"
+    if x == 0:
+        with replacing(begun) as part:
+            part.write_text("half")
+            time.sleep(60.0)
+    while not list(Path(folder).glob(".begun.*")):
+        time.sleep(0.01)
+    raise StoreError("no room")

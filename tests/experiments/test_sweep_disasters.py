@@ -113,6 +113,19 @@ def test_a_file_system_that_is_full_keeps_what_is_finished_and_goes_on_when_ther
     assert len(log.read_text().split()) <= 20 + 1 + 2 * workers
 
 
+def test_a_file_that_a_stopped_worker_had_begun_is_removed(tmp_path):
+    with pytest.raises(ExperimentError, match="no room"):
+        sweep(
+            cases.writes_while_the_disk_fills,
+            {"x": [0, 1]},
+            settings={"folder": str(tmp_path)},
+            folder=tmp_path,
+            workers=2,
+            version="1",
+        )
+    assert os.listdir(tmp_path) == []
+
+
 @pytest.mark.usefixtures("_may_mount")
 def test_the_command_on_a_full_file_system_leaves_no_half_file(tmp_path, test_records):
     # 200 kB hold a plot and not the histories: one sentence, status 2, and every file there is a whole one
