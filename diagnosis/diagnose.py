@@ -180,8 +180,8 @@ def _settle(found: Findings, measured: tuple[RunData, ...]) -> None:
         before = found.judged
         again = judged_on(chosen, model, baseline, found.training, found.held_out)
         found.judged = [again if one is chosen else one for one in before]
-        chosen = decide(found).judged
-        if decide(found).verdict not in NAMED:
+        decision, chosen = decide(found), again
+        if decision.verdict not in NAMED or decision.judged is not again:
             found.judged = before
             return
     found.settled = (chosen, model, baseline)

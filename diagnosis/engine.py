@@ -33,7 +33,7 @@ from experiments.rig import COLLIDING, Accuracy, Rig
 
 FINER, FINEST_S = 4, 2.5e-4
 """The table's samples are interpolated smoothly to at least so many steps, and to steps of at most this [s], because the rig
-connects samples by lines: impacts below `pairs.RATE_HZ` ring the modes a per cent off on a grid of a millisecond."""
+connects samples by lines: on a grid of a millisecond impacts put the motion up to half a per cent off."""
 ACCURACY = Accuracy(1e-6, 1e-8, 2.5e-4)
 FORCE_HZ = 5e4
 """Rate at which a contact's force is taken before it is averaged over the logger's samples."""

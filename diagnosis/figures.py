@@ -171,13 +171,15 @@ def _evidence(report: dict[str, Any]) -> Figure:
     axes.set_ylim(-0.6, len(shown) + 0.1)
     thresholds = report["thresholds"]
     needed, absorbing = thresholds["log_evidence"], thresholds["absorbing"]["log_evidence"]
-    axes.axvline(needed, color=GREY, ls="--", lw=1)
-    said = " needed for a verdict"
-    if absorbing != needed:
-        axes.axvline(absorbing, color=GREY, ls=":", lw=1)
-        said += "; dotted: by what mends any frame"
-    axes.text(needed, len(shown) - 0.45, said, fontsize=8, color=GREY, va="bottom")
+    of_frames = absorbing != needed
+    label = "needed for a verdict" + (" on the frames" if of_frames else "")
+    axes.axvline(needed, color=GREY, ls="--", lw=1, label=label)
+    if of_frames:
+        axes.axvline(
+            absorbing, color=GREY, ls=":", lw=1, label="by P-Delta, joints, rocking, torsion, hysteresis"
+        )
+    axes.legend(loc="lower right", fontsize=8)
     axes.set_xscale("symlog", linthresh=10)
-    axes.set_xlim(min(0.0, 1.6 * min(values)), max(5.0 * max(values), 100.0))
+    axes.set_xlim(min(0.0, 1.6 * min(values)), max(5.0 * max(values), 3.0 * absorbing, 100.0))
     axes.set_xlabel("log evidence against 'nothing missing' [nats], logarithmic beyond 10")
     return figure

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from diagnosis.confidence import PAIR_NOTHING, features_of
+from diagnosis.figures import _evidence
 from diagnosis.findings import Findings, Judged
 from diagnosis.verdict import Decision
 from tests.diagnosis.colliding_models import CONTACT, colliding, judged
@@ -110,3 +111,18 @@ def test_what_an_effect_needs_in_a_pair() -> None:
     assert not found.plain(absorbing(399.0), 0.25)
     assert found.plain(absorbing(500.0), 0.25)
     assert not found.plain(local(199.0), 0.5)
+
+
+@pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])
+def test_what_a_verdict_needs_is_inside_the_picture_of_the_evidence(needed: float, lines: int) -> None:
+    place = dict.fromkeys(("frame", "storey", "floor", "channel", "contact"))
+    report = {
+        "candidates": [{"effect": "p_delta", "log_evidence": 14.8, **place}],
+        "effects": [],
+        "thresholds": {"log_evidence": needed / lines, "absorbing": {"log_evidence": needed}},
+    }
+    (axes,) = _evidence(report).axes
+    drawn = [float(np.ravel(line.get_xdata())[0]) for line in axes.get_lines()]
+    assert drawn == [needed / lines, needed][:lines]
+    assert max(drawn) < axes.get_xlim()[1]
+    assert axes.texts[-1].get_text() == "14.8"
