@@ -12,7 +12,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Scores
-from diagnosis.gap import channel_gaps, floors, over_floor, simulate
+from diagnosis.gap import by_frame, channel_gaps, floors, over_floor, simulate
 from diagnosis.refine import Fit
 
 if TYPE_CHECKING:
@@ -208,6 +208,7 @@ def best(found: Findings) -> Judged:
 
 
 def unexplained(found: Findings, judged: Judged) -> bool:
-    """Return whether a fit leaves much more than noise in the training runs."""
+    """Return whether a fit leaves much more than noise of a frame in the training runs."""
     floor = floors(found.believed, judged.fit.baseline, found.training)
-    return bool(np.nanmedian(over_floor(found.believed, judged.channel_gap[0], floor)) > UNEXPLAINED)
+    over = over_floor(found.believed, judged.channel_gap[0], floor)
+    return bool(np.nanmax(by_frame(found.believed, over)) > UNEXPLAINED)

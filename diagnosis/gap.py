@@ -84,6 +84,26 @@ def over_floor(believed: Believed, gaps: np.ndarray, floor: np.ndarray) -> np.nd
         return np.asarray(np.sqrt(((gaps / floor) ** 2 + slower - 1) / slower))
 
 
+def by_frame(believed: Believed, over: np.ndarray) -> np.ndarray:
+    """Return the median of gaps over the noise floor (..., channels) over the channels of each frame, (..., frames).
+
+    What one frame lacks hardly shows in the channels of another, which may be more. A single frame has all channels.
+    """
+    structure, floor = believed.structure, believed.observed.floor
+    spans = [structure.span(frame) for frame in range(len(structure.frames))]
+    ours = [(floor >= span.start) & (floor < span.stop) for span in spans]
+    if len(ours) == 1:
+        ours = [np.ones(len(floor), bool)]
+    return np.stack([_median(over[..., mine]) for mine in ours], axis=-1)
+
+
+def _median(over: np.ndarray) -> np.ndarray:
+    """Return the median along the last axis, NaN where nothing is finite."""
+    known = np.isfinite(over).any(axis=-1)
+    median = np.nanmedian(np.where(known[..., None], over, 0.0), axis=-1) if over.shape[-1] else np.nan
+    return np.where(known, median, np.nan)
+
+
 def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
     """Return the median of the channels' gaps."""
     return float(np.nanmedian(channel_gaps(believed, outputs, runs)))

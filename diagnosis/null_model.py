@@ -11,7 +11,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import run_baseline
 from diagnosis.doubts import bent
 from diagnosis.findings import UNEXPLAINED, Findings, best, fit_gaps
-from diagnosis.gap import floors, over_floor
+from diagnosis.gap import by_frame, floors, over_floor
 from diagnosis.refine import Fit, refine
 from diagnosis.sensors import SWAPPED_NATS, exchange, exchanged
 
@@ -32,7 +32,7 @@ def best_null(believed: Believed, null: Fit) -> Fit:
 
 def _leaves(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> bool:
     over = over_floor(believed, fit_gaps(believed, fit.baseline, runs), floors(believed, fit.baseline, runs))
-    return bool(np.nanmedian(over) > UNEXPLAINED)
+    return bool(np.nanmax(by_frame(believed, over)) > UNEXPLAINED)
 
 
 def null_again(found: Findings) -> Fit:

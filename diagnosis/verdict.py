@@ -13,7 +13,7 @@ from diagnosis.confidence import Features, basis, confidence, features_of
 from diagnosis.doubts import doubts
 from diagnosis.engine import simulate_engine
 from diagnosis.findings import Findings, Judged
-from diagnosis.gap import gap, over_floor
+from diagnosis.gap import by_frame, gap, over_floor
 from diagnosis.knocks import knocks
 from diagnosis.where import where
 
@@ -124,15 +124,17 @@ def _spread(judged: Judged) -> bool:
 
 
 def leftover(found: Findings, judged: Judged) -> float:
-    """Return the gap over the noise floor, median over the channels, mean of training and held-out runs.
+    """Return the gap over the noise floor of the frame that has most: median over its channels, mean over the runs.
 
-    Where a pair's forces are those that the motion asks for, only the held-out floor knows how uncertain they are.
+    Training and held-out runs count alike. Where a pair's forces are those that the motion asks for, only the held-out
+    floor knows how uncertain they are.
     """
     over_floors = _over(found, judged)
     if _blind(found) and np.isfinite(over_floors[1]).any():
         over_floors = over_floors[1:]
-    each = [float(np.nanmedian(over)) for over in over_floors if np.isfinite(over).any()]
-    return float(np.mean(each)) if each else 1.0
+    each = by_frame(found.believed, over_floors)
+    known = np.isfinite(each).any(axis=0)
+    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else 1.0
 
 
 def _over(found: Findings, judged: Judged) -> np.ndarray:

@@ -12,8 +12,8 @@ import pytest
 from diagnosis.confidence import PAIR_NOTHING, features_of
 from diagnosis.figures import _evidence
 from diagnosis.findings import Findings, Judged
-from diagnosis.verdict import Decision
-from tests.diagnosis.colliding_models import CONTACT, colliding, judged
+from diagnosis.verdict import Decision, leftover
+from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model
 
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
@@ -111,6 +111,20 @@ def test_what_an_effect_needs_in_a_pair() -> None:
     assert not found.plain(absorbing(399.0), 0.25)
     assert found.plain(absorbing(500.0), 0.25)
     assert not found.plain(local(199.0), 0.5)
+
+
+def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
+    """Whatever is wrong with one frame, the other's channels hardly show it, and may be more."""
+    believed = model(colliding(CONTACT))
+    nothing: Any = None
+    found = Findings(
+        believed, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(believed.observed.names)))
+    )
+    gaps = np.where(believed.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
+    fit = replace(local(0.0), channel_gap=gaps)
+    assert leftover(found, fit) == pytest.approx(2.0)
+    # Without a second run only the first counts.
+    assert leftover(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.believed import Believed
-from diagnosis.gap import over_floor
+from diagnosis.gap import by_frame, over_floor
+from tests.diagnosis.colliding_models import CONTACT, colliding, model
 from tests.diagnosis.models import measured
 
 
@@ -30,3 +31,20 @@ def test_a_model_error_stands_out_less_of_the_noise_that_was_recorded() -> None:
 
 def test_what_was_not_measured_stays_so() -> None:
     assert np.isnan(over_floor(measured(runs=1), np.array([np.nan]), np.array([0.1]))).all()
+
+
+def test_what_one_frame_lacks_shows_in_its_own_channels_however_many_others_there_are() -> None:
+    believed = model(colliding(CONTACT))
+    stiff = believed.observed.floor >= 3
+    over = np.where(stiff, 3.0, 1.0)
+    over[np.flatnonzero(stiff)[:2]] = np.nan
+    assert np.nanmedian(over) == 1.0
+    assert by_frame(believed, over) == pytest.approx([1.0, 3.0])
+    both = by_frame(believed, np.stack([over, np.where(stiff, np.nan, 2.0)]))
+    np.testing.assert_array_equal(both, [[1.0, 3.0], [2.0, np.nan]])
+
+
+def test_a_single_frame_has_all_channels() -> None:
+    believed = measured(runs=1)
+    over = np.arange(1.0, len(believed.observed.names) + 1)
+    assert by_frame(believed, over) == pytest.approx([np.median(over)])
