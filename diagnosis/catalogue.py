@@ -1,6 +1,6 @@
 """The catalogue: every effect once, with its equation, places, parameters, its force for scoring and how it is added.
 
-The equations are those of docs/diagnosis/case-format.md: d is the drift of a storey, v its rate, u a floor's
+The equations are those of docs/diagnosis/catalogue.md: d is the drift of a storey, v its rate, u a floor's
 displacement relative to the table, w its absolute velocity. An effect gives
 
 - `terms`: the force (or the change of an input or a sensor) that a unit of its amplitude makes on a predicted motion,

@@ -1,23 +1,24 @@
 """How sure a verdict is: the odds that it is right, from its evidence and margins, by coefficients fitted to cases.
 
 The form is logistic regression, one set of coefficients a verdict, in `data/confidence.toml` with a note where they come
-from. ``python -m diagnosis.confidence PAIRS.jsonl`` fits them: each line of the file is a report's `confidence_basis`
+from. ``python -m diagnosis.confidence PAIRS.jsonl NOTE`` fits them: each line of the file is a report's `confidence_basis`
 `features` with a key `right` (whether type and place of every effect were right and nothing else was claimed).
 """
 
 from __future__ import annotations
 
 import json
-import sys
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import cyclopts
 import numpy as np
+from cyclopts import Parameter
 from scipy.optimize import minimize
 from scipy.special import expit
 
@@ -195,6 +196,24 @@ def fit(
     return Calibration(source, found)
 
 
+def refitted(
+    pairs: Iterable[tuple[Features, bool]], source: str, verdicts: Sequence[str] = VERDICTS
+) -> Calibration:
+    """Return the shipped calibration with the coefficients of some verdicts fitted anew.
+
+    Raises:
+        CaseError: A verdict is not known, or no case has it.
+    """
+    known = list(pairs)
+    for verdict in verdicts:
+        if verdict not in VERDICTS:
+            raise CaseError(f"verdict {verdict!r} is not known; use one of {', '.join(VERDICTS)}")
+        if verdict not in {features.verdict for features, _ in known}:
+            raise CaseError(f"no case has the verdict {verdict!r}; leave it out, or give cases that have it")
+    learnt = fit(known, source).coefficients
+    return Calibration(source, dict(shipped().coefficients) | {one: learnt[one] for one in verdicts})
+
+
 def _regression(
     pairs: Sequence[tuple[Features, bool]], prior: np.ndarray, spread: np.ndarray, sign: int
 ) -> list[float]:
@@ -253,6 +272,26 @@ def read_pairs(path: Path) -> list[tuple[Features, bool]]:
     return found
 
 
+def main(
+    pairs: Path,
+    source: str,
+    /,
+    *,
+    verdict: Annotated[tuple[str, ...], Parameter(help="Fit this kind of verdict only; repeatable.")] = (),
+    out: Annotated[
+        Path, Parameter(help="Where it goes; by default it replaces what the package ships.")
+    ] = FILE,
+) -> None:
+    """Fit the confidence to finished cases.
+
+    Args:
+        pairs: Features with `right`, as `diagnosis.benchmark.reliability --fit` writes them.
+        source: Where the coefficients of all verdicts come from, for the reader of a report.
+    """
+    known = read_pairs(pairs)
+    present = tuple(one for one in VERDICTS if one in {features.verdict for features, _ in known})
+    write_calibration(refitted(known, source, verdict or present), out)
+
+
 if __name__ == "__main__":
-    given = Path(sys.argv[1])
-    write_calibration(fit(read_pairs(given), " ".join(sys.argv[2:]) or str(given)))
+    cyclopts.run(main)

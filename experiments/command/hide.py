@@ -32,7 +32,7 @@ def hide(
         ),
     ] = "mixed",
     duration: Annotated[
-        float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8.")
+        float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8, 4 to 5.5 for pairs.")
     ] = None,
     seed: Annotated[int, Parameter(help="Seed of everything that is drawn.")] = 0,
     truth: Annotated[

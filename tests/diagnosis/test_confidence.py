@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,10 @@ from diagnosis.confidence import (
     Features,
     confidence,
     fit,
+    main,
     read_calibration,
     read_pairs,
+    refitted,
     shipped,
     write_calibration,
 )
@@ -77,6 +80,23 @@ def test_written_calibrations_are_read_back(tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text('source = "x"\n')
     with pytest.raises(CaseError, match="is missing"):
         read_calibration(tmp_path / "own.toml")
+
+
+def test_only_the_kinds_that_are_asked_for_are_fitted_anew(tmp_path: Path) -> None:
+    known = [(one, right) for one, right in cases(200, 4) if one.verdict != "nothing_missing"]
+    learnt = refitted(known, "both", ["effect_class"])
+    assert learnt.coefficients["effect_class"] != shipped().coefficients["effect_class"]
+    assert {**learnt.coefficients, "effect_class": 0} == {**shipped().coefficients, "effect_class": 0}
+    with pytest.raises(CaseError, match="no case has the verdict 'nothing_missing'"):
+        refitted(known, "both", ["nothing_missing"])
+    with pytest.raises(CaseError, match="verdict 'nothing' is not known; use one of nothing_missing"):
+        refitted(known, "both", ["nothing"])
+    text = "".join(json.dumps(asdict(one) | {"right": right}) + "\n" for one, right in known)
+    (tmp_path / "pairs.jsonl").write_text(text, encoding="utf-8")
+    main(tmp_path / "pairs.jsonl", "both", out=tmp_path / "own.toml")
+    written = read_calibration(tmp_path / "own.toml").coefficients
+    assert written["nothing_missing"] == shipped().coefficients["nothing_missing"]
+    assert written["effect_class"] == pytest.approx(learnt.coefficients["effect_class"], abs=1e-4)
 
 
 def test_pairs_are_lines_of_json(tmp_path: Path) -> None:
