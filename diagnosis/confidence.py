@@ -1,8 +1,9 @@
 """How sure a verdict is: the odds that it is right, from its evidence and margins, by coefficients fitted to cases.
 
 The form is logistic regression, one set of coefficients a verdict, in `data/confidence.toml` with a note where they come
-from. ``python -m diagnosis.confidence PAIRS.jsonl NOTE`` fits them: each line of the file is a report's `confidence_basis`
-`features` with a key `right` (whether type and place of every effect were right and nothing else was claimed).
+from. ``python -m diagnosis.benchmark.fitting PAIRS.jsonl NOTE`` fits them: each line of the file is a report's
+`confidence_basis` `features` with a key `right` (whether type and place of every effect were right and nothing else was
+claimed).
 """
 
 from __future__ import annotations
@@ -14,11 +15,9 @@ from dataclasses import asdict, dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import cyclopts
 import numpy as np
-from cyclopts import Parameter
 from scipy.optimize import minimize
 from scipy.special import expit
 
@@ -270,28 +269,3 @@ def read_pairs(path: Path) -> list[tuple[Features, bool]]:
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise CaseError(f"{path} line {number}: not features with `right`: {error}") from error
     return found
-
-
-def main(
-    pairs: Path,
-    source: str,
-    /,
-    *,
-    verdict: Annotated[tuple[str, ...], Parameter(help="Fit this kind of verdict only; repeatable.")] = (),
-    out: Annotated[
-        Path, Parameter(help="Where it goes; by default it replaces what the package ships.")
-    ] = FILE,
-) -> None:
-    """Fit the confidence to finished cases.
-
-    Args:
-        pairs: Features with `right`, as `diagnosis.benchmark.reliability --fit` writes them.
-        source: Where the coefficients of all verdicts come from, for the reader of a report.
-    """
-    known = read_pairs(pairs)
-    present = tuple(one for one in VERDICTS if one in {features.verdict for features, _ in known})
-    write_calibration(refitted(known, source, verdict or present), out)
-
-
-if __name__ == "__main__":
-    cyclopts.run(main)

@@ -1,7 +1,7 @@
 """Whether the stated confidence holds: fitted to some cases of a benchmark, judged on the others.
 
 ``python -m diagnosis.benchmark.reliability FOLDER --first N --fit PAIRS.jsonl`` writes the features of the first N
-finished cases for `diagnosis.confidence`; with ``--skip N --picture FILE`` the others' confidence, by the calibration
+finished cases for `diagnosis.benchmark.fitting`; with ``--skip N --picture FILE`` the others' confidence, by the calibration
 that is shipped now, is put beside the share that was right.
 """
 
@@ -13,7 +13,6 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import cyclopts
 from cyclopts import Parameter
 
 from diagnosis.benchmark.pictures import draw_reliability
@@ -21,6 +20,7 @@ from diagnosis.benchmark.scoring import Judged, judge
 from diagnosis.benchmark.summary import reliability, shown
 from diagnosis.confidence import behind, restated
 from diagnosis.errors import CaseError
+from experiments.command.leaving import run_script
 from frames.files import write_whole
 
 Finished = tuple[int, dict[str, Any], dict[str, Any]]
@@ -93,4 +93,4 @@ def _restated(truth: dict[str, Any], report: dict[str, Any]) -> Judged:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

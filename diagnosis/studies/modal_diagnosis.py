@@ -35,6 +35,7 @@ from diagnosis.studies.thesis_modal import (
 )
 from experiments import published
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, plain, progress_console, table
 from experiments.provenance import stamp
 from frames.files import replacing, write_whole
@@ -374,4 +375,4 @@ def _law(axes: Any, law: dict[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

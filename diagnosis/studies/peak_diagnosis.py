@@ -26,6 +26,7 @@ from diagnosis.observations import RunData
 from diagnosis.peaks import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
 from diagnosis.studies.thesis_modal import FRAMES
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, plain, progress_console, table
 from experiments.provenance import stamp
 from experiments.records import Record, find
@@ -256,4 +257,4 @@ def picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -1,38 +1,18 @@
-"""The command's verbs, and the one place where an error becomes a sentence and an exit status."""
+"""The command's verbs and studies."""
 
 from __future__ import annotations
 
 import ast
-import os
-import sys
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from cyclopts import App, CycloptsError
-from rich.console import Console
+from cyclopts import App
 
-from contact.errors import ContactError
-from diagnosis.errors import CaseError
-from experiments.errors import ExperimentError
-from experiments.provenance import software_version
-from frames.errors import FrameError
+from experiments.command.leaving import command, run
 
-BAD_INPUT = 2
-INTERRUPTED = 130
-
-app = App(
+app = command(
     name="pounding",
     help="Adjacent frames on a shaking table: modal tests, shakings, pounding, separation gaps, diagnosis.",
-    version=software_version,
-    # An unknown option or a value of the wrong kind is bad input like any other: one sentence, status 2.
-    exit_on_error=False,
-    print_error=False,
-    # The verbs return nothing to show and never an exit status: they print by themselves.
-    result_action="return_value",
-    # Ctrl-C has a sentence of its own (see `main`).
-    suppress_keyboard_interrupt=False,
 )
 
 # Verbs are imported only when they are called, so that `pounding --help` does not load a finite-element code.
@@ -97,32 +77,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Raises:
         SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted.
     """
-    warnings.showwarning = _warned
-    try:
-        app(arguments)
-    except (FrameError, ContactError, ExperimentError, CaseError) as error:
-        _leave(str(error), BAD_INPUT)
-    except CycloptsError as error:
-        _leave(f"{error} (see pounding --help)", BAD_INPUT)
-    except BrokenPipeError:
-        # The reader of our output (a pager, `head`) has seen enough; nothing more can be told to it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(0)
-    except OSError as error:
-        # A folder that cannot be written, a full disk: the user's to mend, and no traceback helps.
-        place = f"{error.filename}: " if error.filename else ""
-        _leave(f"{place}{error.strerror or error}", BAD_INPUT)
-    except KeyboardInterrupt:
-        _leave("interrupted; what was finished is kept, the same command goes on from there", INTERRUPTED)
-
-
-def _warned(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
-    """Show our own warnings as sentences; a library's are for its developers, not for a user."""
-    if issubclass(category, UserWarning):
-        Console(stderr=True, highlight=False, soft_wrap=True).print(f"warning: {message}", markup=False)
-
-
-def _leave(sentence: str, status: int) -> None:
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
-    console.print(f"pounding: {' '.join(sentence.split())}", markup=False)
-    sys.exit(status)
+    run(app, arguments)

@@ -11,11 +11,10 @@ import time
 from pathlib import Path
 from typing import Any
 
-import cyclopts
-
 from experiments.campaign import LAWS, chapter_5, chapter_6, run_all, shaking
 from experiments.campaign_tables import case
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit
 from experiments.provenance import stamp
 from experiments.studies.shared import Kept, Workers
@@ -73,4 +72,4 @@ def _sentence(result: dict[str, Any]) -> str:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

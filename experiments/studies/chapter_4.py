@@ -18,6 +18,7 @@ from rich.progress import Progress
 
 from experiments import published
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table, warn
 from experiments.errors import ExperimentError
 from experiments.provenance import stamp
@@ -212,4 +213,4 @@ def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

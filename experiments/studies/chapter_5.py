@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import cyclopts
 import numpy as np
 import pandas as pd
 
@@ -20,6 +19,7 @@ from experiments import plots_contact
 from experiments.campaign import RECORDS, Trial, chapter_5, run_all, shaking
 from experiments.campaign_tables import case
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, table
 from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from experiments.pounding import built, pound
@@ -167,4 +167,4 @@ def _wide(runs: pd.DataFrame, value: str) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

@@ -12,7 +12,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import cyclopts
 import pandas as pd
 
 from experiments.campaign import (
@@ -40,6 +39,7 @@ from experiments.campaign_tables import (
     requirements,
 )
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, table
 from experiments.dissimilarity import printed_values, rank_sums, ranking_table
 from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
@@ -203,4 +203,4 @@ def show(tables: dict[str, pd.DataFrame]) -> Iterable[Any]:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

@@ -17,6 +17,7 @@ from rich.console import RenderableType
 
 from experiments import published
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, warn
 from experiments.errors import ExperimentError
 from experiments.provenance import stamp
@@ -270,4 +271,4 @@ def conclusion(compared: pd.DataFrame) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

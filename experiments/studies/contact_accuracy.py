@@ -16,7 +16,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any
 
-import cyclopts
 import pandas as pd
 from cyclopts import Parameter
 
@@ -25,6 +24,7 @@ from contact.parameters import thesis_law
 from experiments.campaign import LAWS, chapter_6, frame_of
 from experiments.campaign_tables import label
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, table
 from experiments.impacts import Impact
 from experiments.pounding import floor_masses, pound, shaking
@@ -189,4 +189,4 @@ def show(tables: dict[str, pd.DataFrame]) -> Iterable[Any]:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

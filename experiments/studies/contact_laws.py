@@ -8,13 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import cyclopts
 import matplotlib
 from matplotlib.figure import Figure
 
 from contact.collision import collide
 from contact.parameters import FLOOR_MASS, RESTITUTION, thesis_law
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, table
 from experiments.plots import OURS, STYLE, THEIRS
 from experiments.provenance import stamp
@@ -92,4 +92,4 @@ def _table(rows: list[dict[str, Any]]) -> Any:
 
 
 if __name__ == "__main__":
-    cyclopts.run(main)
+    run_script(main)

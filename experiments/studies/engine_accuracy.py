@@ -17,6 +17,7 @@ from rich.progress import Progress
 
 import frames
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table
 from experiments.provenance import stamp
 from experiments.records import Record, find
@@ -193,4 +194,4 @@ def _error(error: float | None) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

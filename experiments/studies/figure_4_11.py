@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from experiments import published
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table
 from experiments.plots import OURS, PUBLISHED, STYLE, THEIRS
 from experiments.provenance import stamp
@@ -143,4 +144,4 @@ def main(
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

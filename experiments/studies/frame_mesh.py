@@ -14,6 +14,7 @@ from rich.console import Console
 from scipy.sparse.linalg import spsolve
 
 import frames
+from experiments.command.leaving import run_script
 from experiments.command.output import table
 from experiments.studies.table_3_1 import thesis_frame
 from frames.assembly import Options, assemble
@@ -131,4 +132,4 @@ def main() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

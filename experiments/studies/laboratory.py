@@ -21,6 +21,7 @@ from rich.progress import Progress
 
 import frames
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table
 from experiments.plots import OURS, PUBLISHED, STYLE
 from experiments.provenance import stamp
@@ -230,4 +231,4 @@ def _three(model: float, read: float, known: float | None, digits: int = 2) -> s
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

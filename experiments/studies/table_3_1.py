@@ -20,6 +20,7 @@ from rich.progress import Progress
 
 import frames
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table
 from experiments.provenance import stamp
 from frames.calibration import joint_stiffness, with_joint_stiffness
@@ -278,4 +279,4 @@ def _cells(entry: dict[str, Any]) -> list[Any]:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

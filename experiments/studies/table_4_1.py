@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 import frames
 from experiments import consistency, published
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, progress_console, table
 from experiments.provenance import stamp
 from experiments.records import Record, find
@@ -254,4 +255,4 @@ def main(
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

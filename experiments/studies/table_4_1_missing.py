@@ -21,6 +21,7 @@ from cyclopts import Parameter
 from numpy.typing import NDArray
 
 from experiments.command import options
+from experiments.command.leaving import run_script
 from experiments.command.output import emit, table
 from experiments.errors import ExperimentError
 from experiments.provenance import stamp
@@ -188,4 +189,4 @@ def main(
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from diagnosis.benchmark.fitting import main
 from diagnosis.confidence import (
     VERDICTS,
     Features,
     confidence,
     fit,
-    main,
     read_calibration,
     read_pairs,
     refitted,

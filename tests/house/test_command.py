@@ -24,6 +24,35 @@ def test_help(words: list[str]) -> None:
     assert "Usage: pounding" in done.stdout
 
 
+SCRIPTS = [
+    *(function.split(":")[0] for function in STUDIES.values()),
+    "diagnosis.benchmark.reliability",
+    "diagnosis.benchmark.fitting",
+]
+
+
+@pytest.mark.parametrize("module", SCRIPTS)
+def test_a_script_has_options_and_says_what_is_wrong_as_the_command_does(module: str) -> None:
+    script = [sys.executable, "-m", module]
+    helped = subprocess.run([*script, "--help"], capture_output=True, text=True, timeout=300)
+    assert helped.returncode == 0, helped.stderr
+    assert f"Usage: python -m {module}" in helped.stdout
+    done = subprocess.run([*script, "--nonsense"], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("pounding: ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_script_without_its_input_says_so() -> None:
+    for module, words in (("reliability", ["/nowhere"]), ("fitting", ["/nowhere", "a note"])):
+        script = [sys.executable, "-m", f"diagnosis.benchmark.{module}", *words]
+        done = subprocess.run(script, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 2
+        assert done.stderr.startswith("pounding: /nowhere: ")
+        assert done.stderr.count("\n") == 1
+
+
 def test_list_as_json() -> None:
     done = pounding("list", "--json")
     assert done.returncode == 0, done.stderr

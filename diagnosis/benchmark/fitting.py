@@ -1,0 +1,36 @@
+"""Fitting the confidence to finished cases of a benchmark: ``python -m diagnosis.benchmark.fitting PAIRS.jsonl NOTE``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from diagnosis.confidence import FILE, VERDICTS, read_pairs, refitted, write_calibration
+from experiments.command.leaving import run_script
+
+
+def main(
+    pairs: Path,
+    source: str,
+    /,
+    *,
+    verdict: Annotated[tuple[str, ...], Parameter(help="Fit this kind of verdict only; repeatable.")] = (),
+    out: Annotated[
+        Path, Parameter(help="Where it goes; by default it replaces what the package ships.")
+    ] = FILE,
+) -> None:
+    """Fit the confidence to finished cases.
+
+    Args:
+        pairs: Features with `right`, as `diagnosis.benchmark.reliability --fit` writes them.
+        source: Where the coefficients of all verdicts come from, for the reader of a report.
+    """
+    known = read_pairs(pairs)
+    present = tuple(one for one in VERDICTS if one in {features.verdict for features, _ in known})
+    write_calibration(refitted(known, source, verdict or present), out)
+
+
+if __name__ == "__main__":
+    run_script(main)
