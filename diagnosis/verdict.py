@@ -145,14 +145,27 @@ def _over(found: Findings, judged: Judged) -> np.ndarray:
 def visible(found: Findings, judged: Judged, without: Judged | None = None) -> float:
     """Return how much effects take out of the channel where they show most, in units of that channel's noise.
 
+    Contact forces being known, what acts on one frame moves that one alone: what else takes out of the channels of the
+    other, such as another optimum of its parameters, does not count.
+
     Args:
         found: The findings.
         judged: The effects.
         without: What they are compared with; when None what they are judged beside, or the null model.
     """
     before, after = _over(found, without or judged.beside or found.null), _over(found, judged)
-    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))
+    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))[:, _moved(found, judged)]
     return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
+
+
+def _moved(found: Findings, judged: Judged) -> np.ndarray:
+    """Return which channels effects can change, shape (channels,): those of their frames, all if one acts on no frame."""
+    structure, floor = found.believed.structure, found.believed.observed.floor
+    frames = {effect.frame for effect in judged.effects}
+    if None in frames or len(structure.frames) == 1:
+        return np.ones(len(floor), bool)
+    spans = [structure.span(structure.index(str(frame))) for frame in frames]
+    return np.any([(floor >= span.start) & (floor < span.stop) for span in spans], axis=0)
 
 
 def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:

@@ -12,7 +12,7 @@ import pytest
 from diagnosis.confidence import PAIR_NOTHING, features_of
 from diagnosis.figures import _evidence
 from diagnosis.findings import Findings, Judged
-from diagnosis.verdict import Decision, leftover
+from diagnosis.verdict import Decision, leftover, visible
 from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model
 
 
@@ -125,6 +125,19 @@ def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
     assert leftover(found, fit) == pytest.approx(2.0)
     # Without a second run only the first counts.
     assert leftover(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
+
+
+def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
+    """Forces being known, it moves that frame alone: what the other's channels gain is another optimum of its own."""
+    believed = model(colliding(CONTACT))
+    tall = believed.observed.floor < 3
+    nothing: Any = None
+    before = replace(local(0.0), channel_gap=2.0 * np.ones((2, len(tall))))
+    found = Findings(believed, before, nothing, nothing, (0,), (1,), floor=np.ones((2, len(tall))))
+    gaps = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
+    for frame, size in (("tall", 1.0), ("stiff", np.sqrt(3.0)), (None, np.sqrt(3.0))):
+        fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_gap=gaps)
+        assert visible(found, fit) == pytest.approx(size)
 
 
 @pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])
