@@ -51,6 +51,11 @@ class Believed:
         self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
         self._own: np.ndarray | None = None
 
+    def at_frame(self, frame: int) -> np.ndarray:
+        """Return which channels sit on a frame (its number), shape (channels,); the first one has the table's, too."""
+        span, floor = self.structure.span(frame), self.observed.floor
+        return np.asarray((floor >= span.start) & (floor < span.stop))
+
     def table_slope(self, run: RunData) -> np.ndarray:
         """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
         number = next(i for i, one in enumerate(self.observed.runs) if one is run)

@@ -193,19 +193,16 @@ def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
 
 def loggers(believed: Believed) -> list[tuple[int, ...]]:
     """Return groups of channels that may sit on a logger of their own: one kind of quantity, or one frame."""
-    observed, structure = believed.observed, believed.structure
+    observed = believed.observed
     everything = tuple(range(len(observed.names)))
     groups = [
         tuple(int(c) for c in np.flatnonzero(observed.quantity == kind))
         for kind in np.unique(observed.quantity)
     ]
-    for frame in range(len(structure.frames)):
-        span = structure.span(frame)
-        groups.append(
-            tuple(
-                int(c) for c in np.flatnonzero((observed.floor >= span.start) & (observed.floor < span.stop))
-            )
-        )
+    groups += [
+        tuple(int(c) for c in np.flatnonzero(believed.at_frame(frame)))
+        for frame in range(len(believed.structure.frames))
+    ]
     return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]
 
 

@@ -196,21 +196,29 @@ def fit(
 
 
 def refitted(
-    pairs: Iterable[tuple[Features, bool]], source: str, verdicts: Sequence[str] = VERDICTS
+    pairs: Iterable[tuple[Features, bool]], source: str, verdicts: Sequence[str] = ()
 ) -> Calibration:
     """Return the shipped calibration with the coefficients of some verdicts fitted anew.
 
+    Args:
+        pairs: Features of verdicts, and whether each was right.
+        source: Where the coefficients of all verdicts come from, for the report's reader.
+        verdicts: Which are fitted; those that occur when empty.
+
     Raises:
-        CaseError: A verdict is not known, or no case has it.
+        CaseError: There is no case at all, a verdict is not known, or no case has it.
     """
     known = list(pairs)
+    occurring = {features.verdict for features, _ in known}
     for verdict in verdicts:
         if verdict not in VERDICTS:
             raise CaseError(f"verdict {verdict!r} is not known; use one of {', '.join(VERDICTS)}")
-        if verdict not in {features.verdict for features, _ in known}:
+        if verdict not in occurring:
             raise CaseError(f"no case has the verdict {verdict!r}; leave it out, or give cases that have it")
     learnt = fit(known, source).coefficients
-    return Calibration(source, dict(shipped().coefficients) | {one: learnt[one] for one in verdicts})
+    return Calibration(
+        source, dict(shipped().coefficients) | {one: learnt[one] for one in verdicts or occurring}
+    )
 
 
 def _regression(

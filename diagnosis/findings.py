@@ -12,7 +12,7 @@ from diagnosis.believed import Believed
 from diagnosis.calibrate import Baseline
 from diagnosis.catalogue import Effect, Scales
 from diagnosis.evidence import Scores
-from diagnosis.gap import by_frame, channel_gaps, floors, over_floor, simulate
+from diagnosis.gap import by_frame, channel_gaps, floors, median, over_floor, simulate
 from diagnosis.refine import Fit
 
 if TYPE_CHECKING:
@@ -178,9 +178,7 @@ def judged_on(judged: Judged, believed: Believed, baseline: Baseline, *runs: tup
 
 
 def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
-    training, held_out = (
-        float(np.nanmedian(gaps)) if np.isfinite(gaps).any() else float("nan") for gaps in each
-    )
+    training, held_out = (float(median(gaps)) for gaps in each)
     return training, held_out
 
 
@@ -209,6 +207,10 @@ def best(found: Findings) -> Judged:
 
 def unexplained(found: Findings, judged: Judged) -> bool:
     """Return whether a fit leaves much more than noise of a frame in the training runs."""
-    floor = floors(found.believed, judged.fit.baseline, found.training)
-    over = over_floor(found.believed, judged.channel_gap[0], floor)
-    return bool(np.nanmax(by_frame(found.believed, over)) > UNEXPLAINED)
+    return leaves_much(found.believed, judged.channel_gap[0], judged.fit.baseline, found.training)
+
+
+def leaves_much(believed: Believed, gaps: np.ndarray, baseline: Baseline, runs: tuple[int, ...]) -> bool:
+    """Return whether gaps (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
+    over = over_floor(believed, gaps, floors(believed, baseline, runs))
+    return bool(np.nanmax(by_frame(believed, over)) > UNEXPLAINED)

@@ -25,11 +25,10 @@ def frequency_warnings(believed: Believed) -> list[str]:
     prior = believed.prior
     said = []
     for number, frame in enumerate(believed.structure.frames):
-        span = believed.structure.span(number)
-        floors = modes.floors[span]
+        floors = modes.floors[believed.structure.span(number)]
         own = np.flatnonzero(np.abs(floors).max(axis=0) > 1e-6 * np.abs(modes.floors).max())
         first = float(modes.omega[own].min()) / (2 * np.pi)
-        found = measured_frequency(believed, span, first)
+        found = measured_frequency(believed, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         if found is None or abs(np.log(found[0] / first)) < UNLIKELY * spread + found[1] / first:
             continue
@@ -41,14 +40,19 @@ def frequency_warnings(believed: Believed) -> list[str]:
     return said
 
 
-def measured_frequency(believed: Believed, span: slice, first_hz: float) -> tuple[float, float] | None:
+def measured_frequency(believed: Believed, frame: int, first_hz: float) -> tuple[float, float] | None:
     """Return where a frame's highest measured floor answers the table most [Hz], and the resolution [Hz].
 
     The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; over all
     runs that are long enough; None without one.
+
+    Args:
+        believed: The believed model.
+        frame: Number of the frame.
+        first_hz: Its believed first frequency [Hz].
     """
     floor = believed.observed.floor
-    inside = np.flatnonzero((floor >= span.start) & (floor < span.stop))
+    inside = np.flatnonzero(believed.at_frame(frame))
     if len(inside) == 0:
         return None
     channel = int(inside[np.argmax(floor[inside])])

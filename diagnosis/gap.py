@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
@@ -87,26 +88,22 @@ def over_floor(believed: Believed, gaps: np.ndarray, floor: np.ndarray) -> np.nd
 def by_frame(believed: Believed, over: np.ndarray) -> np.ndarray:
     """Return the median of gaps over the noise floor (..., channels) over the channels of each frame, (..., frames).
 
-    What one frame lacks hardly shows in the channels of another, which may be more. A single frame has all channels.
+    What one frame lacks hardly shows in the channels of another, which may be more.
     """
-    structure, floor = believed.structure, believed.observed.floor
-    spans = [structure.span(frame) for frame in range(len(structure.frames))]
-    ours = [(floor >= span.start) & (floor < span.stop) for span in spans]
-    if len(ours) == 1:
-        ours = [np.ones(len(floor), bool)]
-    return np.stack([_median(over[..., mine]) for mine in ours], axis=-1)
+    frames = range(len(believed.structure.frames))
+    return np.stack([median(over[..., believed.at_frame(frame)]) for frame in frames], axis=-1)
 
 
-def _median(over: np.ndarray) -> np.ndarray:
-    """Return the median along the last axis, NaN where nothing is finite."""
-    known = np.isfinite(over).any(axis=-1)
-    median = np.nanmedian(np.where(known[..., None], over, 0.0), axis=-1) if over.shape[-1] else np.nan
-    return np.where(known, median, np.nan)
+def median(gaps: np.ndarray) -> np.ndarray:
+    """Return the median of gaps (..., channels) over the channels that were measured, NaN where none was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.asarray(np.nanmedian(gaps, axis=-1))
 
 
 def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
     """Return the median of the channels' gaps."""
-    return float(np.nanmedian(channel_gaps(believed, outputs, runs)))
+    return float(median(channel_gaps(believed, outputs, runs)))
 
 
 def simulate(

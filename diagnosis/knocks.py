@@ -92,11 +92,11 @@ def _answers(
     for number, (matched, own) in enumerate(answers(believed, baseline, baseline.modes.floors[floor])):
         run = believed.observed.runs[baseline.runs[number]]
         answer = np.abs(matched) / np.sqrt(own[0])
-        highest = maximum_filter1d(answer, 2 * max(1, round(APART_S / run.step_s)) + 1)
+        apart = max(1, round(APART_S / run.step_s))
+        highest = maximum_filter1d(answer, 2 * apart + 1)
         answer[_touching(run.contact, run.step_s)] = 0.0
         # A filter begins from rest, and a low-pass knows nothing beyond a run's ends.
-        ends = max(1, round(APART_S / run.step_s))
-        answer[:ends] = answer[-ends:] = 0.0
+        answer[:apart] = answer[-apart:] = 0.0
         usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
         for touch in touches:
             # What pushes both frames is a touch that the force cell did not show.

@@ -10,8 +10,7 @@ from diagnosis.baseline import calibrated, starting_noise
 from diagnosis.believed import Believed
 from diagnosis.calibrate import run_baseline
 from diagnosis.doubts import bent
-from diagnosis.findings import UNEXPLAINED, Findings, best, fit_gaps
-from diagnosis.gap import by_frame, floors, over_floor
+from diagnosis.findings import Findings, best, fit_gaps, leaves_much
 from diagnosis.refine import Fit, refine
 from diagnosis.sensors import SWAPPED_NATS, exchange, exchanged
 
@@ -23,16 +22,13 @@ SWAPPED_GAP = 0.6
 
 def best_null(believed: Believed, null: Fit) -> Fit:
     """Return the null model, calibrated also with small latent forces from the believed parameters if it seems stuck."""
-    if not (_leaves(believed, null, null.baseline.runs) or bent(believed, null.baseline)):
+    baseline, runs = null.baseline, null.baseline.runs
+    left = fit_gaps(believed, baseline, runs)
+    if not (leaves_much(believed, left, baseline, runs) or bent(believed, baseline)):
         return null
-    noise = starting_noise(believed, null.baseline.runs, RESCUE_LEVEL)
-    start = run_baseline(believed, np.zeros(len(believed.std)), noise, null.baseline.runs)
+    noise = starting_noise(believed, runs, RESCUE_LEVEL)
+    start = run_baseline(believed, np.zeros(len(believed.std)), noise, runs)
     return max(null, refine(believed, start, (), (), ()), key=lambda fit: fit.log_posterior)
-
-
-def _leaves(believed: Believed, fit: Fit, runs: tuple[int, ...]) -> bool:
-    over = over_floor(believed, fit_gaps(believed, fit.baseline, runs), floors(believed, fit.baseline, runs))
-    return bool(np.nanmax(by_frame(believed, over)) > UNEXPLAINED)
 
 
 def null_again(found: Findings) -> Fit:

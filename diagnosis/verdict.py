@@ -160,12 +160,10 @@ def visible(found: Findings, judged: Judged, without: Judged | None = None) -> f
 
 def _moved(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels effects can change, shape (channels,): those of their frames, all if one acts on no frame."""
-    structure, floor = found.believed.structure, found.believed.observed.floor
-    frames = {effect.frame for effect in judged.effects}
-    if None in frames or len(structure.frames) == 1:
-        return np.ones(len(floor), bool)
-    spans = [structure.span(structure.index(str(frame))) for frame in frames]
-    return np.any([(floor >= span.start) & (floor < span.stop) for span in spans], axis=0)
+    believed, frames = found.believed, {effect.frame for effect in judged.effects}
+    if None in frames:
+        return np.ones(len(believed.observed.names), bool)
+    return np.any([believed.at_frame(believed.structure.index(str(frame))) for frame in frames], axis=0)
 
 
 def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from diagnosis.confidence import FILE, VERDICTS, read_pairs, refitted, write_calibration
+from diagnosis.confidence import FILE, read_pairs, refitted, write_calibration
 from experiments.command.leaving import run_script
 
 
@@ -27,9 +27,7 @@ def main(
         pairs: Features with `right`, as `diagnosis.benchmark.reliability --fit` writes them.
         source: Where the coefficients of all verdicts come from, for the reader of a report.
     """
-    known = read_pairs(pairs)
-    present = tuple(one for one in VERDICTS if one in {features.verdict for features, _ in known})
-    write_calibration(refitted(known, source, verdict or present), out)
+    write_calibration(refitted(read_pairs(pairs), source, verdict), out)
 
 
 if __name__ == "__main__":
