@@ -13,7 +13,7 @@ from rich.progress import Progress, TaskID
 
 from contact.laws import Law
 from contact.parameters import PRINTED, make_law, thesis_law
-from experiments import collision_files
+from experiments import collision_files, keeping
 from experiments.command import options
 from experiments.command.output import emit, plain, progress_console, table, warn
 from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
@@ -77,6 +77,10 @@ def pound(
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
+    if out is not None:
+        keeping.prepare(out)
+    elif film:
+        warn("--film needs a folder: nothing is written without --out")
     runs = []
     with _progress() as progress:
         for chosen in laws:
@@ -110,8 +114,6 @@ def pound(
     if out is not None:
         for note in _keep(runs, result, out, film):
             warn(note)
-    elif film:
-        warn("--film needs a folder: nothing is written without --out")
     emit(result, as_json=json, show=lambda: _show(result))
 
 

@@ -52,13 +52,13 @@ def shake(
         Name of a shipped frame (see `pounding list`) or path of a frame file.
     """
     asked = {"frame": frame, "record": record, "pga_g": pga, "damping_ratio": damping}
-    if out is not None:
-        keeping.prepare(out)
-    elif film or csv:
+    if out is None and (film or csv):
         warn("--film and --csv need a folder: nothing is written without --out")
     channels = measured.read(measured_file) if measured_file else []
     reduced = frames.build(frames.load(frame), joints=joints, p_delta=p_delta, damping=damping)
     motion = find(record, records).scaled(pga_g=pga)
+    if out is not None:
+        keeping.prepare(out)
     done = _run(reduced, motion)
     result = stamp(asked | {"model": reduced.options}, [motion]) | done.result()
     data = results.dataset(done.motion, motion, provenance=result)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -89,6 +90,26 @@ def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) ->
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert named.lower() in done.stderr.lower()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["shake", "5A", "--record", "elcentre"],
+        ["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"],
+    ],
+)
+def test_bad_input_leaves_no_folder(words: list[str], tmp_path: Path) -> None:
+    assert pounding(*words, "--out", str(tmp_path / "results")).returncode == 2
+    assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize("verb", [["shake", "5A"], ["pound", "10", "5B", "--gap", "5"]])
+def test_a_folder_that_cannot_be_is_said_before_anything_is_computed(verb: list[str], tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    done = pounding(*verb, "--record", "elcentro-chopra", "--out", str(tmp_path / "file"))
+    assert done.returncode == 2
+    assert done.stderr.endswith("file: cannot be made (File exists)\n")
 
 
 @pytest.mark.parametrize("function", [*VERBS.values(), *STUDIES.values()])
