@@ -5,9 +5,9 @@ behind those, `stereo` the impact that takes no time, `collision` two free bodie
 `connector` brings a law into exudyn.
 """
 
-from contact.collision import Collision, collide
-from contact.errors import ContactError
-from contact.laws import (
+from pounding.contact.collision import Collision, collide
+from pounding.contact.errors import ContactError
+from pounding.contact.laws import (
     Hertz,
     HertzDamp,
     Law,
@@ -17,7 +17,7 @@ from contact.laws import (
     law_class,
     names,
 )
-from contact.parameters import make_law, thesis_law, viscoelastic_of
+from pounding.contact.parameters import make_law, thesis_law, viscoelastic_of
 
 __all__ = [
     "Collision",

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from contact.damping import reduced_mass
-from contact.errors import ContactError
-from contact.laws import FloatOperations, Law
+from pounding.contact.damping import reduced_mass
+from pounding.contact.errors import ContactError
+from pounding.contact.laws import FloatOperations, Law
 
 Real = NDArray[np.float64]
 

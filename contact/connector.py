@@ -18,8 +18,8 @@ from exudyn import itemInterface as items
 from exudyn.advancedUtilities import CreateSymbolicUserFunction
 from numpy.typing import NDArray
 
-from contact.errors import ContactError
-from contact.laws import FloatOperations, Law
+from pounding.contact.errors import ContactError
+from pounding.contact.laws import FloatOperations, Law
 
 symbolic: Any = exudyn.symbolic  # type: ignore[attr-defined]
 Real = NDArray[np.float64]

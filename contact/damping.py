@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from contact.errors import ContactError
+from pounding.contact.errors import ContactError
 
 HERTZ_DAMP_FORMULAS = ("ye", "muthukumar")
 

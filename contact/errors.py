@@ -1,5 +1,7 @@
 """What contact refuses."""
 
+from pounding.errors import InputError
 
-class ContactError(ValueError):
+
+class ContactError(InputError):
     """A law, a parameter or a collision that cannot be; the message says what to change."""

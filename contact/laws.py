@@ -28,8 +28,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contact.damping import hertz_damp_ratio
-from contact.errors import ContactError
+from pounding.contact.damping import hertz_damp_ratio
+from pounding.contact.errors import ContactError
 
 
 class FloatOperations:

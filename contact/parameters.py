@@ -8,16 +8,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from contact import stiffness as k
-from contact.damping import (
+from pounding.contact import stiffness as k
+from pounding.contact.damping import (
     check_restitution,
     linear_damping,
     linear_damping_ratio,
     nonlinear_damping_ratio,
     reduced_mass,
 )
-from contact.errors import ContactError
-from contact.laws import HertzDamp, Law, LinearViscoelastic, NonlinearViscoelastic, law_class
+from pounding.contact.errors import ContactError
+from pounding.contact.laws import HertzDamp, Law, LinearViscoelastic, NonlinearViscoelastic, law_class
 
 RESTITUTION = 0.810154  # mean over the measured impacts, thesis section 5.3.1
 FLOOR_MASS = 6.2  # kg; with it, eq. 2.6 gives the C of Table 5.1 from its k and xi = 0.078407

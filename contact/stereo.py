@@ -7,7 +7,7 @@ kept: `after_impact` to compute with, `after_impact_as_printed` to show the misp
 
 from __future__ import annotations
 
-from contact.damping import check_restitution
+from pounding.contact.damping import check_restitution
 
 
 def after_impact(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from contact.damping import check_restitution
-from contact.errors import ContactError
+from pounding.contact.damping import check_restitution
+from pounding.contact.errors import ContactError
 
 EXPERIMENT_FULL_SCALE = 620e3 * 1e3  # thesis eq. 5.2: 620 kN/mm at full scale [N/m]
 JANKOWSKI_STEEL = 482e3 * 1e3  # steel on steel, linear viscoelastic, thesis section 2.3 [N/m]

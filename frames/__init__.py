@@ -3,8 +3,8 @@
 ``frames.build(frames.load("10"))`` is the 10-storey frame of the thesis.
 """
 
-from frames.building import build
-from frames.definition import (
+from pounding.frames.building import build
+from pounding.frames.definition import (
     Columns,
     Frame,
     Joints,
@@ -15,10 +15,10 @@ from frames.definition import (
     StickFrame,
     changed,
 )
-from frames.errors import FrameError
-from frames.loading import from_mapping, load, names
-from frames.mesh import Density
-from frames.reduction import ReducedFrame
+from pounding.frames.errors import FrameError
+from pounding.frames.fe.mesh import Density
+from pounding.frames.loading import from_mapping, load, names
+from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 __all__ = [
     "Columns",

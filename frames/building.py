@@ -7,14 +7,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from frames import cache, stick
-from frames.assembly import Model, Options, assemble
-from frames.craig_bampton import craig_bampton, dense_modes, modal_damping
-from frames.definition import Frame, PlateFrame, StickFrame
-from frames.errors import FrameError
-from frames.mesh import DEFAULT, Density
-from frames.reduction import ReducedFrame
-from frames.symmetry import is_symmetric, planar_basis
+from pounding.frames import cache, stick
+from pounding.frames.definition import Frame, PlateFrame, StickFrame
+from pounding.frames.errors import FrameError
+from pounding.frames.fe.assembly import Model, Options, assemble
+from pounding.frames.fe.mesh import DEFAULT, Density
+from pounding.frames.fe.symmetry import is_symmetric, planar_basis
+from pounding.frames.reduction.craig_bampton import craig_bampton, dense_modes, modal_damping
+from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 KEEP_HZ = 300.0
 """Fixed-interface modes are kept up to this frequency unless asked otherwise [Hz]."""

@@ -20,7 +20,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from frames.definition import PlateFrame
+from pounding.frames.definition import PlateFrame
 
 VERSION = 4
 """Raised whenever the same inputs would give other arrays, so that old files are not found."""

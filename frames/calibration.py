@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from frames.building import build
-from frames.definition import Joints, PlateFrame, changed
-from frames.errors import FrameError
+from pounding.frames.building import build
+from pounding.frames.definition import Joints, PlateFrame, changed
+from pounding.frames.errors import FrameError
 
 RANGE_N_M_PER_RAD = (1.0, 1e6)
 """The search gives up below (nearly hinged) and above (practically rigid) [N m/rad]."""

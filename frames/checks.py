@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from frames.errors import FrameError
+from pounding.frames.errors import FrameError
 
 if TYPE_CHECKING:
-    from frames.definition import PlateFrame, StickFrame
+    from pounding.frames.definition import PlateFrame, StickFrame
 
 MOST_STOREYS = 200
 """More storeys than this is taken for a slip of the pen."""

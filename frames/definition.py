@@ -11,8 +11,8 @@ from typing import Any
 
 import msgspec
 
-from frames import checks
-from frames.errors import FrameError
+from pounding.frames import checks
+from pounding.frames.errors import FrameError
 
 GRAVITY = 9.80665
 """Standard gravity [m/s^2]."""

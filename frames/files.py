@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from frames.errors import FrameError
+from pounding.frames.errors import FrameError
 
 
 @contextmanager

@@ -12,8 +12,8 @@ from typing import Any
 
 import msgspec
 
-from frames.definition import Frame, PlateFrame, StickFrame
-from frames.errors import FrameError
+from pounding.frames.definition import Frame, PlateFrame, StickFrame
+from pounding.frames.errors import FrameError
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
 """Order in which the shipped frames are shown: those of Table 3.1 first."""
@@ -120,4 +120,4 @@ def _shipped(name: str) -> Frame:
 
 
 def _library() -> Traversable:
-    return resources.files("frames") / "library"
+    return resources.files("pounding.frames") / "library"

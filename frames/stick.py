@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from frames.craig_bampton import dense_modes, modal_damping
-from frames.definition import StickFrame
-from frames.errors import FrameError
-from frames.reduction import ReducedFrame
+from pounding.frames.definition import StickFrame
+from pounding.frames.errors import FrameError
+from pounding.frames.reduction.craig_bampton import dense_modes, modal_damping
+from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.float64]
 

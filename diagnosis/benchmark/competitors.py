@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from diagnosis.benchmark.refitting import refit_each
-from diagnosis.benchmark.regression import sparse_regression, thresholded_by_pysindy
+from pounding.diagnosis.benchmark.refitting import refit_each
+from pounding.diagnosis.benchmark.regression import sparse_regression, thresholded_by_pysindy
 
 COMPETITORS: dict[str, Callable[[Path], dict[str, Any]]] = {
     "refit": refit_each,

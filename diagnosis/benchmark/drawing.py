@@ -11,10 +11,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from diagnosis.errors import CaseError
-from diagnosis.hidden.contact_effects import CONTACT
-from diagnosis.hidden.effects import CATALOGUE
-from diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.effects import CATALOGUE
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
 
 Card = TypeVar("Card")
 

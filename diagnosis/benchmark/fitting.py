@@ -1,4 +1,7 @@
-"""Fitting the confidence to finished cases of a benchmark: ``python -m diagnosis.benchmark.fitting PAIRS.jsonl NOTE``."""
+"""Fitting the confidence to finished cases of a benchmark.
+
+Run ``python -m pounding.diagnosis.benchmark.fitting PAIRS.jsonl NOTE``.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from diagnosis.confidence import FILE, read_pairs, refitted, write_calibration
-from experiments.command.leaving import run_script
+from pounding.diagnosis.decision.confidence import FILE, read_pairs, refitted, write_calibration
+from pounding.experiments.console.exit_status import run_script
 
 
 def main(
@@ -24,7 +27,7 @@ def main(
     """Fit the confidence to finished cases.
 
     Args:
-        pairs: Features with `right`, as `diagnosis.benchmark.reliability --fit` writes them.
+        pairs: Features with `right`, as `pounding.diagnosis.benchmark.reliability --fit` writes them.
         source: Where the coefficients of all verdicts come from, for the reader of a report.
     """
     write_calibration(refitted(read_pairs(pairs), source, verdict), out)

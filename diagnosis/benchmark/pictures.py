@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from frames.files import write_whole
+from pounding.frames.files import write_whole
 
 DETECTED, EXACT, STATED = "#777777", "#1f6fb4", "#b4481f"
 

@@ -14,15 +14,16 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from diagnosis.baseline import starting_noise
-from diagnosis.believe import believed_frames
-from diagnosis.believed import Believed
-from diagnosis.calibrate import run_baseline
-from diagnosis.case import read_case
-from diagnosis.catalogue import Effect, Scales, candidates
-from diagnosis.evidence import scales
-from diagnosis.observations import observe
-from diagnosis.storeys import Structure
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import Effect, Scales
+from pounding.diagnosis.inference.evidence import scales
+from pounding.diagnosis.inference.filtering import run_baseline
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.frames import believed_frames
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import observe
+from pounding.diagnosis.model.storeys import Structure
 
 WORTH = 0.05
 """Share by which the residual has to fall before anything is said to be missing."""

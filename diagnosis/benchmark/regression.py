@@ -17,9 +17,10 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
-import frames
-from diagnosis.case import Case, CaseFrame, Run, read_case
-from diagnosis.errors import CaseError
+from pounding import frames
+from pounding.diagnosis.case.case import Case, CaseFrame, Run
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.errors import CaseError
 
 LOWEST = 0.4
 """Of the first frequency: below, twice integrated accelerometers show their noise and little else."""

@@ -1,6 +1,6 @@
 """Whether the stated confidence holds: fitted to some cases of a benchmark, judged on the others.
 
-``python -m diagnosis.benchmark.reliability FOLDER --first N --fit PAIRS.jsonl`` writes the features of the first N
+``python -m pounding.diagnosis.benchmark.reliability FOLDER --first N --fit PAIRS.jsonl`` writes the features of the first N
 finished cases for `diagnosis.benchmark.fitting`; with ``--skip N --picture FILE`` the others' confidence, by the calibration
 that is shipped now, is put beside the share that was right.
 """
@@ -15,13 +15,13 @@ from typing import Annotated, Any
 
 from cyclopts import Parameter
 
-from diagnosis.benchmark.pictures import draw_reliability
-from diagnosis.benchmark.scoring import Judged, judge
-from diagnosis.benchmark.summary import reliability, shown
-from diagnosis.confidence import behind, restated
-from diagnosis.errors import CaseError
-from experiments.command.leaving import run_script
-from frames.files import write_whole
+from pounding.diagnosis.benchmark.pictures import draw_reliability
+from pounding.diagnosis.benchmark.scoring import Judged, judge
+from pounding.diagnosis.benchmark.summary import reliability, shown
+from pounding.diagnosis.decision.confidence import behind, restated
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments.console.exit_status import run_script
+from pounding.frames.files import write_whole
 
 Finished = tuple[int, dict[str, Any], dict[str, Any]]
 
@@ -47,7 +47,7 @@ def finished(folder: Path) -> list[Finished]:
 
 
 def lines(cases: Sequence[Finished]) -> list[str]:
-    """Return features with ``right`` of cases as `diagnosis.confidence.read_pairs` has them; of contacts those that
+    """Return features with ``right`` of cases as `confidence.read_pairs` has them; of contacts those that
     stand alone."""
     written = []
     for _, truth, report in cases:

@@ -15,20 +15,20 @@ from typing import Any
 
 from rich.console import Console
 
-from diagnosis.benchmark.drawing import Drawn, draw_set
-from diagnosis.benchmark.pictures import draw_benchmark
-from diagnosis.benchmark.scoring import judge
-from diagnosis.benchmark.summary import summarise
-from diagnosis.benchmark.tables import tables
-from diagnosis.errors import CaseError
-from diagnosis.hidden.hide import hide
-from diagnosis.hidden.motions import available
-from diagnosis.hidden.outsiders import OUTSIDE
-from diagnosis.hidden.writing import write_hidden
-from experiments.provenance import stamp
-from experiments.sweep import sweep
-from experiments.sweep_store import code_version
-from frames.files import write_whole
+from pounding.diagnosis.benchmark.drawing import Drawn, draw_set
+from pounding.diagnosis.benchmark.pictures import draw_benchmark
+from pounding.diagnosis.benchmark.scoring import judge
+from pounding.diagnosis.benchmark.summary import summarise
+from pounding.diagnosis.benchmark.tables import tables
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.motions import available
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.sweeps.store import code_version
+from pounding.experiments.sweeps.sweep import sweep
+from pounding.frames.files import write_whole
 
 Method = Callable[[Path], Mapping[str, Any]]
 
@@ -54,11 +54,11 @@ def method(name: str) -> Method:
         CaseError: There is no such method.
     """
     if name == "diagnosis":
-        from diagnosis.diagnose import diagnose_case
+        from pounding.diagnosis.workflow import diagnose_case
 
         return diagnose_case
     if name in METHODS:
-        from diagnosis.benchmark import competitors
+        from pounding.diagnosis.benchmark import competitors
 
         return competitors.COMPETITORS[name]
     raise CaseError(f"no method {name!r} to judge; use one of {', '.join(METHODS)}")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.hidden.places import EFFECTS
+from pounding.diagnosis.hidden.places import EFFECTS
 
 NOTHING, UNKNOWN, OUTSIDE = "nothing_missing", "unknown_effect", "outside"
 
@@ -66,7 +66,7 @@ def judge(truth: Mapping[str, Any], report: Mapping[str, Any], seconds: float = 
     """Judge a report by the truth.
 
     Args:
-        truth: What was hidden (see `diagnosis.hidden.hide`).
+        truth: What was hidden (see `pounding.diagnosis.hidden.hide`).
         report: What was found, with the keys of docs/diagnosis/case-format.md.
         seconds: What it took [s].
     """

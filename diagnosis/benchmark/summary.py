@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from statsmodels.stats.proportion import proportion_confint
 
-from diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judged
-from diagnosis.hidden.places import EFFECTS
+from pounding.diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judged
+from pounding.diagnosis.hidden.places import EFFECTS
 
 SIZES = (0.0, 0.3, 1.0, 2.0, 5.0, np.inf)
 """Bounds of the visibility in the table of detection against size."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from rich.table import Table
 
-from diagnosis.benchmark.scoring import NOTHING, UNKNOWN
-from diagnosis.benchmark.summary import SHOWN, TARGETS
+from pounding.diagnosis.benchmark.scoring import NOTHING, UNKNOWN
+from pounding.diagnosis.benchmark.summary import SHOWN, TARGETS
 
 AT_MOST = frozenset({"false_alarms", "parameter_error_median"})
 

@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 from scipy.optimize import least_squares
 
-import frames
-from diagnosis.errors import CaseError
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.modes import frequencies_hz
+from pounding import frames
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.modes import frequencies_hz
 
 FITTED_MODES = 4
 

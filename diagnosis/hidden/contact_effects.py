@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.errors import CaseError
-from diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
-from diagnosis.hidden.effects import Effect, Parameters, Setting
-from diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
+from pounding.diagnosis.hidden.effects import Effect, Parameters, Setting
+from pounding.diagnosis.hidden.scenario import Scenario
 
 
 def _stated(setting: Setting) -> Touch:

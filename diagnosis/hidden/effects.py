@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from diagnosis.hidden import laws
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.contacts import Touch
-from diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
-from diagnosis.hidden.reference import Typical
-from diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
+from pounding.diagnosis.hidden import laws
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.contacts import Touch
+from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
+from pounding.diagnosis.hidden.reference import Typical
+from pounding.diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
 
 
 @dataclass(frozen=True)

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.case import Case, CaseFrame, Contact
-from diagnosis.errors import CaseError
-from diagnosis.hidden import motions
-from diagnosis.hidden.contact_effects import CONTACT
-from diagnosis.hidden.contacts import Touch
-from diagnosis.hidden.effects import Parameters, Setting
-from diagnosis.hidden.instruments import recorded
-from diagnosis.hidden.outsiders import OUTSIDE
-from diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
-from diagnosis.hidden.reference import typical
-from diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
-from diagnosis.hidden.scenario import Scenario, happen
-from diagnosis.hidden.visibility import LEAST, Eye
+from pounding.diagnosis.case.case import Case, CaseFrame, Contact
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden import motions
+from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.contacts import Touch
+from pounding.diagnosis.hidden.effects import Parameters, Setting
+from pounding.diagnosis.hidden.instruments import recorded
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
+from pounding.diagnosis.hidden.reference import typical
+from pounding.diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
+from pounding.diagnosis.hidden.scenario import Scenario, happen
+from pounding.diagnosis.hidden.visibility import LEAST, Eye
 
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import bilinear, butter, lfilter, sosfilt
 
-from diagnosis.case import Channel, Run
-from diagnosis.hidden.beams import Beams
-from diagnosis.quantities import UNITS
+from pounding.diagnosis.case.case import Channel, Run
+from pounding.diagnosis.case.quantities import UNITS
+from pounding.diagnosis.hidden.beams import Beams
 
 FINE_HZ = 3600.0
 """Least rate at which the truth is computed [Hz]."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
-from diagnosis.errors import CaseError
-from diagnosis.hidden.beams import Beams, assemble
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.beams import Beams, assemble
 
 HIGHEST_HZ = 400.0
 """Modes above are left out [Hz]."""

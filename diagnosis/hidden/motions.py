@@ -9,8 +9,8 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfiltfilt
 from scipy.signal.windows import tukey
 
-from experiments.errors import ExperimentError
-from experiments.records import STANDARD_GRAVITY, find
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import STANDARD_GRAVITY, find
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")

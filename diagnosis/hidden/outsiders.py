@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.hidden import laws
-from diagnosis.hidden.beams import Appendage
-from diagnosis.hidden.effects import Effect, Parameters, Setting
-from diagnosis.hidden.scenario import Load, Scenario, Spring
+from pounding.diagnosis.hidden import laws
+from pounding.diagnosis.hidden.beams import Appendage
+from pounding.diagnosis.hidden.effects import Effect, Parameters, Setting
+from pounding.diagnosis.hidden.scenario import Load, Scenario, Spring
 
 
 def hidden_appendage(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.case import Channel
-from diagnosis.errors import CaseError
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.contact_effects import CONTACT
-from diagnosis.hidden.effects import CATALOGUE, Effect
-from diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.case.case import Channel
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.effects import CATALOGUE, Effect
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
 
 EFFECTS: dict[str, Effect] = {**CATALOGUE, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.modes import frequencies_hz, storey_stiffness
-from diagnosis.hidden.scenario import Happened, Scenario
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.modes import frequencies_hz, storey_stiffness
+from pounding.diagnosis.hidden.scenario import Happened, Scenario
 
 
 @dataclass(frozen=True)

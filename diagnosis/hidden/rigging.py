@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from diagnosis.case import Channel
-from diagnosis.errors import CaseError
-from diagnosis.hidden import motions
-from diagnosis.hidden.belief import believed
-from diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
-from diagnosis.hidden.instruments import Logger, logger, place, sampled
-from diagnosis.hidden.motions import Motion
-from diagnosis.hidden.scatter import built, set_up
-from diagnosis.hidden.scenario import Happened, Scenario, happen, observed
+from pounding.diagnosis.case.case import Channel
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden import motions
+from pounding.diagnosis.hidden.belief import believed
+from pounding.diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
+from pounding.diagnosis.hidden.instruments import Logger, logger, place, sampled
+from pounding.diagnosis.hidden.motions import Motion
+from pounding.diagnosis.hidden.scatter import built, set_up
+from pounding.diagnosis.hidden.scenario import Happened, Scenario, happen, observed
 
 DURATION_S = (6.0, 8.0)
 PAIR_DURATION_S = (4.0, 5.5)

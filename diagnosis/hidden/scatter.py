@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from diagnosis.case import Channel
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.case.case import Channel
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.scenario import Scenario
 
 RAYLEIGH_SHARE = 0.3
 """Share of the frames whose damping is of Rayleigh's kind; the others have one ratio for each mode."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from diagnosis.case import Channel
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.contacts import Contact, Touch
-from diagnosis.hidden.modes import Modes, joined, modes
-from diagnosis.hidden.motions import Motion
-from diagnosis.hidden.stepping import Law, Local, Response, integrate
+from pounding.diagnosis.case.case import Channel
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.contacts import Contact, Touch
+from pounding.diagnosis.hidden.modes import Modes, joined, modes
+from pounding.diagnosis.hidden.motions import Motion
+from pounding.diagnosis.hidden.stepping import Law, Local, Response, integrate
 
 GRAVITY = 9.80665
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import lfilter
 
-from diagnosis.hidden.modes import Modes
+from pounding.diagnosis.hidden.modes import Modes
 
 CORRECTIONS = 3
 """Most fixed-point iterations of the local forces in each step."""

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from diagnosis.case import Prior
-from diagnosis.hidden.beams import Beams
-from diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.scenario import Scenario
 
 Clean = Callable[[Scenario, bool], np.ndarray]
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from diagnosis.case_write import write_case
-from diagnosis.errors import CaseError
-from diagnosis.hidden.hide import Hidden
+from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.hide import Hidden
 
 
 def write_hidden(hidden: Hidden, out: Path, truth: Path | None = None) -> Path:

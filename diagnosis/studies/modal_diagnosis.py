@@ -1,6 +1,6 @@
 """Table 3.1 diagnosed: what the rigid-joint frames lack, what P-Delta adds, and why the sweep's f1 disagrees.
 
-The truth is not known. Evidence is that of `diagnosis.modal_evidence`; a size is never judged by the number it was fitted
+The truth is not known. Evidence is that of `inference.modal_evidence`; a size is never judged by the number it was fitted
 to: the error beside the evidence is that of second and third frequency and roof stiffness foretold from the first frequency
 of free vibration alone. Run it with ``pounding study modal-diagnosis``.
 """
@@ -17,14 +17,14 @@ from matplotlib.figure import Figure
 from rich.progress import track
 from scipy.special import logsumexp
 
-from diagnosis.believed import Believed
-from diagnosis.case_numbers import ModalDatum
-from diagnosis.catalogue import Effect, places
-from diagnosis.effects_frame import AddedMass, BaseRocking, PDelta
-from diagnosis.effects_storey import StiffnessChange
-from diagnosis.modal_evidence import Acting, Softening, Weighed, foretell, weigh
-from diagnosis.modal_model import Joints
-from diagnosis.studies.thesis_modal import (
+from pounding.diagnosis.case.numbers import ModalDatum
+from pounding.diagnosis.effects.catalogue import Effect, places
+from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, PDelta
+from pounding.diagnosis.effects.storey import StiffnessChange
+from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed, foretell, weigh
+from pounding.diagnosis.inference.modal_model import Joints
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.studies.thesis_modal import (
     FRAMES,
     FREE_STD,
     MASS_STD_KG,
@@ -33,12 +33,12 @@ from diagnosis.studies.thesis_modal import (
     thesis_data,
     twin_scatter,
 )
-from experiments import published
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, plain, progress_console, table
-from experiments.provenance import stamp
-from frames.files import replacing, write_whole
+from pounding.experiments import published
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.results.provenance import stamp
+from pounding.frames.files import replacing, write_whole
 
 SWEEP = "sweep"
 POWERS = (0, 1, 2)

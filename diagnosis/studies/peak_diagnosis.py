@@ -19,19 +19,19 @@ from matplotlib.figure import Figure
 from rich.progress import Progress
 from scipy.special import logsumexp
 
-from diagnosis.believe import believed_frames
-from diagnosis.case import Case, CaseFrame, Prior
-from diagnosis.case_numbers import Peak
-from diagnosis.observations import RunData
-from diagnosis.peaks import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
-from diagnosis.studies.thesis_modal import FRAMES
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, plain, progress_console, table
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.studies.table_4_1 import RECORDS, measured, trusted
-from frames.files import replacing, write_whole
+from pounding.diagnosis.case.case import Case, CaseFrame, Prior
+from pounding.diagnosis.case.numbers import Peak
+from pounding.diagnosis.inference.peaks import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
+from pounding.diagnosis.model.frames import believed_frames
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.studies.thesis_modal import FRAMES
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.records import Record, find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies.table_4_1 import RECORDS, measured, trusted
+from pounding.frames.files import replacing, write_whole
 
 STEP_S = 1e-3
 """Longest step at which the table's motion is sampled [s]; the frames take two substeps in it."""

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from diagnosis.believe import believed_frames
-from diagnosis.believed import Believed
-from diagnosis.case import Case, CaseFrame, Prior
-from diagnosis.case_numbers import ModalDatum
-from diagnosis.modal_model import Joints, alone, joints
-from experiments import published
+from pounding.diagnosis.case.case import Case, CaseFrame, Prior
+from pounding.diagnosis.case.numbers import ModalDatum
+from pounding.diagnosis.inference.modal_model import Joints, alone, joints
+from pounding.diagnosis.model.frames import believed_frames
+from pounding.diagnosis.model.model import Believed
+from pounding.experiments import published
 
 FRAMES = {"5A": 5, "5B": 5, "10": 10, "15A": 15, "15B": 15}
 TWINS = (("5A", "5B"), ("15A", "15B"))

@@ -1,6 +1,6 @@
 """Draw docs/_static/catalogue.png: where each effect of the catalogue sits, and what it does.
 
-Run it with `python docs/diagnosis/sketches.py`. Forces are those of `diagnosis.predictor.law`.
+Run it with `python docs/diagnosis/sketches.py`. Forces are those of `pounding.diagnosis.model.predictor.law`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from diagnosis.palette import GREY, ORANGE
-from diagnosis.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS
-from diagnosis.storey_force import along
+from pounding.diagnosis.inference.storey_force import along
+from pounding.diagnosis.model.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS
+from pounding.diagnosis.report.palette import GREY, ORANGE
 
 TIME = np.linspace(0.0, 1.0, 800)
 DRIFT = np.sin(2 * np.pi * 2 * TIME) * (0.55 + 0.45 * TIME)

@@ -7,6 +7,6 @@ import os
 for _variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(_variable, "1")
 
-from experiments.command.app import app, main  # noqa: E402
+from pounding.experiments.command.app import app, main  # noqa: E402
 
 __all__ = ["app", "main"]

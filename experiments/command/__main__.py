@@ -1,6 +1,6 @@
-"""`python -m experiments.command`: the same as `pounding`."""
+"""`python -m pounding.experiments.command`: the same as `pounding`."""
 
-from experiments.command.app import main
+from pounding.experiments.command.app import main
 
 if __name__ == "__main__":
     main()

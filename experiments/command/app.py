@@ -8,7 +8,7 @@ from pathlib import Path
 
 from cyclopts import App
 
-from experiments.command.leaving import command, run
+from pounding.experiments.console.exit_status import command, run
 
 app = command(
     name="pounding",
@@ -17,22 +17,22 @@ app = command(
 
 # Verbs are imported only when they are called, so that `pounding --help` does not load a finite-element code.
 VERBS = {
-    "list": "experiments.command.listing:listing",
-    "demo": "experiments.command.demo:demo",
-    "modal": "experiments.command.modal:modal",
-    "shake": "experiments.command.shake:shake",
-    "pound": "experiments.command.pound:pound",
-    "gap": "experiments.command.gap:gap",
-    "design": "experiments.command.design:design",
-    "diagnose": "experiments.command.diagnose:diagnose",
-    "hide": "experiments.command.hide:hide",
+    "list": "pounding.experiments.command.listing:listing",
+    "demo": "pounding.experiments.command.demo:demo",
+    "modal": "pounding.experiments.command.modal:modal",
+    "shake": "pounding.experiments.command.shake:shake",
+    "pound": "pounding.experiments.command.pound:pound",
+    "gap": "pounding.experiments.command.gap:gap",
+    "design": "pounding.experiments.command.design:design",
+    "diagnose": "pounding.experiments.command.diagnose:diagnose",
+    "hide": "pounding.experiments.command.hide:hide",
 }
 
 
 def described(function: str) -> str:
     """Return what the docstring of ``module:function`` says before its arguments, read without importing the module."""
     module, name = function.split(":")
-    source = Path(__file__).parents[2].joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
+    source = Path(__file__).parents[3].joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8")
     body = ast.parse(source).body
     found = next(node for node in body if isinstance(node, ast.FunctionDef) and node.name == name)
     return (ast.get_docstring(found) or "").split("\n\nArgs:")[0]
@@ -45,22 +45,22 @@ study = App(name="study", help="Replicate a chapter or table of the thesis.")
 app.command(study)
 
 STUDIES = {
-    "frame-mesh": "experiments.studies.frame_mesh:main",
-    "table-3-1": "experiments.studies.table_3_1:main",
-    "laboratory": "experiments.studies.laboratory:main",
-    "engine-accuracy": "experiments.studies.engine_accuracy:main",
-    "figure-4-11": "experiments.studies.figure_4_11:main",
-    "table-4-1": "experiments.studies.table_4_1:main",
-    "table-4-1-missing": "experiments.studies.table_4_1_missing:main",
-    "chapter-4": "experiments.studies.chapter_4:main",
-    "chapter-5": "experiments.studies.chapter_5:main",
-    "chapter-6": "experiments.studies.chapter_6:main",
-    "chapter-7": "experiments.studies.chapter_7:main",
-    "contact-laws": "experiments.studies.contact_laws:main",
-    "contact-accuracy": "experiments.studies.contact_accuracy:main",
-    "campaign-speed": "experiments.studies.campaign_speed:main",
-    "modal-diagnosis": "diagnosis.studies.modal_diagnosis:main",
-    "peak-diagnosis": "diagnosis.studies.peak_diagnosis:main",
+    "frame-mesh": "pounding.experiments.studies.frame_mesh:main",
+    "table-3-1": "pounding.experiments.studies.table_3_1:main",
+    "laboratory": "pounding.experiments.studies.laboratory:main",
+    "engine-accuracy": "pounding.experiments.studies.engine_accuracy:main",
+    "figure-4-11": "pounding.experiments.studies.figure_4_11:main",
+    "table-4-1": "pounding.experiments.studies.table_4_1:main",
+    "table-4-1-missing": "pounding.experiments.studies.table_4_1_missing:main",
+    "chapter-4": "pounding.experiments.studies.chapter_4:main",
+    "chapter-5": "pounding.experiments.studies.chapter_5:main",
+    "chapter-6": "pounding.experiments.studies.chapter_6:main",
+    "chapter-7": "pounding.experiments.studies.chapter_7:main",
+    "contact-laws": "pounding.experiments.studies.contact_laws:main",
+    "contact-accuracy": "pounding.experiments.studies.contact_accuracy:main",
+    "campaign-speed": "pounding.experiments.studies.campaign_speed:main",
+    "modal-diagnosis": "pounding.diagnosis.studies.modal_diagnosis:main",
+    "peak-diagnosis": "pounding.diagnosis.studies.peak_diagnosis:main",
 }
 """The studies by name, each a function that `python -m` and the tests call too."""
 

@@ -11,24 +11,24 @@ from cyclopts import Parameter
 from rich.console import Console
 from rich.progress import Progress
 
-import frames
-from contact import thesis_law
-from experiments import keeping
-from experiments.command import options
-from experiments.command.output import progress_console, warn
-from experiments.command.pound import pound
-from experiments.command.shake import shake
-from experiments.errors import ExperimentError
-from experiments.films import film
-from experiments.pounding import Pounding
-from experiments.pounding import pound as run_pair
-from experiments.records import Record, find
-from experiments.scenes import picture
-from experiments.separation.required_gap import pair_gap
-from experiments.studies import laboratory, table_3_1
-from frames.errors import FrameError
-from frames.pictures import mesh_picture, modes_picture
-from frames.vtk import write_modes
+from pounding import frames
+from pounding.contact import thesis_law
+from pounding.experiments.command.pound import pound
+from pounding.experiments.command.shake import shake
+from pounding.experiments.console import options
+from pounding.experiments.console.output import progress_console, warn
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.pictures.films import film
+from pounding.experiments.pictures.scenes import picture
+from pounding.experiments.records import Record, find
+from pounding.experiments.rig.pounding import Pounding
+from pounding.experiments.rig.pounding import pound as run_pair
+from pounding.experiments.rig.required_gap import pair_gap
+from pounding.experiments.studies import laboratory, table_3_1
+from pounding.frames.drawing.pictures import mesh_picture, modes_picture
+from pounding.frames.drawing.vtk import write_modes
+from pounding.frames.errors import FrameError
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 PAIR = ("15B", "5B")

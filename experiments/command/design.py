@@ -9,14 +9,14 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import RenderableType
 
-from experiments.command import options
-from experiments.command.gap import Report
-from experiments.command.output import emit, table
-from experiments.provenance import stamp
-from experiments.separation import pictures
-from experiments.separation.design import DEFAULT_DAMPING_PERCENT, Site
-from experiments.separation.design import design as answer
-from experiments.separation.report import write_report
+from pounding.experiments.command.gap import Report
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.separation import pictures
+from pounding.experiments.separation.report import write_report
+from pounding.experiments.separation.rules.design import DEFAULT_DAMPING_PERCENT, Site
+from pounding.experiments.separation.rules.design import design as answer
 
 Hertz = Annotated[
     float | None, Parameter(help="First frequency [Hz]; default: AS 1170.4 by the height, eq 7.19.")

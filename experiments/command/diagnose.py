@@ -9,9 +9,9 @@ from typing import Annotated, Literal
 from cyclopts import Group, Parameter
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from diagnosis.errors import CaseError
-from experiments.command import options
-from experiments.command.output import emit, progress_console
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, progress_console
 
 OF_BENCHMARK = Group("Judging the diagnosis instead (docs/diagnosis/benchmark.md)", sort_key=1)
 
@@ -92,9 +92,9 @@ def diagnose(
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
-    from diagnosis.diagnose import diagnose_case
-    from diagnosis.modal_files import modal_tables
-    from diagnosis.report import tables
+    from pounding.diagnosis.report.modal_report import modal_tables
+    from pounding.diagnosis.report.writing import tables
+    from pounding.diagnosis.workflow import diagnose_case
 
     with _bar() as told:
         report = diagnose_case(case, out, told, candidates_file=candidates, calibrate=calibrate)
@@ -118,7 +118,7 @@ def _benchmark(
     out: Path | None,
     json: bool,
 ) -> None:
-    from diagnosis.benchmark.run import KINDS, run_benchmark, tables
+    from pounding.diagnosis.benchmark.run import KINDS, run_benchmark, tables
 
     result = run_benchmark(
         cases,

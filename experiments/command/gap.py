@@ -9,15 +9,15 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.console import RenderableType
 
-import frames
-from experiments.command import options
-from experiments.command.output import emit, table, warn
-from experiments.errors import ExperimentError
-from experiments.provenance import stamp
-from experiments.records import MODEL_TIME_FACTOR, find
-from experiments.separation import pictures
-from experiments.separation.gap import MODEL_LENGTH_SCALE, gap_answer, history
-from experiments.separation.report import write_report
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, table, warn
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import MODEL_TIME_FACTOR, find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.separation import pictures
+from pounding.experiments.separation.gaps.gap import MODEL_LENGTH_SCALE, gap_answer, history
+from pounding.experiments.separation.report import write_report
 
 Floor = Annotated[int | None, Parameter(help="Floor of the lower frame; default: its roof.")]
 FullScale = Annotated[

@@ -7,11 +7,11 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from diagnosis.hidden.hide import hide as hide_effects
-from diagnosis.hidden.writing import write_hidden
-from experiments.command import options
-from experiments.command.output import emit, table
-from experiments.provenance import stamp
+from pounding.diagnosis.hidden.hide import hide as hide_effects
+from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
 
 
 def hide(

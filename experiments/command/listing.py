@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-import contact
-import frames
-from experiments import records as ground_motions
-from experiments.command import options
-from experiments.command.app import STUDIES
-from experiments.command.output import emit, table
-from experiments.provenance import stamp
+from pounding import contact, frames
+from pounding.experiments import records as ground_motions
+from pounding.experiments.command.app import STUDIES
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
 
 
 def listing(*, records: options.Records = None, json: options.Json = False) -> None:

@@ -8,13 +8,13 @@ from typing import Annotated, Any
 import msgspec
 from cyclopts import Parameter
 
-import frames
-from experiments.command import options
-from experiments.command.output import emit, table
-from experiments.provenance import stamp
-from frames import modal as modal_analysis
-from frames.assembly import Options
-from frames.modal import DIRECTIONS
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
+from pounding.frames.fe.assembly import Options
+from pounding.frames.response import modal as modal_analysis
+from pounding.frames.response.modal import DIRECTIONS
 
 
 def modal(

@@ -11,15 +11,16 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
-from contact.laws import Law
-from contact.parameters import PRINTED, make_law, thesis_law
-from experiments import collision_files, keeping
-from experiments.command import options
-from experiments.command.output import emit, plain, progress_console, table, warn
-from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from experiments.pounding import Pounding, built, floor_masses, rig_of, shaking
-from experiments.pounding import pound as run_one
-from experiments.provenance import stamp
+from pounding.contact.laws import Law
+from pounding.contact.parameters import PRINTED, make_law, thesis_law
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, plain, progress_console, table, warn
+from pounding.experiments.output import collision_folder as collision_files
+from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
+from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig_of, shaking
+from pounding.experiments.rig.pounding import pound as run_one
 
 DEFAULT_LAW = "linear_viscoelastic"
 FIVE_LAWS = tuple(PRINTED)

@@ -9,14 +9,17 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 from rich.progress import Progress
 
-import frames
-from experiments import keeping, measured, plots, results
-from experiments.command import options
-from experiments.command.output import emit, plain, progress_console, table, warn
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.shaking import Shaking
-from experiments.shaking import shake as run
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.output import emit, plain, progress_console, table, warn
+from pounding.experiments.measurements import history as measured
+from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.pictures import plots
+from pounding.experiments.records import Record, find
+from pounding.experiments.results import dataset as results
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.shaking import Shaking
+from pounding.experiments.rig.shaking import shake as run
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to lay over the run: header, first column time_s, one column a "

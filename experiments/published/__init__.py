@@ -12,7 +12,7 @@ from importlib.resources import files
 
 import pandas as pd
 
-from experiments.errors import ExperimentError
+from pounding.experiments.errors import ExperimentError
 
 _FOLDER = files(__name__)
 _LISTS = ("index", "levels")

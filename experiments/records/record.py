@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import butter, sosfiltfilt
 
-from experiments.errors import ExperimentError
+from pounding.experiments.errors import ExperimentError
 
 STANDARD_GRAVITY = 9.80665
 """[m/s^2] per g."""

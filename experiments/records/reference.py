@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from experiments.errors import ExperimentError
-from experiments.records.record import Record
-from experiments.spectra import oscillator_extremes
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.record import Record
+from pounding.experiments.records.spectra import oscillator_extremes
 
 FINGERPRINT_DAMPING = 0.02
 PEAK_TOLERANCE_G = 0.001

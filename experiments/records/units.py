@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 
-from experiments.errors import ExperimentError
-from experiments.records.record import STANDARD_GRAVITY
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.record import STANDARD_GRAVITY
 
 _SPELLINGS = {
     1.0: ("m/s2", "m/s/s", "m/sec2", "m/sec/sec", "m_s2", "mps2", "meters/sec2"),

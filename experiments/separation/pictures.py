@@ -14,10 +14,10 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from experiments.plots import OURS, PUBLISHED, STYLE, THEIRS
-from experiments.separation.maps import GapMap
-from experiments.separation.regression import Fit
-from frames.files import replacing
+from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
+from pounding.experiments.separation.chapter_7.regression import Fit
+from pounding.experiments.separation.gaps.maps import GapMap
+from pounding.frames.files import replacing
 
 Real = NDArray[np.floating[Any]]
 GREY = "#888888"
@@ -35,7 +35,7 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
         times_s: Instants (m,) [s].
         left_m: Displacement of the left floor (m,) [m].
         right_m: Displacement of the right floor (m,) [m].
-        result: Answer of `experiments.separation.gap.gap_answer`.
+        result: Answer of `pounding.experiments.separation.gaps.gap.gap_answer`.
     """
     figure = _figure(9.0, 5.0)
     upper, lower = figure.subplots(2, 1, sharex=True)

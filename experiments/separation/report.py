@@ -11,10 +11,12 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
-from frames.files import replacing
+from pounding.frames.files import replacing
 
 _TEMPLATES = Environment(
-    loader=PackageLoader("experiments.separation", "templates"), autoescape=True, undefined=StrictUndefined
+    loader=PackageLoader("pounding.experiments.separation", "templates"),
+    autoescape=True,
+    undefined=StrictUndefined,
 )
 
 

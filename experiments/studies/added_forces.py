@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from experiments.studies.single_changes import Force, Storeys, modes
+from pounding.experiments.studies.single_changes import Force, Storeys, modes
 
 Real = NDArray[np.float64]
 SLIDERS = 6

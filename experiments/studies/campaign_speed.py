@@ -11,13 +11,13 @@ import time
 from pathlib import Path
 from typing import Any
 
-from experiments.campaign import LAWS, chapter_5, chapter_6, run_all, shaking
-from experiments.campaign_tables import case
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit
-from experiments.provenance import stamp
-from experiments.studies.shared import Kept, Workers
+from pounding.experiments.campaign.cases import LAWS, chapter_5, chapter_6, run_all, shaking
+from pounding.experiments.campaign.tables import case
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies.shared import Kept, Workers
 
 
 def main(

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import bilinear, butter, lfilter, sosfilt
 
-from experiments.records import Record
-from experiments.studies import added_forces
-from experiments.studies import single_changes as change
-from experiments.studies.single_changes import Storeys
+from pounding.experiments.records import Record
+from pounding.experiments.studies import added_forces
+from pounding.experiments.studies import single_changes as change
+from pounding.experiments.studies.single_changes import Storeys
 
 Real = NDArray[np.float64]
 LINEAR_STEP_S = 5e-4

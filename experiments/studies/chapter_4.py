@@ -16,20 +16,21 @@ from cyclopts import Parameter
 from rich.console import RenderableType
 from rich.progress import Progress
 
-from experiments import published
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table, warn
-from experiments.errors import ExperimentError
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.separation import pictures, tables_4
-from experiments.separation.confirm import confirm
-from experiments.separation.maps import gap_map
-from experiments.separation.parametric import motions_of_the_study
-from experiments.studies.table_4_1 import BLIND, Variant, build, variants
-from frames import ReducedFrame
-from frames.files import write_whole
+from pounding.experiments import published
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table, warn
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record, find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.separation import pictures
+from pounding.experiments.separation.chapter_7.parametric import motions_of_the_study
+from pounding.experiments.separation.gaps import tables_4
+from pounding.experiments.separation.gaps.confirm import confirm
+from pounding.experiments.separation.gaps.maps import gap_map
+from pounding.experiments.studies.table_4_1 import BLIND, Variant, build, variants
+from pounding.frames import ReducedFrame
+from pounding.frames.files import write_whole
 
 FRAMES = ("15A", "15B", "10", "5A", "5B")
 

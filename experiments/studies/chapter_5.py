@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.parameters import STIFFNESS_SETS, viscoelastic_of
-from experiments import plots_contact
-from experiments.campaign import RECORDS, Trial, chapter_5, run_all, shaking
-from experiments.campaign_tables import case
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, table
-from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from experiments.pounding import built, pound
-from experiments.provenance import stamp
-from experiments.studies.shared import Kept, Workers, keyed, write_tables
+from pounding.contact.parameters import STIFFNESS_SETS, viscoelastic_of
+from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all, shaking
+from pounding.experiments.campaign.tables import case
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.pictures import contact_plots as plots_contact
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
+from pounding.experiments.rig.pounding import built, pound
+from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
 
 SOURCES = tuple(STIFFNESS_SETS)
 REFERENCE = "experiment"

@@ -14,7 +14,7 @@ from typing import Any
 
 import pandas as pd
 
-from experiments.campaign import (
+from pounding.experiments.campaign.cases import (
     LAWS,
     OTHER_MERGING_MS,
     Trial,
@@ -24,7 +24,8 @@ from experiments.campaign import (
     run_apart,
     shaking,
 )
-from experiments.campaign_tables import (
+from pounding.experiments.campaign.dissimilarity import printed_values, rank_sums, ranking_table
+from pounding.experiments.campaign.tables import (
     KEY,
     agreement,
     band_cases,
@@ -38,14 +39,13 @@ from experiments.campaign_tables import (
     ranking,
     requirements,
 )
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, table
-from experiments.dissimilarity import printed_values, rank_sums, ranking_table
-from experiments.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from experiments.provenance import stamp
-from experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
-from experiments.sweep import sweep
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
+from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
+from pounding.experiments.sweeps.sweep import sweep
 
 DEFAULT_LAW = "linear_viscoelastic"
 

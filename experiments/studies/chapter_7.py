@@ -15,20 +15,26 @@ import pandas as pd
 from cyclopts import Parameter
 from rich.console import RenderableType
 
-from experiments import published
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, warn
-from experiments.errors import ExperimentError
-from experiments.provenance import stamp
-from experiments.records import REFERENCES, Record, find
-from experiments.separation import equations, formulas, pictures, printed_rows, tables_7
-from experiments.separation.design import Site, design
-from experiments.separation.parametric import PAIR_NAMES, VALIDATION_LABEL, motions_of_the_study, study
-from experiments.separation.regression import WITHOUT_STIFFNESS_AND_MASS, fit
-from experiments.studies.chapter_4 import from_frame
-from frames import build, load
-from frames.files import write_whole
+from pounding.experiments import published
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, warn
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import REFERENCES, Record, find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.separation import pictures
+from pounding.experiments.separation.chapter_7 import equations, formulas, printed_rows, tables_7
+from pounding.experiments.separation.chapter_7.parametric import (
+    PAIR_NAMES,
+    VALIDATION_LABEL,
+    motions_of_the_study,
+    study,
+)
+from pounding.experiments.separation.chapter_7.regression import WITHOUT_STIFFNESS_AND_MASS, fit
+from pounding.experiments.separation.rules.design import Site, design
+from pounding.experiments.studies.chapter_4 import from_frame
+from pounding.frames import build, load
+from pounding.frames.files import write_whole
 
 NEW_PAIRS = ("12-8", "10-8")
 NEW_LABELS = ("sap2", "sap3", VALIDATION_LABEL)

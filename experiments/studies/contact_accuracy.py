@@ -19,19 +19,19 @@ from typing import Annotated, Any
 import pandas as pd
 from cyclopts import Parameter
 
-import frames
-from contact.parameters import thesis_law
-from experiments.campaign import LAWS, chapter_6, frame_of
-from experiments.campaign_tables import label
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, table
-from experiments.impacts import Impact
-from experiments.pounding import floor_masses, pound, shaking
-from experiments.provenance import stamp
-from experiments.rig import COLLIDING, Accuracy
-from experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
-from experiments.sweep import sweep
+from pounding import frames
+from pounding.contact.parameters import thesis_law
+from pounding.experiments.campaign.cases import LAWS, chapter_6, frame_of
+from pounding.experiments.campaign.tables import label
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.impacts import Impact
+from pounding.experiments.rig.pounding import floor_masses, pound, shaking
+from pounding.experiments.rig.rig import COLLIDING, Accuracy
+from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
+from pounding.experiments.sweeps.sweep import sweep
 
 REFERENCE = Accuracy(1e-10, 1e-12, 2e-4)
 KEEP_HZ = 1200.0

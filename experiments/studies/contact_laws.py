@@ -1,6 +1,6 @@
 """Pictures of the laws by themselves: two free floors of 6.2 kg that collide at 0.3 m/s.
 
-Run it with ``python -m experiments.studies.contact_laws --out DIR``.
+Run it with ``python -m pounding.experiments.studies.contact_laws --out DIR``.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import Any
 import matplotlib
 from matplotlib.figure import Figure
 
-from contact.collision import collide
-from contact.parameters import FLOOR_MASS, RESTITUTION, thesis_law
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, table
-from experiments.plots import OURS, STYLE, THEIRS
-from experiments.provenance import stamp
-from frames.files import replacing
+from pounding.contact.collision import collide
+from pounding.contact.parameters import FLOOR_MASS, RESTITUTION, thesis_law
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.pictures.plots import OURS, STYLE, THEIRS
+from pounding.experiments.results.provenance import stamp
+from pounding.frames.files import replacing
 
 SPEED = 0.3
 DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")

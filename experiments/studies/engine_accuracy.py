@@ -1,6 +1,6 @@
 """How closely and how fast exudyn integrates a frame on the table, by integrator and step.
 
-The reference is the exact response to the same piecewise linear acceleration (`frames.exact`). The error is
+The reference is the exact response to the same piecewise linear acceleration (`frames.response.exact`). The error is
 the largest difference at any sample of the record over the largest displacement, of the worst floor. Run it
 with ``pounding study engine-accuracy``.
 """
@@ -15,16 +15,16 @@ import pandas as pd
 from cyclopts import Parameter
 from rich.progress import Progress
 
-import frames
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.rig import Accuracy, Rig
-from frames.body import TABLE_MASS_KG, run_alone
-from frames.exact import linear_response
-from frames.files import write_whole
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.records import Record, find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.rig import Accuracy, Rig
+from pounding.frames.files import write_whole
+from pounding.frames.response.body import TABLE_MASS_KG, run_alone
+from pounding.frames.response.exact import linear_response
 
 TOLERANCE = 1e-3
 """Largest error that a kept displacement may have."""

@@ -15,17 +15,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from experiments import published
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table
-from experiments.plots import OURS, PUBLISHED, STYLE, THEIRS
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.records.record import MODEL_TIME_FACTOR
-from experiments.spectra import dominant_period, fourier_spectrum, mean_period, response_spectrum
-from experiments.studies.table_4_1 import FRAMES, RECORDS
-from frames.files import replacing
+from pounding.experiments import published
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
+from pounding.experiments.records import Record, find
+from pounding.experiments.records.record import MODEL_TIME_FACTOR
+from pounding.experiments.records.spectra import (
+    dominant_period,
+    fourier_spectrum,
+    mean_period,
+    response_spectrum,
+)
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
+from pounding.frames.files import replacing
 
 SMOOTHING_HZ = 1.0
 """Standard deviation of the Gaussian over the squared Fourier amplitude [Hz]."""

@@ -1,7 +1,7 @@
 """What the mesh, rigid floors and the reduction cost: bare plates on rigid joints, and the believed model.
 
 The OpenSees figures are an independent shell code's (ShellDKGQ, mesh-converged) for the same bare plates. Run
-it with ``python -m experiments.studies.frame_mesh``.
+it with ``python -m pounding.experiments.studies.frame_mesh``.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ import numpy as np
 from rich.console import Console
 from scipy.sparse.linalg import spsolve
 
-import frames
-from experiments.command.leaving import run_script
-from experiments.command.output import table
-from experiments.studies.table_3_1 import thesis_frame
-from frames.assembly import Options, assemble
-from frames.definition import PlateFrame
-from frames.mesh import DEFAULT, Density
-from frames.modal import analyse, rigid_motions
+from pounding import frames
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import table
+from pounding.experiments.studies.table_3_1 import thesis_frame
+from pounding.frames.definition import PlateFrame
+from pounding.frames.fe.assembly import Options, assemble
+from pounding.frames.fe.mesh import DEFAULT, Density
+from pounding.frames.response.modal import analyse, rigid_motions
 
 OPENSEES = {"5A": (8.44, 44.5), "10": (4.37, 21.9), "15A": (2.95, 14.4)}
 """First frequency [Hz] and roof stiffness [N/mm] of bare plates on rigid joints, without P-Delta."""

@@ -19,14 +19,14 @@ from cyclopts import Parameter
 from matplotlib.figure import Figure
 from rich.progress import Progress
 
-import frames
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table
-from experiments.plots import OURS, PUBLISHED, STYLE
-from experiments.provenance import stamp
-from frames import laboratory
-from frames.files import replacing, write_whole
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE
+from pounding.experiments.results.provenance import stamp
+from pounding.frames.files import replacing, write_whole
+from pounding.frames.response import laboratory
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import pandas as pd
 from cyclopts import Parameter
 
-from frames.files import write_whole
+from pounding.frames.files import write_whole
 
 Kept = Annotated[
     Path | None, Parameter(help="Folder for finished cases; an interrupted study goes on from it.")

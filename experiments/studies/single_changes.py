@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import eigh
 
-import frames
-from experiments.records import Record
-from frames.exact import forced, modal_poles
+from pounding import frames
+from pounding.experiments.records import Record
+from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
 GRAVITY = 9.80665

@@ -18,14 +18,14 @@ import pandas as pd
 from cyclopts import Parameter
 from rich.progress import Progress
 
-import frames
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table
-from experiments.provenance import stamp
-from frames.calibration import joint_stiffness, with_joint_stiffness
-from frames.definition import PlateFrame
-from frames.files import write_whole
+from pounding import frames
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.results.provenance import stamp
+from pounding.frames.calibration import joint_stiffness, with_joint_stiffness
+from pounding.frames.definition import PlateFrame
+from pounding.frames.files import write_whole
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 CALIBRATIONS = ("free_vibration", "sweep")

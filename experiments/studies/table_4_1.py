@@ -20,18 +20,19 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-import frames
-from experiments import consistency, published
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, progress_console, table
-from experiments.provenance import stamp
-from experiments.records import Record, find
-from experiments.results import save
-from experiments.studies.table_3_1 import calibrated, thesis_frame
-from experiments.studies.table_4_1_picture import picture
-from frames.definition import PlateFrame
-from frames.exact import linear_response
+from pounding import frames
+from pounding.experiments import published
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.published import consistency
+from pounding.experiments.records import Record, find
+from pounding.experiments.results.dataset import save
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies.table_3_1 import calibrated, thesis_frame
+from pounding.experiments.studies.table_4_1_picture import picture
+from pounding.frames.definition import PlateFrame
+from pounding.frames.response.exact import linear_response
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SIDES = ("max", "min")

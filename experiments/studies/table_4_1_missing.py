@@ -20,18 +20,27 @@ import xarray as xr
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
-from experiments.command import options
-from experiments.command.leaving import run_script
-from experiments.command.output import emit, table
-from experiments.errors import ExperimentError
-from experiments.provenance import stamp
-from experiments.records import find
-from experiments.studies.change_catalogue import CHANGES
-from experiments.studies.shared import Kept, Workers
-from experiments.studies.single_changes import storeys
-from experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, SIDES, build, measured, score, trusted
-from experiments.studies.table_4_1_picture import verdict_picture
-from experiments.sweep import sweep
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, table
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies.change_catalogue import CHANGES
+from pounding.experiments.studies.shared import Kept, Workers
+from pounding.experiments.studies.single_changes import storeys
+from pounding.experiments.studies.table_4_1 import (
+    BLIND,
+    FRAMES,
+    RECORDS,
+    SIDES,
+    build,
+    measured,
+    score,
+    trusted,
+)
+from pounding.experiments.studies.table_4_1_picture import verdict_picture
+from pounding.experiments.sweeps.sweep import sweep
 
 Real = NDArray[np.float64]
 KEPT_ARIAS = 0.999

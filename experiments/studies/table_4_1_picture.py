@@ -12,7 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from frames.files import replacing
+from pounding.frames.files import replacing
 
 STYLE: dict[Any, Any] = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
 MEASURED, OURS, SAP2000 = "#222222", "#c0392b", "#2e86c1"

@@ -20,11 +20,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-import frames
-from contact import thesis_law
-from contact.parameters import PRINTED
-from experiments.pounding import shaking
-from experiments.rig import Contact, Rig
+from pounding import frames
+from pounding.contact import thesis_law
+from pounding.contact.parameters import PRINTED
+from pounding.experiments.rig.pounding import shaking
+from pounding.experiments.rig.rig import Contact, Rig
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt

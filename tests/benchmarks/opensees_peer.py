@@ -27,11 +27,11 @@ from rich.table import Table
 sys.path.insert(0, str(Path(__file__).parent))
 from opensees_model import LumpedFrame, lumped, peaks
 
-import frames
-from contact import HertzDamp, Law, NonlinearViscoelastic, thesis_law
-from contact.damping import hertz_damp_ratio
-from experiments.records import find
-from experiments.rig import Accuracy, Contact, Rig
+from pounding import frames
+from pounding.contact import HertzDamp, Law, NonlinearViscoelastic, thesis_law
+from pounding.contact.damping import hertz_damp_ratio
+from pounding.experiments.records import find
+from pounding.experiments.rig.rig import Accuracy, Contact, Rig
 
 LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
 INTEGRATORS = ("Newmark", "CentralDifference")

@@ -27,11 +27,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from opensees_model import lumped
 from opensees_model import run as run_opensees
 
-import frames
-from experiments.records import Record, find
-from experiments.rig import Rig
-from experiments.separation.parametric import Variant, design_of_cases, pair_gaps, study
-from experiments.separation.required_gap import pair_gap
+from pounding import frames
+from pounding.experiments.records import Record, find
+from pounding.experiments.rig.required_gap import pair_gap
+from pounding.experiments.rig.rig import Rig
+from pounding.experiments.separation.chapter_7.parametric import Variant, design_of_cases, pair_gaps, study
 
 RECORD = "elcentro"
 COUNTS = (1, 10, 100, 407)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
-from contact import Law, make_law
-from contact.parameters import FLOOR_MASS
+from pounding.contact import Law, make_law
+from pounding.contact.parameters import FLOOR_MASS
 
 FIVE = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
 STIFFNESS = {"linear_spring": 20.66e6, "linear_viscoelastic": 20.66e6}

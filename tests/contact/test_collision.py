@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contact import ContactError, Law, collide, make_law
-from contact.collision import contact_time_hertz, contact_time_linear
-from contact.damping import linear_damping_ratio, linear_restitution, reduced_mass
-from contact.stereo import after_impact, after_impact_as_printed, restitution_of
+from pounding.contact import ContactError, Law, collide, make_law
+from pounding.contact.collision import contact_time_hertz, contact_time_linear
+from pounding.contact.damping import linear_damping_ratio, linear_restitution, reduced_mass
+from pounding.contact.stereo import after_impact, after_impact_as_printed, restitution_of
 
 RATIOS = (1.0, 3.0, 10.0, 30.0, 100.0)
 SPEEDS = (0.02, 0.2, 2.0)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from exudyn import itemInterface as items
 
-from contact import ContactError, Law, collide
-from contact.connector import ContactConnector, PointContact, checked_gap, force_function
+from pounding.contact import ContactError, Law, collide
+from pounding.contact.connector import ContactConnector, PointContact, checked_gap, force_function
 
 GAP = 1e-4
 FORCE = exudyn.OutputVariableType.Force

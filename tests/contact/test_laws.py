@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact import ContactError, HertzDamp, Law, LinearSpring, collide, law_class, make_law, names
-from contact.laws import LAWS, FloatOperations
+from pounding.contact import ContactError, HertzDamp, Law, LinearSpring, collide, law_class, make_law, names
+from pounding.contact.laws import LAWS, FloatOperations
 
 FIVE = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
 DEFORMATION = st.floats(1e-9, 5e-3)

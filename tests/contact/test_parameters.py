@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from contact import ContactError, thesis_law, viscoelastic_of
-from contact import stiffness as k
-from contact.damping import linear_damping, linear_damping_ratio, nonlinear_damping_ratio, reduced_mass
-from contact.parameters import (
+from pounding.contact import ContactError, thesis_law, viscoelastic_of
+from pounding.contact import stiffness as k
+from pounding.contact.damping import (
+    linear_damping,
+    linear_damping_ratio,
+    nonlinear_damping_ratio,
+    reduced_mass,
+)
+from pounding.contact.parameters import (
     FLOOR_MASS,
     PLATE_LENGTH,
     PLATE_MATERIAL,

@@ -11,12 +11,13 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
-from diagnosis.believed import Believed
-from diagnosis.case import Case, CaseFrame, Channel, Contact, Run
-from diagnosis.colliding import Pair, Touched, prepare, touched
-from diagnosis.observations import observe
-from diagnosis.pair_report import joined
-from diagnosis.storeys import StoreyFrame, Structure
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Run
+from pounding.diagnosis.contact_force.pair import Touched, prepare, touched
+from pounding.diagnosis.decision.pair_decision import joined
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import observe
+from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.storeys import StoreyFrame, Structure
 
 STEP_S = 0.001
 SAMPLES = 2500

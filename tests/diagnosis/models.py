@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from diagnosis.believed import Believed
-from diagnosis.case import Prior
-from diagnosis.observations import Observations, RunData
-from diagnosis.predictor import ACCELERATION, DISPLACEMENT
-from diagnosis.storeys import StoreyFrame, Structure
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations, RunData
+from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
+from pounding.diagnosis.model.storeys import StoreyFrame, Structure
 
 STEP_S = 0.002
 

@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.advice import advice, as_it_was, expected, measurements, rivals
-from diagnosis.believed import Believed
-from diagnosis.catalogue import Effect, candidates
-from diagnosis.findings import Findings
-from diagnosis.search import search
-from diagnosis.verdict import decide
+from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.design.advice import advice, as_it_was, expected, measurements, rivals
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.model.model import Believed
 from tests.diagnosis.models import measured
 
 

@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.apart import parting_tests
-from diagnosis.believe import believed_frames
-from diagnosis.believed import Believed
-from diagnosis.case import Case, CaseFrame, Channel, Prior, Run
-from diagnosis.case_write import write_case
-from diagnosis.findings import DETECTED_NATS
-from diagnosis.first_frequencies import frequency_warnings
-from diagnosis.observations import Observations
-from diagnosis.sensors import screened
-from diagnosis.smallest import threshold
-from diagnosis.storeys import Structure
-from experiments.command.app import main
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Prior, Run
+from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.design.detectability import threshold
+from pounding.diagnosis.design.distinguishing_tests import parting_tests
+from pounding.diagnosis.inference.findings import DETECTED_NATS
+from pounding.diagnosis.model.first_frequencies import frequency_warnings
+from pounding.diagnosis.model.frames import believed_frames
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations
+from pounding.diagnosis.model.sensors import screened
+from pounding.diagnosis.model.storeys import Structure
+from pounding.experiments.command.app import main
 from tests.diagnosis.models import STEP_S, measured
 
 FRAME = CaseFrame("bench", 3, storey_height_m=0.2, floor_mass_kg=(6.5, 6.5, 6.5),
@@ -219,7 +219,7 @@ def test_a_first_frequency_that_is_unlikely_is_said(believed_hz: float, said: in
 def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
     amplitude = threshold(information, DETECTED_NATS)
-    # The expected evidence as `diagnosis.evidence` has it, for a pull of information times amplitude.
+    # The expected evidence as `pounding.diagnosis.inference.evidence` has it, for a pull of information times amplitude.
     nats = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
     np.testing.assert_allclose(nats, DETECTED_NATS)
 

@@ -13,19 +13,19 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from diagnosis.benchmark import reliability, run
-from diagnosis.benchmark.drawing import draw_set
-from diagnosis.benchmark.scoring import judge
-from diagnosis.benchmark.summary import share, summarise
-from diagnosis.benchmark.tables import tables
-from diagnosis.case import read_case
-from diagnosis.confidence import Features, confidence, read_pairs
-from diagnosis.diagnose import diagnose_case
-from diagnosis.errors import CaseError
-from diagnosis.hidden.effects import CATALOGUE
-from diagnosis.hidden.hide import hide
-from diagnosis.hidden.outsiders import OUTSIDE
-from diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.benchmark import reliability, run
+from pounding.diagnosis.benchmark.drawing import draw_set
+from pounding.diagnosis.benchmark.scoring import judge
+from pounding.diagnosis.benchmark.summary import share, summarise
+from pounding.diagnosis.benchmark.tables import tables
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.decision.confidence import Features, confidence, read_pairs
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.effects import CATALOGUE
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.workflow import diagnose_case
 
 PLACE = dict.fromkeys(("frame", "storey", "floor", "channel", "contact", "left", "right"))
 FRICTION = {**PLACE, "effect": "coulomb_friction", "frame": "5A", "storey": 3}

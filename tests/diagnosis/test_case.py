@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.case import Case, read_case
-from diagnosis.case_write import write_case
-from diagnosis.errors import CaseError
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.errors import CaseError
 
 CASE = """title = "bench"
 

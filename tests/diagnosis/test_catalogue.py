@@ -7,15 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.baseline import starting_noise
-from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened
-from diagnosis.catalogue import CATALOGUE, Effect, candidates
-from diagnosis.engine import simulate_engine
-from diagnosis.evidence import scales
-from diagnosis.gap import simulate
-from diagnosis.hidden.contact_effects import CONTACT
-from diagnosis.hidden.effects import CATALOGUE as HIDDEN
-from diagnosis.observations import root_mean_square
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
+from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
+from pounding.diagnosis.inference.evidence import scales
+from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_baseline, whitened
+from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.observations import root_mean_square
+from pounding.diagnosis.model.twin import simulate_engine
 from tests.diagnosis.models import measured
 
 BELIEVED = measured()

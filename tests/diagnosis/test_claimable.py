@@ -9,10 +9,11 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from diagnosis.confidence import PAIR_NOTHING, features_of
-from diagnosis.figures import _evidence
-from diagnosis.findings import Findings, Judged
-from diagnosis.verdict import Decision, leftover, visible
+from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.verdict import leftover, visible
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.report.figures import _evidence
 from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model
 
 

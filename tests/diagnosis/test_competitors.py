@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.benchmark.competitors import COMPETITORS
-from diagnosis.benchmark.regression import best_model, thresholded, thresholded_by_pysindy
-from diagnosis.errors import CaseError
-from diagnosis.hidden.hide import hide
-from diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.benchmark.competitors import COMPETITORS
+from pounding.diagnosis.benchmark.regression import best_model, thresholded, thresholded_by_pysindy
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.writing import write_hidden
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.benchmark.fitting import main
-from diagnosis.confidence import (
+from pounding.diagnosis.benchmark.fitting import main
+from pounding.diagnosis.decision.confidence import (
     VERDICTS,
     Features,
     confidence,
@@ -21,7 +21,7 @@ from diagnosis.confidence import (
     shipped,
     write_calibration,
 )
-from diagnosis.errors import CaseError
+from pounding.diagnosis.errors import CaseError
 
 
 def cases(count: int, seed: int) -> list[tuple[Features, bool]]:

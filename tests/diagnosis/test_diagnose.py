@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from diagnosis.diagnose import diagnose_case
+from pounding.diagnosis.workflow import diagnose_case
 
 pytestmark = pytest.mark.slow
 

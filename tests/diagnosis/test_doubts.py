@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.baseline import starting_noise
-from diagnosis.believed import Believed
-from diagnosis.calibrate import Baseline, run_baseline
-from diagnosis.doubts import doubts, strain, tones
+from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.model_checks import doubts, strain, tones
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Believed
 from tests.diagnosis.models import STEP_S, measured
 
 SAMPLES = 2000

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from diagnosis.case import Case, CaseFrame, Channel, Run
-from diagnosis.diagnose import find
-from diagnosis.errors import CaseError
-from diagnosis.report import tables, write_report
-from diagnosis.verdict import report_of
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
+from pounding.diagnosis.decision.verdict import report_of
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.report.writing import tables, write_report
+from pounding.diagnosis.workflow import find
 from tests.diagnosis.models import STEP_S, measured
 
 FRAME = CaseFrame("bench", 3, storey_height_m=0.2, floor_mass_kg=(6.5, 6.5, 6.5),

@@ -11,22 +11,24 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from diagnosis import diagnose
-from diagnosis.baseline import calibrated
-from diagnosis.believed import Believed
-from diagnosis.benchmark.drawing import draw_set
-from diagnosis.calibrate import Baseline
-from diagnosis.case import Case, read_case
-from diagnosis.catalogue import candidates
-from diagnosis.colliding import prepare
-from diagnosis.diagnose import find
-from diagnosis.findings import Judged
-from diagnosis.force_errors import put_right, put_right_by
-from diagnosis.gap import channel_gaps, simulate
-from diagnosis.hidden.hide import hide
-from diagnosis.hidden.writing import write_hidden
-from diagnosis.refine import Fit, refine
-from diagnosis.verdict import Decision, decide, leftover
+from pounding.diagnosis import workflow as diagnose
+from pounding.diagnosis.benchmark.drawing import draw_set
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
+from pounding.diagnosis.contact_force.pair import prepare
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.verdict import decide, leftover
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.findings import Judged
+from pounding.diagnosis.inference.misfit import channel_gaps, simulate
+from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.inference.starting import calibrated
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.workflow import find
 from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model
 
 TRAINING = (0,)

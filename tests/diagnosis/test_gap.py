@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from diagnosis.believed import Believed
-from diagnosis.gap import by_frame, over_floor
+from pounding.diagnosis.inference.misfit import by_frame, over_floor
+from pounding.diagnosis.model.model import Believed
 from tests.diagnosis.colliding_models import CONTACT, colliding, model
 from tests.diagnosis.models import measured
 

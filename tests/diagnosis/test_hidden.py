@@ -10,26 +10,31 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import frames
-from diagnosis.case import read_case
-from diagnosis.errors import CaseError
-from diagnosis.hidden import laws, stepping
-from diagnosis.hidden.beams import Appendage
-from diagnosis.hidden.belief import believed
-from diagnosis.hidden.contact_effects import CONTACT
-from diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
-from diagnosis.hidden.effects import CATALOGUE
-from diagnosis.hidden.hide import VISIBILITY, hide
-from diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
-from diagnosis.hidden.motions import Motion, draw
-from diagnosis.hidden.outsiders import OUTSIDE
-from diagnosis.hidden.rigging import draw_rig
-from diagnosis.hidden.scenario import Scenario, Spring, happen
-from diagnosis.hidden.writing import write_hidden
+from pounding import frames
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden import laws, stepping
+from pounding.diagnosis.hidden.beams import Appendage
+from pounding.diagnosis.hidden.belief import believed
+from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
+from pounding.diagnosis.hidden.effects import CATALOGUE
+from pounding.diagnosis.hidden.hide import VISIBILITY, hide
+from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
+from pounding.diagnosis.hidden.motions import Motion, draw
+from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.rigging import draw_rig
+from pounding.diagnosis.hidden.scenario import Scenario, Spring, happen
+from pounding.diagnosis.hidden.writing import write_hidden
 
 HIDDEN = Path(__file__).parents[2] / "diagnosis" / "hidden"
 
-MAY_USE = {"diagnosis.errors", "diagnosis.case", "diagnosis.case_write", "diagnosis.quantities"}
+MAY_USE = {
+    "pounding.diagnosis.errors",
+    "pounding.diagnosis.case.case",
+    "pounding.diagnosis.case.writing",
+    "pounding.diagnosis.case.quantities",
+}
 """Reading, writing and units of the format; nothing that knows an effect."""
 
 
@@ -49,8 +54,8 @@ def test_imports_nothing_that_knows_an_effect(path: Path) -> None:
                 "__import__",
             )
     ours = {name for name in used if name.split(".")[0] in ("diagnosis", "contact", "frames", "experiments")}
-    allowed = {"frames", "experiments.errors", "experiments.records", "diagnosis"} | MAY_USE
-    assert {name for name in ours if not name.startswith("diagnosis.hidden")} <= allowed
+    allowed = {"frames", "pounding.experiments.errors", "pounding.experiments.records", "diagnosis"} | MAY_USE
+    assert {name for name in ours if not name.startswith("pounding.diagnosis.hidden")} <= allowed
 
 
 @pytest.mark.parametrize("name", ["5A", "5B", "10", "15B"])

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import frames
-from diagnosis.baseline import calibrated, starting_noise
-from diagnosis.believed import shift
-from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened, whitened_innovations
-from diagnosis.kalman import discretise, linear_system, steady_filter
-from diagnosis.observations import root_mean_square
-from diagnosis.predictor import CUBIC
-from diagnosis.terms import ordinary_terms
-from frames.exact import linear_response
+from pounding import frames
+from pounding.diagnosis.inference.filtering import (
+    grouped_signatures,
+    motions,
+    run_baseline,
+    whitened,
+    whitened_innovations,
+)
+from pounding.diagnosis.inference.starting import calibrated, starting_noise
+from pounding.diagnosis.model.kalman import discretise, linear_system, steady_filter
+from pounding.diagnosis.model.model import shift
+from pounding.diagnosis.model.observations import root_mean_square
+from pounding.diagnosis.model.predictor import CUBIC
+from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
 
 

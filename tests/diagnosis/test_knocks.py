@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from diagnosis.baseline import starting_noise
-from diagnosis.believed import Believed
-from diagnosis.calibrate import Baseline, run_baseline
-from diagnosis.effects_storey import CubicStiffness
-from diagnosis.knocks import BESIDE_TOUCH_S, knocks
+from pounding.diagnosis.decision.impulses import BESIDE_TOUCH_S, knocks
+from pounding.diagnosis.effects.storey import CubicStiffness
+from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Believed
 from tests.diagnosis.models import STEP_S, measured, three_storeys
 
 WIDTH_S = 0.005

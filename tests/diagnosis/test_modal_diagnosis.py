@@ -9,16 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.case import Prior, read_case
-from diagnosis.case_numbers import ModalDatum
-from diagnosis.case_write import write_case
-from diagnosis.diagnose import diagnose_case
-from diagnosis.errors import CaseError
-from diagnosis.modal_diagnosis import examine
-from diagnosis.modal_evidence import Acting, foretell, modal_candidates, shows, weigh
-from diagnosis.modal_model import alone
-from diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
-from diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.case.numbers import ModalDatum
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.modal import examine
+from pounding.diagnosis.inference.modal_evidence import Acting, foretell, modal_candidates, shows, weigh
+from pounding.diagnosis.inference.modal_model import alone
+from pounding.diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
+from pounding.diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
+from pounding.diagnosis.workflow import diagnose_case
 from tests.diagnosis.models import three_storeys
 
 BENCH = """

@@ -10,22 +10,23 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
-from diagnosis.baseline import starting_noise
-from diagnosis.believed import Believed
-from diagnosis.calibrate import grouped_signatures, motions, run_baseline, whitened
-from diagnosis.candidate_file import read_candidates
-from diagnosis.case import Prior
-from diagnosis.catalogue import Effect, candidates, places
-from diagnosis.effects_user import user_kinds
-from diagnosis.engine import simulate_engine
-from diagnosis.errors import CaseError
-from diagnosis.evidence import scales
-from diagnosis.findings import Findings
-from diagnosis.gap import simulate
-from diagnosis.observations import Observations, RunData, root_mean_square
-from diagnosis.predictor import ACCELERATION, DISPLACEMENT
-from diagnosis.search import search
-from diagnosis.verdict import decide, parameters
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.decision.verdict import decide, parameters
+from pounding.diagnosis.effects.candidate_file import read_candidates
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import Effect, places
+from pounding.diagnosis.effects.user import user_kinds
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.evidence import scales
+from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_baseline, whitened
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
+from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
+from pounding.diagnosis.model.twin import simulate_engine
 from tests.diagnosis.models import STEP_S, measured, shaking, three_storeys
 
 FILE = """

@@ -9,19 +9,19 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from contact.parameters import make_law
-from diagnosis.believed import Believed
-from diagnosis.case import Case, Contact
-from diagnosis.colliding import Touched
-from diagnosis.confidence import CONTACT as CONTACT_CLAIM
-from diagnosis.confidence import Features
-from diagnosis.engine import Between, simulate_touching
-from diagnosis.errors import CaseError
-from diagnosis.findings import Findings
-from diagnosis.pair_calibration import Truth, right, simulate_and_judge, simulated, truths
-from diagnosis.pair_report import place
-from diagnosis.pairs import quick_baseline
-from diagnosis.rig_calibration import turn
+from pounding.contact.parameters import make_law
+from pounding.diagnosis.case.case import Case, Contact
+from pounding.diagnosis.contact_force.pair import Touched
+from pounding.diagnosis.contact_force.pairs import quick_baseline
+from pounding.diagnosis.decision.confidence import CONTACT as CONTACT_CLAIM
+from pounding.diagnosis.decision.confidence import Features
+from pounding.diagnosis.decision.pair_calibration import Truth, right, simulate_and_judge, simulated, truths
+from pounding.diagnosis.decision.pair_decision import place
+from pounding.diagnosis.decision.rig_calibration import turn
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.twin import Between, simulate_touching
 from tests.diagnosis.colliding_models import CONTACT, FLOORS, MASS, STEP_S, colliding, judged, model, shaken
 
 OFFSET = replace(CONTACT, gap_m=0.0048)

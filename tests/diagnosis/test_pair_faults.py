@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from diagnosis import diagnose, pairs
-from diagnosis.case import Case
-from diagnosis.colliding import Touched, cell_at_its_word, prepare
-from diagnosis.diagnose import find, report_on_pair
-from diagnosis.knocks import knocks
-from diagnosis.pair_report import candidates, joined
-from diagnosis.verdict import Decision, report_of
+from pounding.diagnosis import workflow as diagnose
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.contact_force import pairs
+from pounding.diagnosis.contact_force.pair import Touched, cell_at_its_word, prepare
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.impulses import knocks
+from pounding.diagnosis.decision.pair_decision import candidates, joined
+from pounding.diagnosis.decision.verdict import report_of
+from pounding.diagnosis.workflow import find, report_on_pair
 from tests.diagnosis.colliding_models import (
     CONTACT,
     DRIFT,

@@ -9,17 +9,19 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
-from diagnosis import contact_advice, contacts, impacts, pairs
-from diagnosis.calibrate import grouped_signatures, motions, whitened
-from diagnosis.case import Case, Contact
-from diagnosis.colliding import Foretold, Pair, Touched, foretold, found_again, prepare
-from diagnosis.contact_hypotheses import hypotheses
-from diagnosis.findings import BLIND_FACTOR, Findings
-from diagnosis.gap import simulate, touch_response
-from diagnosis.impacts import Law, strike
-from diagnosis.pair_report import CLAIM_NATS, joined
-from diagnosis.terms import ordinary_terms
+from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
+from pounding.diagnosis.case.case import Case, Contact
+from pounding.diagnosis.contact_force import contacts, impacts, pairs
+from pounding.diagnosis.contact_force.hypotheses import hypotheses
+from pounding.diagnosis.contact_force.impacts import Law, strike
+from pounding.diagnosis.contact_force.pair import Foretold, Touched, foretold, found_again, prepare
+from pounding.diagnosis.decision.pair_decision import CLAIM_NATS, joined
+from pounding.diagnosis.design import contact_advice
+from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
+from pounding.diagnosis.inference.findings import BLIND_FACTOR, Findings
+from pounding.diagnosis.inference.misfit import simulate, touch_response
+from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.terms import ordinary_terms
 from tests.diagnosis.colliding_models import (
     CONTACT,
     MASS,

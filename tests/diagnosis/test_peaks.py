@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.case import Prior, read_case
-from diagnosis.case_numbers import Peak
-from diagnosis.errors import CaseError
-from diagnosis.observations import RunData
-from diagnosis.peaks import CATALOGUE, PeakModel, evidence, log_likelihood
-from diagnosis.studies.peak_diagnosis import RECORDS, judge, thesis_peaks
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.case.numbers import Peak
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.peaks import CATALOGUE, PeakModel, evidence, log_likelihood
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.studies.peak_diagnosis import RECORDS, judge, thesis_peaks
 from tests.diagnosis.models import STEP_S, shaking, three_storeys
 
 EFFECTS = {effect.name: effect for effect in CATALOGUE}

@@ -9,12 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from diagnosis.catalogue import candidates
-from diagnosis.confidence import basis, shipped
-from diagnosis.diagnose import diagnose_case
-from diagnosis.errors import CaseError
-from diagnosis.findings import Findings
-from diagnosis.rig_calibration import (
+from pounding.diagnosis.decision.confidence import basis, shipped
+from pounding.diagnosis.decision.rig_calibration import (
     Outcome,
     calibrate,
     fingerprint,
@@ -24,8 +20,12 @@ from diagnosis.rig_calibration import (
     simulated,
     stated,
 )
-from diagnosis.search import search
-from diagnosis.verdict import decide, features
+from pounding.diagnosis.decision.verdict import decide, features
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.workflow import diagnose_case
 from tests.diagnosis.models import measured
 
 CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffness" and one.storey == 2)

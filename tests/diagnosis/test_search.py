@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from diagnosis.baseline import calibrated
-from diagnosis.catalogue import candidates
-from diagnosis.evidence import scales, score
-from diagnosis.findings import Findings, judge
-from diagnosis.refine import refine
-from diagnosis.search import softer
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.inference.evidence import scales, score
+from pounding.diagnosis.inference.findings import Findings, judge
+from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.search import softer
+from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.models import measured
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from diagnosis.benchmark.scoring import judge
-from diagnosis.diagnose import diagnose_case
-from diagnosis.hidden.hide import hide
-from diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.benchmark.scoring import judge
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.workflow import diagnose_case
 
 pytestmark = pytest.mark.slow
 

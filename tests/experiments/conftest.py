@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import frames
-from experiments.records import Record
-from experiments.shaking import shake
+from pounding import frames
+from pounding.experiments.records import Record
+from pounding.experiments.rig.shaking import shake
 
 
 def _record(samples=400, step_s=0.0036, name="noise", peak_g=0.3):

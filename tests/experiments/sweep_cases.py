@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from experiments.sweep_store import StoreError
-from frames.files import replacing
+from pounding.experiments.sweeps.store import StoreError
+from pounding.frames.files import replacing
 
 
 def square(x, y=0.0, offset=0.0):

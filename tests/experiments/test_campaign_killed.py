@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from experiments.campaign import run_all, run_case
+from pounding.experiments.campaign.cases import run_all, run_case
 
 GAPS_MM = (2.0, 2.5, 3.0, 3.5, 4.0, 4.5)
 CASE = {"left": "5A", "right": "5B", "record": "elcentro-chopra", "law": "hertz_damp"}
@@ -20,7 +20,7 @@ CASES = [CASE | {"gap_mm": gap} for gap in GAPS_MM]
 PROGRAM = f"""
 import sys
 from pathlib import Path
-from experiments.campaign import run_all
+from pounding.experiments.campaign.cases import run_all
 if __name__ == "__main__":
     run_all({CASES!r}, kept=Path(sys.argv[1]), workers=2)
 """

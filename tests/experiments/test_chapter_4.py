@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from experiments.records import find
-from experiments.separation import tables_4
-from experiments.studies import chapter_4
-from experiments.studies.table_4_1 import BLIND, build
+from pounding.experiments.records import find
+from pounding.experiments.separation.gaps import tables_4
+from pounding.experiments.studies import chapter_4
+from pounding.experiments.studies.table_4_1 import BLIND, build
 
 
 @pytest.fixture(scope="module")

@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contact.parameters import STIFFNESS_SETS
-from experiments.campaign import chapter_5, model_seconds
-from experiments.studies import chapter_5 as study
+from pounding.contact.parameters import STIFFNESS_SETS
+from pounding.experiments.campaign.cases import chapter_5, model_seconds
+from pounding.experiments.studies import chapter_5 as study
 
 
 def test_twenty_gaps_as_printed(test_records: Path) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from experiments.campaign import LAWS, Trial, chapter_6, frame_of, peaks_table, run_case
-from experiments.campaign_tables import (
+from pounding.experiments.campaign.cases import LAWS, Trial, chapter_6, frame_of, peaks_table, run_case
+from pounding.experiments.campaign.tables import (
     BANDS,
     agreement,
     band_cases,
@@ -23,9 +23,9 @@ from experiments.campaign_tables import (
     first_impact_dissimilarity,
     ranking,
 )
-from experiments.errors import ExperimentError
-from experiments.studies import chapter_6 as study
-from experiments.sweep import sweep
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.studies import chapter_6 as study
+from pounding.experiments.sweeps.sweep import sweep
 
 ONE = Trial("15B", "5B", "elcentro", 11.0, 11.0)
 

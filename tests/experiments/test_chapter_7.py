@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from experiments.records import REFERENCES
-from experiments.records.fema import fema_file
-from experiments.separation import experience, parametric, tables_7
-from experiments.studies import chapter_7
+from pounding.experiments.records import REFERENCES
+from pounding.experiments.records.fema import fema_file
+from pounding.experiments.separation.chapter_7 import experience, parametric, tables_7
+from pounding.experiments.studies import chapter_7
 
 TESTS = ["hachinohe", "elcentro", "kobe", "northridge"]
 """Labels of the motions that are the thesis' own."""
@@ -119,7 +119,7 @@ def test_contradictions_are_named() -> None:
 MEASURED = """
 import json, resource, sys
 from pathlib import Path
-from experiments.studies import chapter_7
+from pounding.experiments.studies import chapter_7
 
 chapter_7.main(out=Path(sys.argv[1]), records=Path(sys.argv[2]), workers=2, json=True)
 spent = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments import consistency
-from experiments.consistency import Contradiction, Pair
+from pounding.experiments.published import consistency
+from pounding.experiments.published.consistency import Contradiction, Pair
 
 signal = st.lists(st.floats(-50, 50), min_size=3, max_size=30)
 

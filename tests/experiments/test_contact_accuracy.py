@@ -6,8 +6,8 @@ from typing import Any
 
 import pandas as pd
 
-from experiments.impacts import Impact
-from experiments.studies.contact_accuracy import COMPARISONS, compared, show, summary
+from pounding.experiments.rig.impacts import Impact
+from pounding.experiments.studies.contact_accuracy import COMPARISONS, compared, show, summary
 
 
 def impact(time_s: float, peak_n: float, impulse: float = 1.0) -> Impact:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from experiments.errors import ExperimentError
-from experiments.separation.design import Site, design
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.separation.rules.design import Site, design
 
 
 def rule(result: dict, name: str) -> dict:

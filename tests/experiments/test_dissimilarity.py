@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from experiments import published
-from experiments.dissimilarity import (
+from pounding.experiments import published
+from pounding.experiments.campaign.dissimilarity import (
     counted_impacts,
     dissimilarity,
     printed_values,
@@ -15,7 +15,7 @@ from experiments.dissimilarity import (
     ranking_table,
     ranks,
 )
-from experiments.errors import ExperimentError
+from pounding.experiments.errors import ExperimentError
 
 
 def test_dissimilarity_is_the_largest_difference_of_running_sums() -> None:
@@ -71,7 +71,7 @@ def test_laws_are_ranked_against_a_reference() -> None:
 
 
 def test_tables_5_1_and_6_1_are_what_the_laws_use() -> None:
-    from contact.parameters import PRINTED, STIFFNESS_SETS
+    from pounding.contact.parameters import PRINTED, STIFFNESS_SETS
 
     table = published.table("5.1")
     found = [(1e-3 * stiffness, damping) for stiffness, damping in STIFFNESS_SETS.values()]

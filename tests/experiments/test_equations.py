@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from experiments import published
-from experiments.errors import ExperimentError
-from experiments.separation import equations as eq
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.separation.chapter_7 import equations as eq
 
 EXAMPLE = {"HT": 39000.0, "HS": 21000.0, "FT": 0.466, "FS": 0.7414, "DT": 5.0, "DS": 5.0, "E": 0.2}
 AT_MODEL_SCALE = {"HT": 1500.0, "HS": 1000.0, "FT": 2.29, "FS": 3.53, "DT": 1.0, "DS": 1.0}

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import frames
-from experiments.command.app import main
-from experiments.records import Record
-from experiments.separation.gap import gap_answer, published_gap
+from pounding import frames
+from pounding.experiments.command.app import main
+from pounding.experiments.records import Record
+from pounding.experiments.separation.gaps.gap import gap_answer, published_gap
 
 GAP_KEYS = {
     "left",

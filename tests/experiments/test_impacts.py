@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact import LinearSpring, make_law
-from experiments.impacts import MERGING_S, all_impacts, groups, impacts
-from experiments.motion import ContactHistory, Motion
+from pounding.contact import LinearSpring, make_law
+from pounding.experiments.rig.impacts import MERGING_S, all_impacts, groups, impacts
+from pounding.experiments.rig.motion import ContactHistory, Motion
 
 SPEED, STIFFNESS, MASS = 0.3, 20e6, 3.1
 HALF = np.pi / np.sqrt(STIFFNESS / MASS)  # contact time

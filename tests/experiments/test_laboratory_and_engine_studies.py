@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from experiments.studies import engine_accuracy, laboratory
+from pounding.experiments.studies import engine_accuracy, laboratory
 
 
 @pytest.fixture(scope="module")

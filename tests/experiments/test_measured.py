@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from experiments import measured, plots, results
-from experiments.errors import ExperimentError
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.measurements import history as measured
+from pounding.experiments.pictures import plots
+from pounding.experiments.results import dataset as results
 
 
 def write(folder, text, name="run.csv"):

@@ -8,15 +8,20 @@ import numpy as np
 import pandas as pd
 import pytest
 
-import frames
-from experiments import published
-from experiments.errors import ExperimentError
-from experiments.records import find
-from experiments.separation import parametric
-from experiments.separation.parametric import Variant, design_of_cases, motions_of_the_study, pair_gaps
-from experiments.separation.printed_rows import moving_masses, printed_rows
-from experiments.separation.required_gap import pair_gap
-from experiments.separation.variants import effective_base_mass, modal_frame, tuned_frame
+from pounding import frames
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import find
+from pounding.experiments.rig.required_gap import pair_gap
+from pounding.experiments.separation.chapter_7 import parametric
+from pounding.experiments.separation.chapter_7.parametric import (
+    Variant,
+    design_of_cases,
+    motions_of_the_study,
+    pair_gaps,
+)
+from pounding.experiments.separation.chapter_7.printed_rows import moving_masses, printed_rows
+from pounding.experiments.separation.gaps.variants import effective_base_mass, modal_frame, tuned_frame
 
 
 @pytest.fixture(scope="module")

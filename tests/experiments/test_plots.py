@@ -5,9 +5,10 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from experiments import plots, results
-from experiments.measured import Channel
-from frames import FrameError
+from pounding.experiments.measurements.history import Channel
+from pounding.experiments.pictures import plots
+from pounding.experiments.results import dataset as results
+from pounding.frames import FrameError
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from experiments.command.app import main
+from pounding.experiments.command.app import main
 
 RECORD = "elcentro-chopra"
 SHORT = ["pound", "10", "5B", "--gap", "3", "--record", RECORD]

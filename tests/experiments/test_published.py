@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from experiments import published
-from experiments.errors import ExperimentError
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
 
 GOOD = "# title: T\n# source: thesis, p. 1\n# index: frame\n# levels: a, b\nframe,x/y,x/z\n5A,1,2\n10,3,\n"
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from experiments.errors import ExperimentError
-from experiments.records import STANDARD_GRAVITY, Record
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import STANDARD_GRAVITY, Record
 
 STEP = 0.01
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from experiments.errors import ExperimentError
-from experiments.records import STANDARD_GRAVITY, read
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import STANDARD_GRAVITY, read
 
 AT2 = """PEER NGA STRONG MOTION DATABASE RECORD
 Somewhere, 1/1/2000, Station, 180

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from experiments import published
-from experiments.errors import ExperimentError
-from experiments.separation import regression
-from experiments.separation.formulas import compare, with_spectra
-from experiments.separation.parametric import EVENTS
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.separation.chapter_7 import regression
+from pounding.experiments.separation.chapter_7.formulas import compare, with_spectra
+from pounding.experiments.separation.chapter_7.parametric import EVENTS
 
 
 @pytest.fixture
@@ -153,7 +153,7 @@ def test_correlation_p_values() -> None:
 
 def test_spectral_formulas_know_what_the_peak_does_not(test_records) -> None:
     """Where the gap is the double difference itself, the spectra find it and the peak does not."""
-    from experiments.records import find
+    from pounding.experiments.records import find
 
     names = ["elcentro", "hachinohe", "northridge", "kobe"]
     records = {name: find(name, test_records).scaled() for name in names}

@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import frames
-from contact.laws import LinearViscoelastic
-from experiments.errors import ExperimentError
-from experiments.records import Record
-from experiments.rig import Contact, Rig
-from experiments.separation.confirm import confirm, touches
-from experiments.separation.maps import gap_map
-from experiments.separation.required_gap import (
+from pounding import frames
+from pounding.contact.laws import LinearViscoelastic
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record
+from pounding.experiments.rig.required_gap import (
     contact_floors,
     gaps_by_floor,
     motions,
@@ -20,6 +17,9 @@ from experiments.separation.required_gap import (
     required_gap,
     shared_floors,
 )
+from pounding.experiments.rig.rig import Contact, Rig
+from pounding.experiments.separation.gaps.confirm import confirm, touches
+from pounding.experiments.separation.gaps.maps import gap_map
 
 
 def pulse(samples: int = 400, step_s: float = 0.004) -> Record:

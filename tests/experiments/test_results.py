@@ -4,10 +4,10 @@ import os
 import numpy as np
 import pytest
 
-from experiments import results
-from experiments.errors import ExperimentError
-from experiments.provenance import stamp
-from frames import FrameError
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.results import dataset as results
+from pounding.experiments.results.provenance import stamp
+from pounding.frames import FrameError
 
 
 @pytest.fixture

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-import frames
-from contact import ContactError, Law, LinearSpring, LinearViscoelastic, make_law, thesis_law
-from experiments.errors import ExperimentError
-from experiments.impacts import all_impacts
-from experiments.motion import Motion
-from experiments.records import Record
-from experiments.rig import APART, Accuracy, Contact, Rig
-from frames.exact import linear_response
-from frames.reduction import ReducedFrame
+from pounding import frames
+from pounding.contact import ContactError, Law, LinearSpring, LinearViscoelastic, make_law, thesis_law
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record
+from pounding.experiments.rig.impacts import all_impacts
+from pounding.experiments.rig.motion import Motion
+from pounding.experiments.rig.rig import APART, Accuracy, Contact, Rig
+from pounding.frames.reduction.reduced_frame import ReducedFrame
+from pounding.frames.response.exact import linear_response
 
 FIVE = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
 TIGHT = Accuracy(1e-10, 1e-12, 1e-4)

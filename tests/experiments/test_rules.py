@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from experiments import published
-from experiments.errors import ExperimentError
-from experiments.separation import rules
-from experiments.separation.answers import Building, code_rules
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.separation.rules import rules
+from pounding.experiments.separation.rules.answers import Building, code_rules
 
 lengths = st.floats(0.0, 5.0)
 ratios = st.floats(0.003, 0.2)

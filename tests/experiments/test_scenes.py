@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import frames
-from contact.laws import LinearSpring
-from experiments import films, scenes
-from experiments.errors import ExperimentError
-from experiments.rig import Contact, Rig
-from experiments.series import places
-from frames import FrameError
-from frames.rendering import cannot_render
+from pounding import frames
+from pounding.contact.laws import LinearSpring
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.pictures import films, scenes
+from pounding.experiments.pictures.series import places
+from pounding.experiments.rig.rig import Contact, Rig
+from pounding.frames import FrameError
+from pounding.frames.drawing.rendering import cannot_render
 
 
 @pytest.fixture(scope="module")

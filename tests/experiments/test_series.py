@@ -5,10 +5,11 @@ import meshio
 import numpy as np
 import pytest
 
-from experiments.errors import ExperimentError
-from experiments.series import write_series
-from frames import FrameError, vtk
-from frames.stress import stress_map
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.pictures.series import write_series
+from pounding.frames import FrameError
+from pounding.frames.drawing import vtk
+from pounding.frames.response.stress import stress_map
 
 
 def test_the_pvd_lists_files_that_hold_the_motion(shaken_plate, tmp_path):

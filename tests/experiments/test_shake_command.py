@@ -4,10 +4,11 @@ import os
 import numpy as np
 import pytest
 
-from experiments import keeping, results
-from experiments.command import main
-from experiments.measured import read
-from frames import rendering
+from pounding.experiments.command import main
+from pounding.experiments.measurements.history import read
+from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.results import dataset as results
+from pounding.frames.drawing import rendering
 
 STICK = """
 kind = "stick"

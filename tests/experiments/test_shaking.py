@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from experiments.shaking import largest_drift, shake, validity
-from frames import FrameError
-from frames.exact import linear_response, refine
-from frames.stress import largest_stress
+from pounding.experiments.rig.shaking import largest_drift, shake, validity
+from pounding.frames import FrameError
+from pounding.frames.response.exact import linear_response, refine
+from pounding.frames.response.stress import largest_stress
 
 
 def test_peaks_are_those_of_the_exact_solution(shaken_plate):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from experiments.records import Record, find
-from experiments.studies import added_forces, change_catalogue, single_changes
-from experiments.studies.single_changes import Storeys
-from experiments.studies.table_4_1 import floor_peaks
-from frames import build, load
+from pounding.experiments.records import Record, find
+from pounding.experiments.studies import added_forces, change_catalogue, single_changes
+from pounding.experiments.studies.single_changes import Storeys
+from pounding.experiments.studies.table_4_1 import floor_peaks
+from pounding.frames import build, load
 
 STEP = 5e-4
 SHARE = 0.2

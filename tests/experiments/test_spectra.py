@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from experiments.errors import ExperimentError
-from experiments.records import Record, find
-from experiments.spectra import (
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record, find
+from pounding.experiments.records.spectra import (
     dominant_period,
     fourier_spectrum,
     mean_period,
     oscillator_extremes,
     response_spectrum,
 )
-from experiments.studies import figure_4_11
+from pounding.experiments.studies import figure_4_11
 
 
 def test_response_spectrum_against_an_adaptive_integrator():

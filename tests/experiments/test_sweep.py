@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from experiments import sweep_store
-from experiments.errors import ExperimentError
-from experiments.sweep import sweep
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.sweeps import store as sweep_store
+from pounding.experiments.sweeps.sweep import sweep
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -112,7 +112,7 @@ SCRIPT = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import sweep_cases
-from experiments.sweep import sweep
+from pounding.experiments.sweeps.sweep import sweep
 if __name__ == "__main__":
     settings = {"log": sys.argv[3], "pause_s": 0.02}
     sweep(sweep_cases.noted, {"x": range(60)}, settings=settings, folder=sys.argv[2], workers=2, version="1")

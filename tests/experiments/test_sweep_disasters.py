@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.errors import ExperimentError
-from experiments.sweep import sweep
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.sweeps.sweep import sweep
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -54,8 +54,8 @@ from pathlib import Path
 sys.path.insert(0, sys.argv[1])
 import subprocess
 import sweep_cases
-from experiments.errors import ExperimentError
-from experiments.sweep import sweep
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.sweeps.sweep import sweep
 
 def run():
     return sweep(sweep_cases.bulky, {"x": range(20)}, settings={"log": sys.argv[3]}, folder=folder,
@@ -130,7 +130,7 @@ def test_a_file_that_a_stopped_worker_had_begun_is_removed(tmp_path):
 def test_the_command_on_a_full_file_system_leaves_no_half_file(tmp_path, test_records):
     # 200 kB hold a plot and not the histories: one sentence, status 2, and every file there is a whole one
     disk = tmp_path / "disk"
-    command = [sys.executable, "-m", "experiments.command", "shake", "5A", "--record", "elcentro",
+    command = [sys.executable, "-m", "pounding.experiments.command", "shake", "5A", "--record", "elcentro",
                "--records", str(test_records), "--out", str(disk / "run")]  # fmt: skip
     shown = [sys.executable, "-c", LISTED, str(disk), *command]
     printed, errors, status = on_a_small_disk(disk, "200k", *shown)
@@ -150,7 +150,15 @@ sys.exit(status)
 
 
 def test_the_command_interrupted_says_so_and_leaves_whole_files(tmp_path):
-    command = [sys.executable, "-m", "experiments.command", "shake", "5A", "--record", "elcentro-peer180"]
+    command = [
+        sys.executable,
+        "-m",
+        "pounding.experiments.command",
+        "shake",
+        "5A",
+        "--record",
+        "elcentro-peer180",
+    ]
     process = subprocess.Popen(
         [*command, "--out", str(tmp_path / "run"), "--film"],
         stdout=subprocess.DEVNULL,

@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 from exudyn import itemInterface as items
 
-from frames import exact
-from frames.body import FrameBody, Table, longest_step, settings, solve
-from frames.errors import FrameError
+from pounding.frames.errors import FrameError
+from pounding.frames.response import exact
+from pounding.frames.response.body import FrameBody, Table, longest_step, settings, solve
 
 STEP = 0.02 / np.sqrt(30)
 

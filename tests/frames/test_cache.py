@@ -6,9 +6,9 @@ import warnings
 import numpy as np
 import pytest
 
-import frames
-from frames import cache
-from frames.cache import CacheWarning
+from pounding import frames
+from pounding.frames import cache
+from pounding.frames.cache import CacheWarning
 
 COARSE = frames.Density(0.1, 2, 2)
 

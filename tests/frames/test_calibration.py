@@ -1,8 +1,8 @@
 import pytest
 
-import frames
-from frames.calibration import joint_stiffness, with_joint_stiffness
-from frames.errors import FrameError
+from pounding import frames
+from pounding.frames.calibration import joint_stiffness, with_joint_stiffness
+from pounding.frames.errors import FrameError
 
 COARSE = frames.Density(0.05, 2, 4)
 

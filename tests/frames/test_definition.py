@@ -4,9 +4,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-import frames
-from frames.errors import FrameError
-from frames.loading import load, parse
+from pounding import frames
+from pounding.frames.errors import FrameError
+from pounding.frames.loading import load, parse
 
 PLATE = """
 kind = "plate"

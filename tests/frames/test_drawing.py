@@ -2,10 +2,10 @@ import meshio
 import numpy as np
 import pytest
 
-import frames
-from frames import vtk
-from frames.drawing import shape_of
-from frames.errors import FrameError
+from pounding import frames
+from pounding.frames.drawing import vtk
+from pounding.frames.drawing.shapes import shape_of
+from pounding.frames.errors import FrameError
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 
-from frames import exact
-from frames.errors import FrameError
+from pounding.frames.errors import FrameError
+from pounding.frames.response import exact
 
 STEP = 0.02 / np.sqrt(30)
 

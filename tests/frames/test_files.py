@@ -2,8 +2,8 @@ import os
 
 import pytest
 
-from frames.errors import FrameError
-from frames.files import replacing, write_whole
+from pounding.frames.errors import FrameError
+from pounding.frames.files import replacing, write_whole
 
 
 def test_a_file_appears_whole_in_a_new_folder(tmp_path):

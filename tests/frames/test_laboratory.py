@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from frames import laboratory
-from frames.errors import FrameError
+from pounding.frames.errors import FrameError
+from pounding.frames.response import laboratory
 
 
 @pytest.fixture

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-import frames
-from frames.errors import FrameError
-from frames.mesh import Density, build_mesh
-from frames.shells import Sections, assemble
+from pounding import frames
+from pounding.frames.errors import FrameError
+from pounding.frames.fe.mesh import Density, build_mesh
+from pounding.frames.fe.shells import Sections, assemble
 
 
 def test_two_elements_or_more_across_a_column():

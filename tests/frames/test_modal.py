@@ -3,11 +3,11 @@ import json
 import numpy as np
 import pytest
 
-import frames
-from experiments.command import main
-from frames.assembly import Options, assemble
-from frames.mesh import Density
-from frames.modal import KINDS, analyse, describe, mac, ordinal
+from pounding import frames
+from pounding.experiments.command import main
+from pounding.frames.fe.assembly import Options, assemble
+from pounding.frames.fe.mesh import Density
+from pounding.frames.response.modal import KINDS, analyse, describe, mac, ordinal
 
 COARSE = Options(density=Density(0.05, 2, 4))
 """Quick, and enough where the mesh is not the question."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import frames
-from frames import pictures, rendering
-from frames.errors import FrameError
+from pounding import frames
+from pounding.frames.drawing import pictures, rendering
+from pounding.frames.errors import FrameError
 
 
 @pytest.fixture(scope="module")

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
-import frames
-from frames.assembly import Options, assemble
-from frames.craig_bampton import craig_bampton, lowest_modes
-from frames.errors import FrameError
-from frames.mesh import Density
-from frames.modal import analyse, rigid_motions
-from frames.symmetry import is_symmetric, planar_basis
+from pounding import frames
+from pounding.frames.errors import FrameError
+from pounding.frames.fe.assembly import Options, assemble
+from pounding.frames.fe.mesh import Density
+from pounding.frames.fe.symmetry import is_symmetric, planar_basis
+from pounding.frames.reduction.craig_bampton import craig_bampton, lowest_modes
+from pounding.frames.response.modal import analyse, rigid_motions
 
 COARSE = Density(0.05, 2, 4)
 

@@ -12,9 +12,9 @@ import pytest
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh, spsolve
 
-from frames.definition import Material
-from frames.errors import FrameError
-from frames.shells import Sections, assemble, element_matrices, surface_stress_rows, von_mises
+from pounding.frames.definition import Material
+from pounding.frames.errors import FrameError
+from pounding.frames.fe.shells import Sections, assemble, element_matrices, surface_stress_rows, von_mises
 
 STEEL = Material()
 E, NU, RHO = 200e9, 0.3, 7850.0

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-import frames
-from frames.errors import FrameError
+from pounding import frames
+from pounding.frames.errors import FrameError
 
 STICK = {
     "kind": "stick",

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-import frames
-from frames.errors import FrameError
-from frames.stress import largest_stress, stress_map
+from pounding import frames
+from pounding.frames.errors import FrameError
+from pounding.frames.response.stress import largest_stress, stress_map
 
 
 @pytest.fixture(scope="module")

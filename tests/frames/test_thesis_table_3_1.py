@@ -8,8 +8,8 @@ code's; 1.5 % is the difference allowed between two thin-shell formulations on s
 import numpy as np
 import pytest
 
-import frames
-from experiments.studies.table_3_1 import (
+from pounding import frames
+from pounding.experiments.studies.table_3_1 import (
     FRAMES,
     calibrated,
     published_rows,

@@ -9,12 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from experiments.command.app import STUDIES, VERBS, described
+from pounding.experiments.command.app import STUDIES, VERBS, described
 
 
 def pounding(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "experiments.command", *words], capture_output=True, text=True, timeout=300
+        [sys.executable, "-m", "pounding.experiments.command", *words],
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
 
 
@@ -27,8 +30,8 @@ def test_help(words: list[str]) -> None:
 
 SCRIPTS = [
     *(function.split(":")[0] for function in STUDIES.values()),
-    "diagnosis.benchmark.reliability",
-    "diagnosis.benchmark.fitting",
+    "pounding.diagnosis.benchmark.reliability",
+    "pounding.diagnosis.benchmark.fitting",
 ]
 
 
@@ -47,7 +50,7 @@ def test_a_script_has_options_and_says_what_is_wrong_as_the_command_does(module:
 
 def test_a_script_without_its_input_says_so() -> None:
     for module, words in (("reliability", ["/nowhere"]), ("fitting", ["/nowhere", "a note"])):
-        script = [sys.executable, "-m", f"diagnosis.benchmark.{module}", *words]
+        script = [sys.executable, "-m", f"pounding.diagnosis.benchmark.{module}", *words]
         done = subprocess.run(script, capture_output=True, text=True, timeout=300)
         assert done.returncode == 2
         assert done.stderr.startswith("pounding: /nowhere: ")

@@ -1,0 +1,1 @@
+"""A measured case: what stands in `case.toml` and its CSV files, checked, in SI."""

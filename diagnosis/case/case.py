@@ -1,0 +1,147 @@
+"""A measured case: frames as believed, runs as measured, channels, contacts and priors, all in SI.
+
+The format is `case.toml` with one CSV file a run (docs/diagnosis/case-format.md). Units are converted here
+and nowhere else; what cannot be read is a `CaseError` of one sentence that names file, line and channel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from pounding.diagnosis.case.numbers import ModalDatum, Peak
+from pounding.diagnosis.case.quantities import OF_THE_TABLE, UNITS
+
+
+class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """Standard deviations of what is believed of the ordinary parameters, as fractions; the delay in ms."""
+
+    storey_stiffness: float = 0.03
+    frame_stiffness: float = 0.08
+    floor_mass: float = 0.01
+    damping_ratio: float = 0.2
+    table_gain: float = 0.02
+    table_delay_ms: float = 1.0
+
+
+@dataclass(frozen=True)
+class CaseFrame:
+    """A frame as believed before the test.
+
+    Exactly one of three: a frame of the thesis (only `name`), a frame file (`file`), or masses and modes
+    (`floor_mass_kg`, `frequency_hz`, `damping_ratio`). The former two may be believed with ``rigid`` joints and
+    without P-Delta.
+    """
+
+    name: str
+    storeys: int
+    file: Path | None = None
+    storey_height_m: float | None = None
+    floor_mass_kg: tuple[float, ...] = ()
+    frequency_hz: tuple[float, ...] = ()
+    damping_ratio: tuple[float, ...] = ()
+    joints: str = "calibrated"
+    p_delta: bool = True
+
+    @property
+    def kind(self) -> str:
+        """``thesis``, ``file`` or ``believed``."""
+        if self.floor_mass_kg:
+            return "believed"
+        return "file" if self.file else "thesis"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured column. `floor` counts from 1, 0 is the table; `contact` counts from 1 as in the file."""
+
+    name: str
+    quantity: str
+    unit: str
+    frame: str | None = None
+    floor: int | None = None
+    contact: int | None = None
+
+    @property
+    def to_si(self) -> float:
+        """Factor from the channel's unit to SI."""
+        return UNITS[self.quantity][self.unit]
+
+    @property
+    def is_table(self) -> bool:
+        """Whether the channel says how the table moved (a table quantity, or floor 0)."""
+        return self.quantity in OF_THE_TABLE or self.floor == 0
+
+
+@dataclass(frozen=True)
+class Contact:
+    """A believed contact: `left` moves in +x towards `right`.
+
+    Stiffness [N/m] ([N/m^1.5] for the Hertz family), `damping` [N s/m] or `restitution` or neither.
+    """
+
+    left: str
+    right: str
+    floor: int
+    gap_m: float
+    law: str
+    stiffness: float
+    damping: float | None = None
+    restitution: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One shaking as measured.
+
+    Attributes:
+        file: Name of the CSV file, also the name of the run.
+        role: ``held_out``, ``training`` or None where the case does not say.
+        time_s: Uniform times [s], shape (samples,).
+        step_s: Sampling step [s].
+        values: Channels in SI in the case's order, NaN where a sample dropped out, shape (samples, channels).
+    """
+
+    file: str
+    role: str | None
+    time_s: np.ndarray
+    step_s: float
+    values: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """All that was measured and believed; `warnings` say what is odd but can be read."""
+
+    title: str
+    folder: Path
+    frames: tuple[CaseFrame, ...]
+    runs: tuple[Run, ...]
+    channels: tuple[Channel, ...]
+    contacts: tuple[Contact, ...] = ()
+    prior: Prior = field(default_factory=Prior)
+    warnings: tuple[str, ...] = ()
+    modal: tuple[ModalDatum, ...] = ()
+    peaks: tuple[Peak, ...] = ()
+
+    def frame(self, name: str) -> CaseFrame:
+        """Return the frame of that name."""
+        return next(frame for frame in self.frames if frame.name == name)
+
+    def channel_index(self, name: str) -> int:
+        """Return the column of a channel in every run's `values`."""
+        return [channel.name for channel in self.channels].index(name)
+
+    def split(self) -> tuple[tuple[Run, ...], tuple[Run, ...]]:
+        """Return the runs to learn from and those held out.
+
+        With two or more runs and no role named the last one is held out; with a single run nothing is.
+        """
+        held_out = tuple(run for run in self.runs if run.role == "held_out")
+        if not held_out and len(self.runs) > 1:
+            free = [run for run in self.runs if run.role is None]
+            held_out = (free[-1],) if free else ()
+        return tuple(run for run in self.runs if run not in held_out), held_out

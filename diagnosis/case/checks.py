@@ -1,0 +1,252 @@
+"""What must hold between the keys of `case.toml`: frames, channels and contacts that fit each other."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact
+from pounding.diagnosis.case.number_tables import check_modal, check_peaks
+from pounding.diagnosis.case.quantities import (
+    ABSOLUTE,
+    LAWS,
+    OF_A_CONTACT,
+    OF_THE_TABLE,
+    UNDAMPED_LAWS,
+    UNITS,
+)
+from pounding.diagnosis.errors import CaseError
+from pounding.frames.errors import FrameError
+from pounding.frames.loading import load
+
+if TYPE_CHECKING:
+    from pounding.diagnosis.case.places import Places
+    from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable
+    from pounding.frames.definition import Frame
+
+ROLES = ("training", "held_out")
+OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
+"""Keys of a frame that is given by its masses and modes."""
+JOINTS = ("calibrated", "rigid")
+UNIT_SPELLINGS = {
+    "m/s2": "m/s^2", "m/s**2": "m/s^2", "m/s²": "m/s^2", "ms-2": "m/s^2", "m s-2": "m/s^2", "m/ss": "m/s^2",
+    "cm/s2": "cm/s^2", "gal": "cm/s^2", "millimetre": "mm", "metre": "m", "meter": "m", "newton": "N",
+}  # fmt: skip
+
+
+def check(described: Description, folder: Path, places: Places) -> tuple[Case, list[tuple[str, str | None]]]:
+    """Return the case without its runs, and the runs' files and roles.
+
+    Raises:
+        CaseError: Two keys contradict each other, or a value is outside its meaning.
+    """
+    known = tuple(_frame(table, i, folder, places) for i, table in enumerate(described.frame))
+    _unique([frame.name for frame in known], "frame", places)
+    _unique([run.file for run in described.run], "run", places)
+    _unique([channel.name for channel in described.channel], "channel", places)
+    contacts = tuple(_contact(table, i, known, places) for i, table in enumerate(described.contact))
+    channels = tuple(
+        _channel(table, i, known, len(contacts), places) for i, table in enumerate(described.channel)
+    )
+    if described.run:
+        _check_roles(described, places)
+    if described.run and not described.peak:
+        _check_what_is_measured(channels, places)
+    for name, value in msgspec.structs.asdict(described.prior).items():
+        if not (math.isfinite(value) and value > 0):
+            what = f"[prior] {name} is {value:g}; write a standard deviation above 0 (1e-4 for what is known)"
+            raise places.error(what, "prior", 0, name)
+    case = Case(
+        described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior,
+        modal=check_modal(described.modal, known, places),
+        peaks=check_peaks(described.peak, known, [run.file for run in described.run], places),
+    )  # fmt: skip
+    return case, [(run.file, run.role) for run in described.run]
+
+
+def _unique(names: list[str], table: str, places: Places) -> None:
+    for index, name in enumerate(names):
+        if name in names[:index]:
+            raise places.error(f"{table} {name!r} stands there twice; rename or remove one", table, index)
+
+
+def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseFrame:
+    def error(what: str, key: str = "") -> CaseError:
+        return places.error(f"frame {table.name or table.file or index + 1!r}: {what}", "frame", index, key)
+
+    own = {key: getattr(table, key) for key in OWN}
+    given = [key for key, value in own.items() if value is not None]
+    if table.file is not None:
+        if given:
+            raise error(f"{given[0]!r} stands beside `file`; keep one of the two", given[0])
+        path = Path(table.file) if Path(table.file).is_absolute() else folder / table.file
+        if not path.is_file():
+            raise error(f"{path} is not there; correct `file`", "file")
+        definition = _load(path, error)
+        return CaseFrame(
+            table.name or definition.name, definition.storeys, file=path, **_options(table, error)
+        )
+    if not table.name:
+        raise error("the key 'name' is missing; add it")
+    if not given:
+        return CaseFrame(table.name, _load(table.name, error).storeys, **_options(table, error))
+    for key in ("joints", "p_delta"):
+        if getattr(table, key) is not None:
+            raise error(f"`{key}` belongs to a frame of plates and columns, not beside {given[0]!r}", key)
+    return _believed(table, given, error)
+
+
+def _options(table: FrameTable, error: Callable[..., CaseError]) -> dict[str, Any]:
+    if table.joints not in (None, *JOINTS):
+        raise error(f"joints is {table.joints!r}; write 'calibrated' or 'rigid'", "joints")
+    return {"joints": table.joints or "calibrated", "p_delta": table.p_delta is not False}
+
+
+def _load(frame: str | Path, error: Callable[..., CaseError]) -> Frame:
+    try:
+        return load(frame)
+    except FrameError as wrong:
+        key = "file" if isinstance(frame, Path) else "name"
+        own = (
+            ""
+            if key == "file"
+            else " A frame of your own needs storeys, floor_mass_kg, frequency_hz, ..., or file."
+        )
+        raise error(f"{wrong}{own}", key) from None
+
+
+def _believed(table: FrameTable, given: list[str], error: Callable[..., CaseError]) -> CaseFrame:
+    for key in OWN:
+        if key not in given:
+            raise error(f"the key {key!r} is missing; a frame of one's own needs it beside {given[0]!r}")
+    storeys, height = table.storeys or 0, table.storey_height_m or 0.0
+    masses, frequencies = tuple(table.floor_mass_kg or ()), tuple(table.frequency_hz or ())
+    ratios = tuple(table.damping_ratio or ())
+    if storeys < 1:
+        raise error(f"storeys is {storeys}; a frame has at least 1", "storeys")
+    if not 0 < height < math.inf:
+        raise error(f"storey_height_m is {height:g}; it must be above 0", "storey_height_m")
+    if len(masses) != storeys or not all(0 < mass < math.inf for mass in masses):
+        what = f"floor_mass_kg has {len(masses)} values; give {storeys}, one a floor, each above 0"
+        raise error(what, "floor_mass_kg")
+    rising = all(low < high for low, high in pairwise((0.0, *frequencies, math.inf)))
+    if not 1 <= len(frequencies) <= storeys or not rising:
+        what = (
+            f"frequency_hz holds {list(frequencies)}; give 1 to {storeys} frequencies above 0, lowest first"
+        )
+        raise error(what, "frequency_hz")
+    if len(ratios) != len(frequencies) or not all(0 <= ratio < 1 for ratio in ratios):
+        what = f"damping_ratio holds {list(ratios)}; give a fraction from 0 to 1 for each of the frequencies"
+        raise error(what, "damping_ratio")
+    return CaseFrame(table.name, storeys, None, height, masses, frequencies, ratios)
+
+
+def _channel(
+    table: ChannelTable, index: int, known: tuple[CaseFrame, ...], contacts: int, places: Places
+) -> Channel:
+    def error(what: str, key: str = "") -> CaseError:
+        return places.error(f"channel {table.name!r}: {what}", "channel", index, key)
+
+    if table.name in ("", "time_s"):
+        raise error("that name cannot be a channel's; give it another", "name")
+    if table.quantity not in UNITS:
+        raise error(f"unknown quantity {table.quantity!r}{suggest(table.quantity, list(UNITS))}", "quantity")
+    units = UNITS[table.quantity]
+    if table.unit not in units:
+        written = table.unit.strip().lower()
+        meant = UNIT_SPELLINGS.get(written) or next((unit for unit in units if unit.lower() == written), "")
+        end = f"; did you mean {meant!r}?" if meant in units else f"; use one of {', '.join(units)}"
+        raise error(f"unit {table.unit!r} is none of {table.quantity}'s{end}", "unit")
+    if table.quantity in OF_THE_TABLE:
+        return Channel(table.name, table.quantity, table.unit)
+    if table.quantity in OF_A_CONTACT:
+        if table.contact is None or not 1 <= table.contact <= contacts:
+            what = f"contact {table.contact} is not there; the case lists {contacts}, counted from 1"
+            raise error(what, "contact")
+        return Channel(table.name, table.quantity, table.unit, contact=table.contact)
+    return _floor_channel(table, known, error)
+
+
+def _floor_channel(
+    table: ChannelTable, known: tuple[CaseFrame, ...], error: Callable[..., CaseError]
+) -> Channel:
+    name = table.frame if table.frame is not None or len(known) > 1 else known[0].name
+    if name is None:
+        raise error("the key 'frame' is missing; add the frame that it sits on")
+    frame = next((frame for frame in known if frame.name == name), None)
+    if frame is None:
+        raise error(f"frame {name!r} is not in the case{suggest(name, [f.name for f in known])}", "frame")
+    if table.floor is None:
+        raise error("the key 'floor' is missing; add the floor that it sits on")
+    lowest = 0 if table.quantity in ABSOLUTE else 1
+    if not lowest <= table.floor <= frame.storeys:
+        what = f"floor {table.floor} is not on {name}, which has {frame.storeys}"
+        if table.floor == 0:
+            what = f"{table.quantity} of floor 0, the table, is zero by definition"
+        raise error(f"{what}; give a floor from {lowest} to {frame.storeys}", "floor")
+    return Channel(table.name, table.quantity, table.unit, frame=name, floor=table.floor)
+
+
+def _contact(table: ContactTable, index: int, known: tuple[CaseFrame, ...], places: Places) -> Contact:
+    def error(what: str, key: str = "") -> CaseError:
+        return places.error(f"contact {index + 1}: {what}", "contact", index, key)
+
+    by_name = {frame.name: frame for frame in known}
+    for key, name in (("left", table.left), ("right", table.right)):
+        if name not in by_name:
+            raise error(f"{key} = {name!r} is no frame of the case{suggest(name, list(by_name))}", key)
+    if table.left == table.right:
+        raise error(f"{table.left!r} cannot touch itself; name two frames", "right")
+    highest = min(by_name[table.left].storeys, by_name[table.right].storeys)
+    if not 1 <= table.floor <= highest:
+        raise error(f"floor {table.floor} is not on both frames; give one from 1 to {highest}", "floor")
+    if table.law not in LAWS:
+        raise error(f"unknown law {table.law!r}{suggest(table.law, list(LAWS))}", "law")
+    if not 0 <= table.gap_mm < math.inf:
+        raise error(f"gap_mm is {table.gap_mm:g}; a believed gap is 0 or more", "gap_mm")
+    if not 0 < table.stiffness_n_per_m < math.inf:
+        raise error(
+            f"stiffness_n_per_m is {table.stiffness_n_per_m:g}; it must be above 0", "stiffness_n_per_m"
+        )
+    damping, restitution = table.damping_n_s_per_m, table.restitution
+    if damping is not None and not 0 <= damping < math.inf:
+        raise error(f"damping_n_s_per_m is {damping:g}; it must be 0 or more", "damping_n_s_per_m")
+    if restitution is not None and not 0 < restitution <= 1:
+        raise error(f"restitution is {restitution:g}; it lies above 0 and up to 1", "restitution")
+    if table.law not in UNDAMPED_LAWS and (damping is None) == (restitution is None):
+        raise error("give one of damping_n_s_per_m and restitution")
+    return Contact(
+        table.left, table.right, table.floor, table.gap_mm * 1e-3, table.law,
+        table.stiffness_n_per_m, damping, restitution,
+    )  # fmt: skip
+
+
+def _check_roles(described: Description, places: Places) -> None:
+    for index, run in enumerate(described.run):
+        if run.role is not None and run.role not in ROLES:
+            end = suggest(run.role, list(ROLES))
+            raise places.error(f"run {run.file!r}: unknown role {run.role!r}{end}", "run", index, "role")
+    if all(run.role == "held_out" for run in described.run):
+        what = "every run is held out, so there is nothing to learn from; leave the role out of one"
+        raise places.error(what, "run", 0, "role")
+
+
+def _check_what_is_measured(channels: tuple[Channel, ...], places: Places) -> None:
+    if not any(channel.is_table for channel in channels):
+        what = "no channel says how the table moved; add one of table_acceleration or table_displacement"
+        raise places.error(what)
+    if all(channel.is_table for channel in channels):
+        raise places.error("no channel measures a frame; add at least one of its response")
+
+
+def suggest(word: str, known: list[str]) -> str:
+    """Return the end of a sentence: the nearest known word, or all of them."""
+    close = difflib.get_close_matches(word.lower(), [item.lower() for item in known], n=1, cutoff=0.5)
+    nearest = next((item for item in known if close and item.lower() == close[0]), None)
+    return f"; did you mean {nearest!r}?" if nearest else f"; use one of {', '.join(known)}"

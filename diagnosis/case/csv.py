@@ -1,0 +1,192 @@
+"""The CSV file of a run: read with a sentence for everything that can be wrong with it, and written."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Channel, Run
+from pounding.diagnosis.errors import CaseError
+
+TIME = "time_s"
+MIN_SAMPLES = 16
+DROPOUTS = frozenset({"", "nan"})
+
+
+def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None) -> tuple[Run, list[str]]:
+    """Read one run.
+
+    Args:
+        path: The CSV file.
+        channels: The channels of the case, in its order.
+        role: The run's role, kept as it is.
+
+    Returns:
+        The run in SI and a sentence for each thing that is odd but can be read.
+
+    Raises:
+        CaseError: The file cannot be read.
+    """
+    header, lines, rows = _cells(path)
+    _check_header(path, header)
+    numbers = _numbers(path, header, lines, rows)
+    step_s = _step(path, lines, numbers[:, 0], [row[0] for row in rows])
+    columns = [_column(path, header, channel) for channel in channels]
+    values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
+    warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
+    unused = [name for name in header[1:] if name not in {channel.name for channel in channels}]
+    if unused:
+        names = ", ".join(repr(name) for name in unused)
+        several = ("s", "are") if len(unused) > 1 else ("", "is")
+        no = "no [[channel]] of the case and not used"
+        warnings.append(f"{path.name}: column{several[0]} {names} {several[1]} {no}")
+    if not np.nan_to_num(values).any():
+        warnings = [f"{path.name}: every channel is zero throughout; the run says nothing"]
+    start = numbers[0, 0]
+    time_s = start + step_s * np.arange(len(numbers))
+    return Run(path.name, role, time_s, step_s, values), [warning for warning in warnings if warning]
+
+
+def _cells(path: Path) -> tuple[list[str], list[int], list[list[str]]]:
+    """Return the header, the line number of each row and the rows, blank lines left out."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise CaseError(f"{path} is not there; correct `file` of the [[run]] or add the file") from None
+    except (UnicodeDecodeError, IsADirectoryError):
+        raise CaseError(f"{path} is not a text file; export the run as CSV in UTF-8") from None
+    reader = csv.reader(text.splitlines())
+    header: list[str] = []
+    lines, rows = [], []
+    try:
+        for row in reader:
+            # A row of dropouts keeps its time, so a row without any cell is a blank line.
+            if not any(cell.strip() for cell in row):
+                continue
+            if header:
+                lines.append(reader.line_num)
+                rows.append(row)
+            else:
+                header = [cell.strip() for cell in row]
+    except csv.Error as error:
+        raise CaseError(f"{path.name} line {reader.line_num}: {error}; export the run as plain CSV") from None
+    if not header:
+        raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
+    return header, lines, rows
+
+
+def _check_header(path: Path, header: list[str]) -> None:
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
+    if header[0] != TIME:
+        raise CaseError(f"{path.name} line 1: the first column is {header[0]!r}; it must be {TIME!r} [s]")
+    for index, name in enumerate(header):
+        if name in header[:index]:
+            raise CaseError(f"{path.name} line 1: column {name!r} stands there twice; rename or remove one")
+
+
+def _numbers(path: Path, header: list[str], lines: list[int], rows: list[list[str]]) -> np.ndarray:
+    """Return all cells as numbers, shape (samples, columns), NaN for a dropout."""
+    if len(rows) < MIN_SAMPLES:
+        raise CaseError(f"{path.name} has {len(rows)} samples; a run needs at least {MIN_SAMPLES}")
+    for line, row in zip(lines, rows, strict=True):
+        if len(row) != len(header):
+            raise CaseError(
+                f"{path.name} line {line}: {len(row)} cells under {len(header)} columns; "
+                "leave the cell of a dropout empty but keep its comma"
+            )
+    try:
+        numbers = np.array([[cell.strip() or "nan" for cell in row] for row in rows], dtype=float)
+    except ValueError:
+        numbers = np.full((len(rows), len(header)), np.inf)
+    if np.isinf(numbers).any():
+        _complain_of_a_cell(path, header, lines, rows)
+    return numbers
+
+
+def _complain_of_a_cell(path: Path, header: list[str], lines: list[int], rows: list[list[str]]) -> None:
+    for line, row in zip(lines, rows, strict=True):
+        for name, cell in zip(header, row, strict=True):
+            word = cell.strip()
+            if word.lower() in DROPOUTS:
+                continue
+            try:
+                finite = bool(np.isfinite(float(word)))
+            except ValueError:
+                finite = False
+            if not finite:
+                raise CaseError(
+                    f"{path.name} line {line}, channel {name!r}: {word!r} is no number; "
+                    "write a number, or leave the cell of a dropout empty"
+                )
+
+
+def _step(path: Path, lines: list[int], time: np.ndarray, words: list[str]) -> float:
+    """Return the sampling step [s] of times that are uniform up to the digits that they are written with."""
+    missing = np.flatnonzero(np.isnan(time))
+    if missing.size:
+        raise CaseError(f"{path.name} line {lines[missing[0]]}: {TIME} is empty; every row needs its time")
+    intervals = np.diff(time)
+    backwards = np.flatnonzero(intervals <= 0)
+    if backwards.size:
+        line = lines[backwards[0] + 1]
+        raise CaseError(
+            f"{path.name} line {line}: time does not go on ({time[backwards[0] + 1]:g} s); sort or mend it"
+        )
+    typical = float(np.median(intervals))
+    digit = 10.0 ** -max(
+        len(word.strip().lower().partition("e")[0].partition(".")[2]) for word in words[:1000]
+    )
+    off = np.flatnonzero(np.abs(intervals - typical) > 1.01 * digit + 1e-4 * typical)
+    # Written with few digits, intervals may jump by a digit; but never by half a sample.
+    off = off if digit < 0.25 * typical else np.flatnonzero(np.abs(intervals - typical) > 0.5 * typical)
+    if off.size:
+        first = int(off[0])
+        raise CaseError(
+            f"{path.name} line {lines[first + 1]}: time steps by {intervals[first]:.6g} s where others step "
+            f"by {typical:.6g} s; resample to uniform time, or fill lost samples with rows of empty cells"
+        )
+    return float((time[-1] - time[0]) / (len(time) - 1))
+
+
+def _column(path: Path, header: list[str], channel: Channel) -> int:
+    if channel.name in header[1:]:
+        return header.index(channel.name)
+    close = difflib.get_close_matches(channel.name, header[1:], n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    raise CaseError(
+        f"{path.name} line 1: no column for channel {channel.name!r}; {hint}add the column (with empty cells "
+        "if it was not recorded in this run) or remove the [[channel]]"
+    )
+
+
+def _oddity(path: Path, channel: Channel, values: np.ndarray) -> str:
+    here = f"{path.name}, channel {channel.name!r}"
+    seen = values[~np.isnan(values)]
+    if not seen.size:
+        return f"{here}: no sample was recorded"
+    if seen.size < values.size:
+        return f"{here}: {values.size - seen.size} of {values.size} samples dropped out"
+    if not seen.any() and channel.quantity == "contact_force":
+        return f"{here}: reads 0 throughout; the contact never closed, or the sensor is dead"
+    if np.ptp(seen) == 0:
+        return f"{here}: reads {seen[0] / channel.to_si:g} {channel.unit} throughout; the sensor may be dead"
+    return ""
+
+
+def write_run(path: Path, run: Run, channels: Sequence[Channel]) -> None:
+    """Write one run in the channels' own units, dropouts as empty cells; the whole file or nothing."""
+    values = run.values / np.array([channel.to_si for channel in channels])
+    row = ",".join(["%.7g"] * len(channels))
+    part = path.with_name(path.name + ".part")
+    with part.open("w", encoding="utf-8") as file:
+        file.write(",".join([TIME, *(channel.name for channel in channels)]) + "\n")
+        for time, sample in zip(run.time_s.tolist(), values.tolist(), strict=True):
+            cells = row % tuple(sample)
+            file.write(f"{time:.9g},{cells.replace('nan', '')}\n")
+    os.replace(part, path)

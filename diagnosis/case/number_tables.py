@@ -1,0 +1,141 @@
+"""The tables `[[modal]]` and `[[peak]]` of `case.toml`, checked and in SI."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from pounding.diagnosis.case.numbers import ModalDatum, Peak
+
+if TYPE_CHECKING:
+    from pounding.diagnosis.case.case import CaseFrame
+    from pounding.diagnosis.case.places import Places
+    from pounding.diagnosis.errors import CaseError
+
+
+MODAL_UNITS: dict[str, dict[str, float]] = {
+    "frequency": {"Hz": 1.0},
+    "roof_stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/mm": 1e6, "kN/m": 1e3},
+    "mass": {"kg": 1.0, "t": 1e3},
+}
+"""What a modal test may have found, and its units with factors to SI."""
+
+
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+
+
+SIDES = ("max", "min")
+
+
+class ModalTable(msgspec.Struct, forbid_unknown_fields=True):
+    """One ``[[modal]]``."""
+
+    quantity: str
+    value: float
+    unit: str
+    std: float
+    frame: str | None = None
+    mode: int | None = None
+    test: str = "test"
+
+
+class PeakTable(msgspec.Struct, forbid_unknown_fields=True):
+    """One ``[[peak]]``."""
+
+    run: str
+    floor: int
+    side: str
+    value: float
+    unit: str
+    std: float
+    frame: str | None = None
+
+
+def check_modal(
+    tables: Sequence[ModalTable], known: tuple[CaseFrame, ...], places: Places
+) -> tuple[ModalDatum, ...]:
+    """Return modal data in SI.
+
+    Raises:
+        CaseError: A frame, quantity, unit or mode that is not there, or a value without a positive uncertainty.
+    """
+    found = []
+    for index, table in enumerate(tables):
+
+        def error(what: str, key: str = "", index: int = index) -> CaseError:
+            return places.error(f"modal {index + 1}: {what}", "modal", index, key)
+
+        units = MODAL_UNITS.get(table.quantity)
+        if units is None:
+            raise error(
+                f"unknown quantity {table.quantity!r}; use one of {', '.join(MODAL_UNITS)}", "quantity"
+            )
+        factor = _factor(table.unit, units, error)
+        frame = _frame(table.frame, known, error)
+        if (table.mode is not None) != (table.quantity == "frequency"):
+            raise error("a frequency needs `mode`, counted from 1, and nothing else has one", "mode")
+        if table.mode is not None and not 1 <= table.mode <= frame.storeys:
+            raise error(f"mode {table.mode} is not one of {frame.name}'s {frame.storeys}", "mode")
+        _positive(table.value, table.std, error)
+        found.append(
+            ModalDatum(
+                frame.name, table.quantity, table.mode, table.test, table.value * factor, table.std * factor
+            )
+        )
+    return tuple(found)
+
+
+def check_peaks(
+    tables: Sequence[PeakTable], known: tuple[CaseFrame, ...], runs: Sequence[str], places: Places
+) -> tuple[Peak, ...]:
+    """Return peaks in SI.
+
+    Raises:
+        CaseError: A run, frame, floor, side or unit that is not there, or a value without a positive uncertainty.
+    """
+    found = []
+    for index, table in enumerate(tables):
+
+        def error(what: str, key: str = "", index: int = index) -> CaseError:
+            return places.error(f"peak {index + 1}: {what}", "peak", index, key)
+
+        if table.run not in runs:
+            raise error(f"run {table.run!r} is not listed; name the file of a [[run]]", "run")
+        if table.side not in SIDES:
+            raise error(f"side {table.side!r} is neither 'max' (towards +x) nor 'min'", "side")
+        factor = _factor(table.unit, LENGTHS, error)
+        frame = _frame(table.frame, known, error)
+        if not 1 <= table.floor <= frame.storeys:
+            raise error(f"floor {table.floor} is not on {frame.name}, which has {frame.storeys}", "floor")
+        _positive(table.value, table.std, error)
+        found.append(
+            Peak(table.run, frame.name, table.floor, table.side, table.value * factor, table.std * factor)
+        )
+    return tuple(found)
+
+
+def _factor(unit: str, units: dict[str, float], error: Callable[..., CaseError]) -> float:
+    if unit not in units:
+        raise error(f"unit {unit!r} does not fit; use one of {', '.join(units)}", "unit")
+    return units[unit]
+
+
+def _frame(name: str | None, known: tuple[CaseFrame, ...], error: Callable[..., CaseError]) -> CaseFrame:
+    if name is None and len(known) == 1:
+        return known[0]
+    for frame in known:
+        if frame.name == name:
+            return frame
+    raise error(f"frame {name!r} is not in the case; name one of {', '.join(f.name for f in known)}", "frame")
+
+
+def _positive(value: float, std: float, error: Callable[..., CaseError]) -> None:
+    if not 0 < value < math.inf:
+        raise error(f"value is {value:g}; it must be above 0", "value")
+    if not 0 < std < math.inf:
+        raise error(
+            f"std is {std:g}; state how uncertain the number is, one standard deviation above 0", "std"
+        )

@@ -1,0 +1,91 @@
+"""`case.toml`: its keys as structs, and the line that a complaint is about."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from pounding.diagnosis.case.case import Case, Prior
+from pounding.diagnosis.case.checks import check, suggest
+from pounding.diagnosis.case.number_tables import ModalTable, PeakTable
+from pounding.diagnosis.case.places import FILE, Places
+from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable, RunTable
+from pounding.diagnosis.errors import CaseError
+
+TABLES: dict[str, type[msgspec.Struct]] = {
+    "frame": FrameTable,
+    "run": RunTable,
+    "channel": ChannelTable,
+    "contact": ContactTable,
+    "modal": ModalTable,
+    "peak": PeakTable,
+    "prior": Prior,
+}
+
+
+def read_description(folder: Path) -> tuple[Case, list[tuple[str, str | None]]]:
+    """Read `case.toml`.
+
+    Args:
+        folder: The folder that holds it.
+
+    Returns:
+        The case without its runs, and the file and role of each run.
+
+    Raises:
+        CaseError: The file cannot be read or contradicts itself.
+    """
+    path = folder / FILE
+    if not folder.is_dir():
+        raise CaseError(f"{folder} is not a folder; a case is a folder with {FILE} and its CSV files")
+    if not path.is_file():
+        raise CaseError(f"{folder} holds no {FILE}; a case is a folder with {FILE} and its CSV files")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+        raw = tomllib.loads(text)
+    except UnicodeDecodeError:
+        raise CaseError(f"{path} is not a text file in UTF-8; save it as such") from None
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{path} is not valid TOML: {error}; correct the file there") from None
+    places = Places(path, text)
+    described = _convert(raw, places)
+    return check(described, folder, places)
+
+
+def _convert(raw: dict[str, Any], places: Places) -> Description:
+    """Return the structs, or an error in which msgspec's path has become a line and a suggestion."""
+    # Modal data need no shaking: a case may hold nothing else.
+    for table in ("frame",) if raw.get("modal") else ("frame", "run", "channel"):
+        if not raw.get(table):
+            raise places.error(f"there is no [[{table}]]; a case needs at least one")
+    try:
+        return msgspec.convert(raw, Description)
+    except msgspec.ValidationError as error:
+        message, _, path = str(error).partition(" - at `$")
+        steps = re.match(r"\.?(\w+)?(?:\[(\d+)\])?(?:\.(\w+))?", path.rstrip("`"))
+        found = steps.groups() if steps else ()
+        table, number, key = (found[0] or "", int(found[1] or 0), found[2] or "") if found else ("", 0, "")
+        unknown = re.search(r"unknown field `(.+?)`", message)
+        missing = re.search(r"missing required field `(.+?)`", message)
+        name = _name(raw, table, number)
+        if unknown:
+            known = list(TABLES.get(table, Description).__struct_fields__)
+            what = f"{name}unknown key {unknown[1]!r}{suggest(unknown[1], known)}"
+            raise places.error(what, table, number, unknown[1]) from None
+        if missing:
+            what = f"{name}the key {missing[1]!r} is missing; add it"
+            raise places.error(what, table, number) from None
+        named = f"`{key}`: " if key else ""
+        what = f"{name}{named}{message[0].lower()}{message[1:]}; correct the value"
+        raise places.error(what, table, number, key) from None
+
+
+def _name(raw: dict[str, Any], table: str, index: int) -> str:
+    items = raw.get(table)
+    item = items[index] if isinstance(items, list) and index < len(items) else {}
+    name = item.get("name") or item.get("file") if isinstance(item, dict) else None
+    return f"{table} {name!r}: " if name else (f"[{table}]: " if table == "prior" else "")

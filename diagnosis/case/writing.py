@@ -1,0 +1,102 @@
+"""Writing a case: the folder that `read_case` reads."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Prior
+from pounding.diagnosis.case.csv import write_run
+from pounding.diagnosis.case.numbers import ModalDatum
+
+FILE = "case.toml"
+
+
+def write_case(case: Case, folder: Path | str) -> Path:
+    """Write a case: its CSV files first and `case.toml` last, so that a folder with it is whole.
+
+    Args:
+        case: The case; its runs hold SI and are written in the channels' units.
+        folder: Made if it is not there.
+
+    Returns:
+        The path of `case.toml`.
+    """
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    for run in case.runs:
+        write_run(folder / run.file, run, case.channels)
+    part = folder / (FILE + ".part")
+    part.write_text(_toml(case), encoding="utf-8")
+    os.replace(part, folder / FILE)
+    return folder / FILE
+
+
+def _toml(case: Case) -> str:
+    blocks = [_block("", {"title": case.title})]
+    blocks += [_block("[[frame]]", _frame_keys(frame)) for frame in case.frames]
+    blocks += [_block("[[run]]", {"file": run.file, "role": run.role}) for run in case.runs]
+    blocks += [_block("[[channel]]", _channel_keys(channel)) for channel in case.channels]
+    blocks += [_block("[[contact]]", _contact_keys(contact)) for contact in case.contacts]
+    blocks += [_block("[[modal]]", _modal_keys(datum)) for datum in case.modal]
+    blocks += [_block("[[peak]]", asdict(peak) | {"unit": "m"}) for peak in case.peaks]
+    changed = {
+        name: value
+        for name, value in msgspec.structs.asdict(case.prior).items()
+        if value != getattr(Prior(), name)
+    }
+    if changed:
+        blocks.append(_block("[prior]", changed))
+    return "\n".join(blocks)
+
+
+def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
+    keys: dict[str, Any] = {"name": frame.name}
+    if frame.kind == "file":
+        keys["file"] = str(frame.file)
+    if frame.joints != "calibrated":
+        keys["joints"] = frame.joints
+    if not frame.p_delta:
+        keys["p_delta"] = False
+    if frame.kind == "believed":
+        keys |= {"storeys": frame.storeys, "storey_height_m": frame.storey_height_m}
+        keys |= {"floor_mass_kg": list(frame.floor_mass_kg), "frequency_hz": list(frame.frequency_hz)}
+        keys |= {"damping_ratio": list(frame.damping_ratio)}
+    return keys
+
+
+def _modal_keys(datum: ModalDatum) -> dict[str, Any]:
+    unit = {"frequency": "Hz", "roof_stiffness": "N/m", "mass": "kg"}[datum.quantity]
+    return asdict(datum) | {"unit": unit}
+
+
+def _channel_keys(channel: Channel) -> dict[str, Any]:
+    keys = {"name": channel.name, "frame": channel.frame, "floor": channel.floor, "contact": channel.contact}
+    return {**keys, "quantity": channel.quantity, "unit": channel.unit}
+
+
+def _contact_keys(contact: Contact) -> dict[str, Any]:
+    return {
+        "left": contact.left,
+        "right": contact.right,
+        "floor": contact.floor,
+        "gap_mm": float(f"{contact.gap_m * 1e3:.9g}"),
+        "law": contact.law,
+        "stiffness_n_per_m": contact.stiffness,
+        "damping_n_s_per_m": contact.damping,
+        "restitution": contact.restitution,
+    }
+
+
+def _block(header: str, keys: dict[str, Any]) -> str:
+    lines = [header] if header else []
+    for key, value in keys.items():
+        if value is None or value == []:
+            continue
+        # TOML writes strings and numbers as JSON does, and lists too.
+        lines.append(f"{key} = {msgspec.json.encode(value).decode()}")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,298 @@
+"""What the impacts say of a contact: the believed one against another gap, stiffness, loss or law, in nats.
+
+All impacts share the contact's numbers and an unknown filter; each has its own small errors of relative displacement and
+velocity. All have Gaussian priors, are fitted together by Gauss-Newton, and leave as evidence the fit's cost and the
+log determinant of its information (Laplace).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
+from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
+
+GAIN, DELAY_S = 0.01, 1.5e-4
+BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
+"""The filter: gain, delay, logarithmic magnitude that grows with the square of frequency, what departs from that, and
+phase that grows with the cube [rad], at the highest frequency."""
+ROBUST = 4.0
+"""Standard deviations from which an impact counts less (Huber)."""
+MOST_NATS = 12.0
+"""What one impact may say against a contact: floors that press on each other at a millimetre a second bounce as chance has
+it, and a single one of these decided between stiffnesses and laws where forty plain impacts had no opinion."""
+ITERATIONS = 25
+LOST, ROUNDS = 4.0, 4
+REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
+"""Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of
+displacement and velocity."""
+WARMED, PLAUSIBLE = 300.0, 2.0
+"""Evidence [nats] behind the best within which a fit is tried again from the best one's impacts, and from its contact as far
+as so many standard deviations reach."""
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and what is left."""
+
+    hypothesis: Hypothesis
+    law: Law
+    std: tuple[float, float, float]
+    log_evidence: float
+    cost: float
+    freedom: int
+    distance: np.ndarray
+    unknowns: np.ndarray
+
+    @property
+    def misfit(self) -> float:
+        """What is left of the impacts, root mean square in standard deviations."""
+        return float(np.sqrt(2 * self.cost / max(self.freedom, 1)))
+
+
+FILTER = 6
+"""Unknowns of the filter; after them gap, stiffness and loss of the contact, then two of each impact."""
+COMMON = FILTER + 3
+
+
+def _filter_terms() -> np.ndarray:
+    """Return what the unknowns of the filter add to a logarithmic spectrum; the delay's column is per second."""
+    share = np.array([0.0, 1 / 3, 2 / 3, 1.0])
+    terms = np.zeros((7, FILTER))
+    terms[:4, 0] = GAIN
+    terms[:4, 2] = BEND * share**2
+    terms[2, 3], terms[3, 4] = UNEVEN
+    terms[4:, 5] = CURVE * share[1:] ** 3
+    return terms
+
+
+def compare(bodies: Bodies, impact: Impact, law: Law, error: np.ndarray) -> np.ndarray:
+    """Return the logarithmic spectrum of an impact as the law makes it, at errors of displacement and velocity."""
+    steps = np.arange(len(impact.free)) * STEP_S
+    free = impact.free + impact.prior[0] * error[0] + impact.prior[1] * error[1] * steps
+    rate = impact.free_rate + impact.prior[1] * error[1]
+    force = strike(free, rate, bodies.held, bodies.held_rate, *law.numbers())
+    return spectrum(force, impact.turn)
+
+
+def fit(
+    bodies: Bodies,
+    hypothesis: Hypothesis,
+    start: Sequence[float] = (0.0, 0.0, 0.0),
+    others: np.ndarray | None = None,
+) -> Fitted:
+    """Return the likeliest contact of a hypothesis from a start in units of its spreads.
+
+    Args:
+        bodies: The two floors and their impacts.
+        hypothesis: The hypothesis.
+        start: Its gap, stiffness and loss to start from.
+        others: All unknowns of another fit, of which the filter's and the impacts' are taken over.
+    """
+    x = np.zeros(COMMON + 2 * len(bodies.impacts))
+    x[FILTER:COMMON] = start
+    law = at(hypothesis, x[FILTER:COMMON])
+    for i, impact in enumerate(bodies.impacts):
+        # The free motion has to arrive when the force does.
+        first = impact.free[min(impact.onset, len(impact.free) - 1)]
+        x[COMMON + 2 * i] = (law.gap_m - first) / impact.prior[0]
+    if others is not None:
+        x[:FILTER], x[COMMON:] = others[:FILTER], others[COMMON:]
+    x, gram = _descended(bodies, hypothesis, x)
+    for _ in range(ROUNDS):
+        regained = _regained(bodies, hypothesis, x)
+        if regained is None:
+            break
+        x, gram = _descended(bodies, hypothesis, regained)
+    counted = _robust(_residuals(bodies, hypothesis, x)[0]) < MOST_NATS
+    if not counted.all():
+        x, gram = _descended(bodies, hypothesis, x, counted)
+    residual, _ = _residuals(bodies, hypothesis, x)
+    cost = float(np.minimum(_robust(residual), MOST_NATS).sum() + 0.5 * x @ x)
+    freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
+    inverse = np.linalg.inv(gram)
+    scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
+    std = tuple(float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
+    return Fitted(
+        hypothesis,
+        at(hypothesis, x[FILTER:COMMON]),
+        (std[0], std[1], std[2]),
+        -cost - 0.5 * float(np.linalg.slogdet(gram)[1]),
+        cost,
+        freedom,
+        np.sqrt(np.sum(residual**2, axis=1)),
+        x,
+    )
+
+
+def _descended(
+    bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counted: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the unknowns at the end of a damped Gauss-Newton descent on the impacts that count, and the information."""
+    counts = np.ones(len(bodies.impacts)) if counted is None else counted.astype(float)
+    cost = _cost(bodies, hypothesis, x, counts)
+    damping = 1e-2
+    gram = np.eye(len(x))
+    for _ in range(ITERATIONS):
+        residual, weight = _residuals(bodies, hypothesis, x)
+        slope = _slopes(bodies, hypothesis, x, residual)
+        scaled = slope * np.repeat(weight * counts, 7)[:, None]
+        gram = slope.T @ scaled + np.eye(len(x))
+        pull = -scaled.T @ residual.ravel() - x
+        better = False
+        for _ in range(6):
+            step = np.linalg.solve(gram + damping * np.diag(np.diag(gram)), pull)
+            trial = x + np.clip(step, -30.0, 30.0)
+            found = _cost(bodies, hypothesis, trial, counts)
+            if found < cost:
+                better = True
+                break
+            damping *= 6.0
+        if not better:
+            break
+        gained, x, cost = cost - found, trial, found
+        damping = max(damping / 10.0, 1e-6)
+        if gained < 0.02:
+            break
+    return x, gram
+
+
+def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | None:
+    """Return the unknowns with impacts that a descent lost where they fit best; None if it lost none.
+
+    Two floors that just miss each other make no force, and nothing then tells a descent which way to go.
+    """
+    law, found = at(hypothesis, x[FILTER:COMMON]), x.copy()
+    size = np.sqrt(np.sum(_residuals(bodies, hypothesis, x)[0] ** 2, axis=1))
+    for i in np.flatnonzero(size > LOST):
+        own = slice(COMMON + 2 * i, COMMON + 2 * i + 2)
+        tried = [np.array(errors) for errors in REGAINED]
+        left = [float(np.sum(_residual(bodies, int(i), law, x, one) ** 2)) for one in tried]
+        if min(left) < size[i] ** 2:
+            found[own] = tried[int(np.argmin(left))]
+    return None if np.array_equal(found, x) else found
+
+
+def _cost(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counts: np.ndarray) -> float:
+    return float(counts @ _robust(_residuals(bodies, hypothesis, x)[0]) + 0.5 * x @ x)
+
+
+def _robust(residual: np.ndarray) -> np.ndarray:
+    """Return what each impact says against a fit [nats], growing slowly from `ROBUST` on (Huber)."""
+    square = np.sum(residual**2, axis=1)
+    size = np.sqrt(square)
+    return np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
+
+
+def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
+    impact = bodies.impacts[number]
+    made = compare(bodies, impact, law, error) + TERMS @ common[:FILTER]
+    difference = made - impact.seen
+    hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
+    difference[4:] -= hertz * DELAY_S * common[1]
+    difference[4:] = (difference[4:] + np.pi) % (2 * np.pi) - np.pi
+    # A law that makes no force at all is as wrong as can be, not infinitely so.
+    return np.asarray(impact.whiten @ np.clip(difference, -4.0, 4.0))
+
+
+TERMS = _filter_terms()
+
+
+def _residuals(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    law = at(hypothesis, x[FILTER:COMMON])
+    found = np.array(
+        [
+            _residual(bodies, i, law, x, x[COMMON + 2 * i : COMMON + 2 * i + 2])
+            for i in range(len(bodies.impacts))
+        ]
+    ).reshape(-1, 7)
+    size = np.sqrt(np.sum(found**2, axis=1))
+    return found, np.where(size > ROBUST, ROBUST / np.maximum(size, ROBUST), 1.0)
+
+
+def _slopes(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Return the derivative of all residuals, (7 impacts, unknowns)."""
+    count = len(bodies.impacts)
+    slope = np.zeros((7 * count, len(x)))
+    shared = x[FILTER:COMMON]
+    law = at(hypothesis, shared)
+    spreads = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
+    moved = [at(hypothesis, shared + delta) for delta in np.diag([0.0, *(_small(s) for s in spreads[1:])])]
+    for i, impact in enumerate(bodies.impacts):
+        rows = slice(7 * i, 7 * i + 7)
+        error = x[COMMON + 2 * i : COMMON + 2 * i + 2]
+        here = residual[i]
+        for j in range(2):
+            small = (1e-7 / impact.prior[0], 1e-5 / impact.prior[1])[j]
+            nudged = error.copy()
+            nudged[j] += small
+            slope[rows, COMMON + 2 * i + j] = (_residual(bodies, i, law, x, nudged) - here) / small
+        # A wider gap is a smaller displacement.
+        slope[rows, FILTER] = -slope[rows, COMMON + 2 * i] * hypothesis.gap / impact.prior[0]
+        for j in (1, 2):
+            if spreads[j] > 0:
+                slope[rows, FILTER + j] = (_residual(bodies, i, moved[j], x, error) - here) / _small(
+                    spreads[j]
+                )
+        slope[rows, :FILTER] = impact.whiten @ TERMS
+        hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
+        slope[rows, 1] = impact.whiten[:, 4:] @ (-hertz * DELAY_S)
+    return slope
+
+
+def _small(spread: float) -> float:
+    return 2e-3 / spread if spread > 0 else 0.0
+
+
+def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
+    """Return the best fit from several starts."""
+    starts: list[tuple[float, float, float]] = [(0.0, 0.0, 0.0)]
+    if hypothesis.effect == "gap_offset":
+        onset = np.median([one.free[min(one.onset, len(one.free) - 1)] for one in bodies.impacts])
+        starts = [(float(onset - hypothesis.law.gap_m) / hypothesis.gap, 0.0, 0.0)]
+    elif hypothesis.stiffness > STIFFNESS:
+        starts += [(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)]
+    elif hypothesis.effect == "contact_damping":
+        starts += [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    return max((fit(bodies, hypothesis, start) for start in starts), key=lambda one: one.log_evidence)
+
+
+def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitted:
+    """Return a hypothesis fitted once more: its contact from where it was, the rest from where `others` has it."""
+    start = fitted.unknowns[FILTER:COMMON].tolist()
+    return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
+
+
+def ranked(nats: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
+    """Return fits with their nats against the believed contact, best first.
+
+    Another law is one effect however many laws there are: each has its share of what is believed of that beforehand, or the
+    many would win wherever impacts tell two effects apart by nothing.
+    """
+    laws = sum(one.hypothesis.effect == "contact_law" for one in fits)
+    shares = [np.log(laws) if one.hypothesis.effect == "contact_law" else 0.0 for one in fits]
+    found = [(float(value - share), one) for value, share, one in zip(nats, shares, fits, strict=True)]
+    return tuple(sorted(found, key=lambda each: -each[0]))
+
+
+def held(bodies: Bodies, law: Law) -> Fitted:
+    """Return a contact with its numbers held, only the filter and the states before the impacts being fitted."""
+    return fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
+
+
+def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
+    """Return fits that had their impacts fitted from where the best of them has its own: none is left in a bad corner."""
+    found = list(fits)
+    best = max(found, key=lambda one: one.log_evidence)
+    for i, one in enumerate(found):
+        if one is not best and one.log_evidence > best.log_evidence - WARMED:
+            tried = [one, again(bodies, one, best)]
+            if one.law.name == best.law.name:
+                tried.append(
+                    fit(bodies, one.hypothesis, near(one.hypothesis, best.law, PLAUSIBLE), best.unknowns)
+                )
+            found[i] = max(tried, key=lambda each: each.log_evidence)
+    return found

@@ -1,0 +1,136 @@
+"""What a force cell does wrong, told from the frames' motion: polarity, gain, delay, offset, clipping.
+
+Two frames that are pushed apart say by themselves how hard and when (`contact_force.pairs.pushes`). A force that is pressed
+out of the motion has no cell's gain; its impulses and times are compared with those of the channel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.contact_force import impacts, pairs
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations
+from pounding.diagnosis.model.pair import TURNED_ROUND, Cell
+
+CLIPPED_SAMPLES = 3
+CLIPPED_SHARE = 0.999
+"""Impacts with two samples within this share of the largest force before a cell is called clipped."""
+TURNED = 2.0
+"""A cell whose pull exceeds its push so many times is turned round."""
+GAIN_ERROR, DELAY_ERROR_S = 0.02, 1.5e-4
+"""What motion cannot say better of a cell: the relative gain, and the delay [s]."""
+CLAIM_NATS = 8.0
+LEAST = 4
+
+
+def checked(
+    case: Case, believed: Believed, touching: tuple[int, int], against_motion: bool = True
+) -> tuple[Observations, Cell | None, list[str]]:
+    """Return the observations with the cell's faults taken out, the cell, and warnings; without a good cell None.
+
+    Args:
+        case: The case. believed: The believed model. touching: The floors between which the cell is.
+        against_motion: Whether gain and delay are judged by the forces that the motion asks for: not where another contact
+            pushes the same frames.
+    """
+    observed = believed.observed
+    if touching not in observed.contact_floors:
+        return observed, None, []
+    column = observed.contact_floors.index(touching)
+    names = [channel.name for channel in case.channels if channel.quantity == "contact_force"]
+    name = names[column]
+    series = [run.contact[:, column] for run in observed.runs]
+    if not any(np.any(force) for force in series):
+        return observed, Cell(name, column), [f"channel {name} never shows a force"]
+    if _clipped(series):
+        without = replace(
+            observed,
+            runs=tuple(replace(run, contact=np.delete(run.contact, column, axis=1)) for run in observed.runs),
+            contact_floors=tuple(f for i, f in enumerate(observed.contact_floors) if i != column),
+        )
+        top = max(float(force.max()) for force in series)
+        return (
+            without,
+            None,
+            [f"channel {name} is clipped at {top:g} N; the force is taken from the motion instead"],
+        )
+    faults, warnings = [], []
+    level = float(np.median(np.concatenate(series)))
+    noise = impacts.force_noise(np.concatenate(series))
+    quiet = np.concatenate([force[np.abs(force - level) < 5 * noise] for force in series])
+    offset, spread = float(quiet.mean()), float(quiet.std() / np.sqrt(max(len(quiet), 1)))
+    nats = 0.5 * offset**2 / (spread**2 + (0.01 * noise) ** 2) - 0.5 * np.log(len(quiet))
+    if nats > CLAIM_NATS:
+        faults.append(("sensor_offset", offset, spread, float(nats)))
+        series = [force - offset for force in series]
+    if -min(f.min() for f in series) > TURNED * max(f.max() for f in series):
+        faults.append(("sensor_gain", TURNED_ROUND, GAIN_ERROR, 1000.0))
+        warnings.append(f"channel {name} pulls where floors push: its polarity is reversed")
+        series = [-force for force in series]
+    elif against_motion and (seen := _against_motion(believed, touching, series)) is not None:
+        (gain, gain_std), (delay, delay_std) = seen
+        if (nats := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
+            faults.append(("sensor_gain", gain, gain_std, float(nats)))
+            series = [force / (1 + gain) for force in series]
+        if (nats := 0.5 * (delay / delay_std) ** 2 - 3.0) > CLAIM_NATS:
+            faults.append(("sensor_delay", delay, delay_std, float(nats)))
+            series = [_earlier(f, run.step_s, delay) for f, run in zip(series, observed.runs, strict=True)]
+    runs = []
+    for run, force in zip(observed.runs, series, strict=True):
+        contact = run.contact.copy()
+        contact[:, column] = force
+        runs.append(replace(run, contact=contact))
+    return replace(observed, runs=tuple(runs)), Cell(name, column, tuple(faults)), warnings
+
+
+def _clipped(series: list[np.ndarray]) -> bool:
+    top = max(float(force.max()) for force in series)
+    flat = sum(
+        int(np.sum((force[1:] >= CLIPPED_SHARE * top) & (force[:-1] >= CLIPPED_SHARE * top)))
+        for force in series
+    )
+    exact = sum(int(np.sum(force == top)) for force in series)
+    return top > 0 and exact >= CLIPPED_SAMPLES and flat + exact > CLIPPED_SAMPLES
+
+
+def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:
+    at = np.arange(len(force)) * step
+    return np.interp(at + delay, at, force)
+
+
+def _against_motion(
+    believed: Believed, touching: tuple[int, int], series: list[np.ndarray]
+) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Return the cell's relative gain and its delay [s] against the forces that the motion asks for, with errors."""
+    observed, without = believed.observed, pairs.without_forces(believed)
+    runs = range(len(observed.runs))
+    baseline = pairs.quick_baseline(without, runs)
+    ratio, late = [], []
+    for run, force, pushed in zip(
+        observed.runs, series, pairs.pushes(without, baseline, touching), strict=True
+    ):
+        noise = impacts.force_noise(force)
+        for first, last in impacts.groups(force, noise, run.step_s):
+            around = slice(max(0, first - int(0.006 / run.step_s)), last + int(0.007 / run.step_s))
+            both = np.stack([force[around], pushed.force[around]])
+            total = both.sum(axis=1)
+            # Only what the motion shows plainly, and once.
+            if total[1] <= 0.3 * total[0] or total[0] <= 0:
+                continue
+            time = both @ np.arange(both.shape[1]) / total * run.step_s
+            ratio.append(float(np.log(total[0] / total[1])))
+            late.append(float(time[0] - time[1]))
+    if len(ratio) < LEAST:
+        return None
+
+    def middle(values: list[float], least: float) -> tuple[float, float]:
+        centre = float(np.median(values))
+        spread = 1.4826 * float(np.median(np.abs(np.array(values) - centre))) * 1.25 / np.sqrt(len(values))
+        return centre, float(np.hypot(spread, least))
+
+    gain, gain_std = middle(ratio, GAIN_ERROR)
+    return (float(np.expm1(gain)), gain_std), middle(late, DELAY_ERROR_S)

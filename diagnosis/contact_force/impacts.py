@@ -1,0 +1,332 @@
+"""Single impacts: what a contact law makes of the motion just before one, beside the force that was measured.
+
+A force cell and its logger turn a pulse of a millisecond into a few samples of another shape, by a filter that nobody
+states but that is the same for every impact. A pulse is therefore compared by its spectrum well below the sampling rate,
+as the logarithm of magnitude and phase, to which an unknown filter adds the same terms in every impact: the magnitude at
+zero is the impulse, the slope of the phase the time, the magnitude further up the duration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+
+from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.model.storeys import Modes
+
+LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
+DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
+STEP_S = 2e-5
+"""Step of a simulated impact, of second order: a fiftieth of a short one."""
+LEAD_S = 1e-3
+TAIL_S = 3e-3
+APART_S = 3.5e-3
+"""Time before the first plain sample from which an impact is simulated, after the last one, and between two impacts."""
+PLAIN = 6.0
+PLAIN_SHARE = 0.03
+"""A force above so many standard deviations of its noise, and above this share of the run's largest, is an impact."""
+SLOWEST = 1e-3
+"""[m/s] Least velocity at first touch to which Hertz-damp's dashpot refers."""
+SHARES = (0.0, 0.1, 0.2, 0.3)
+HIGHEST_HZ = 450.0
+"""Frequencies of comparison as shares of the sampling rate, and the largest of them at most."""
+FAINT = 0.25
+"""A pulse is not compared where its magnitude is below this share of its impulse."""
+MODEL = np.array([0.01, 0.01, 0.015, 0.02, 0.01, 0.02, 0.03])
+"""What frames and filter leave uncertain of the logarithmic magnitudes, then of the phases [rad]."""
+INFLATED = 2.0
+STATE_FLOOR = (5e-6, 0.01)
+"""The filter's uncertainty of relative displacement and velocity is taken so many times as large, and at least this:
+[m], and as a share of the velocity."""
+LONGEST_S = 0.03
+MOST = 40
+"""Contacts longer than this [s] are no impacts; impacts used at most, the strongest."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """A contact law with its numbers in SI; `damping` is NaN where `restitution` says what is lost, and vice versa."""
+
+    name: str
+    gap_m: float
+    stiffness: float
+    damping: float
+    restitution: float
+    mass: float
+
+    def numbers(self) -> tuple[int, float, float, float, float, float]:
+        """Return kind, gap, stiffness, damper, ratio and reduced mass as `strike` wants them."""
+        damper, ratio = self.damping, 0.0
+        kind = LAWS.index(self.name)
+        if self.name not in DAMPED:
+            return kind, self.gap_m, self.stiffness, 0.0, 0.0, self.mass
+        if np.isnan(damper):
+            damper = -1.0
+            if self.name == "linear_viscoelastic":
+                damper = 2 * linear_damping_ratio(self.restitution) * np.sqrt(self.stiffness * self.mass)
+            elif self.name == "nonlinear_viscoelastic":
+                ratio = nonlinear_damping_ratio(self.restitution)
+            else:
+                ratio = hertz_damp_ratio(self.restitution)
+        return kind, self.gap_m, self.stiffness, float(damper), float(ratio), self.mass
+
+
+@njit(cache=True)
+def strike(free, free_rate, held, held_rate, kind, gap, stiffness, damper, ratio, mass):
+    """Return the force [N] of each step of an impact.
+
+    Args:
+        free, free_rate: Relative displacement [m] and velocity [m/s] without the force, shape (steps,).
+        held, held_rate: What a unit force over one step takes from them n steps later, shape (steps,).
+        kind, gap, stiffness, damper, ratio, mass: The law (see `Law.numbers`).
+    """
+    steps = free.size
+    force = np.zeros(steps)
+    pressed = np.zeros(steps, np.int64)
+    count = 0
+    speed = 0.0
+    for i in range(steps):
+        d = free[i] - gap
+        v = free_rate[i]
+        for j in range(count):
+            at = pressed[j]
+            d -= force[at] * held[i - at]
+            v -= force[at] * held_rate[i - at]
+        # The force is held over the step, so it is that of its middle.
+        d += 0.5 * STEP_S * v
+        if d <= 0.0:
+            speed = 0.0
+            continue
+        if speed == 0.0:
+            speed = max(v, SLOWEST)
+        if kind <= 1:
+            push = stiffness * d + damper * v
+        else:
+            push = stiffness * d * np.sqrt(d)
+            if kind == 4:
+                push *= 1.0 + ratio * v / speed
+            elif kind == 3 and v > 0.0:
+                push += v * (
+                    damper if damper >= 0.0 else 2.0 * ratio * np.sqrt(stiffness * np.sqrt(d) * mass)
+                )
+        if push > 0.0:
+            force[i] = push
+            pressed[count] = i
+            count += 1
+    return force
+
+
+@dataclass(frozen=True)
+class Impact:
+    """One impact as measured.
+
+    Attributes:
+        run: Number of the run. time_s: Time of its first plain sample from the run's start [s].
+        free, free_rate: Relative displacement [m] and velocity [m/s] without it, on the fine grid.
+        prior: Standard deviations of displacement and velocity.
+        turn: exp(-i omega t) times the step on the fine grid, shape (frequencies, steps).
+        seen: Logarithmic spectrum: magnitudes, then phases but the first, shape (7,).
+        whiten: Inverse Cholesky factor of its covariance; rows of what is too faint are zero, shape (7, 7).
+        onset: Index of the first plain sample on the fine grid. impulse: [N s]. share: Frequencies over the sampling rate.
+    """
+
+    run: int
+    time_s: float
+    free: np.ndarray
+    free_rate: np.ndarray
+    prior: tuple[float, float]
+    turn: np.ndarray
+    seen: np.ndarray
+    whiten: np.ndarray
+    onset: int
+    impulse: float
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """The two floors that meet: what a step of force does to their distance, and the impacts between them."""
+
+    held: np.ndarray
+    held_rate: np.ndarray
+    mass: float
+    impacts: tuple[Impact, ...]
+
+
+def spectrum(force: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Return logarithmic magnitudes and phases (but at zero) of a force on a grid, shape (7,)."""
+    values = turn @ force
+    size = np.log(np.maximum(np.abs(values), 1e-12))
+    return np.concatenate([size, np.angle(values[1:])])
+
+
+def response(modes: Modes, row: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return what a unit force over one step does to the relative displacement and velocity n steps later."""
+    at = np.arange(steps + 1) * STEP_S
+    decay = np.exp(-np.outer(at, modes.omega * modes.ratio))
+    swing = modes.omega * np.sqrt(1 - np.minimum(modes.ratio, 0.95) ** 2)
+    sine, cosine = np.sin(np.outer(at, swing)), np.cos(np.outer(at, swing))
+    moved = (1 - decay * (cosine + modes.ratio * modes.omega / swing * sine)) / modes.omega**2
+    rate = decay * sine / swing
+    weight = row**2
+    return np.diff(moved @ weight, prepend=0.0), np.diff(rate @ weight, prepend=0.0)
+
+
+def groups(force: np.ndarray, noise: float, step: float) -> list[tuple[int, int]]:
+    """Return first and last plain sample of each impact."""
+    return above(force, max(PLAIN * noise, PLAIN_SHARE * float(force.max(initial=0.0))), step)
+
+
+def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]:
+    """Return first and last sample of each time that two floors touch with more than a force [N]."""
+    plain = np.flatnonzero(force > least)
+    if not len(plain):
+        return []
+    cuts = np.flatnonzero(np.diff(plain) * step > APART_S) + 1
+    return [(int(part[0]), int(part[-1])) for part in np.split(plain, cuts)]
+
+
+def force_noise(force: np.ndarray) -> float:
+    """Return the standard deviation of a force channel while nothing touches [N]."""
+    middle = np.median(force)
+    return max(1.4826 * float(np.median(np.abs(force - middle))), 1e-6)
+
+
+def bodies(
+    believed: Believed, baseline: Baseline, column: int, noise: Sequence[float], known_mass: float
+) -> Bodies:
+    """Return the impacts of a measured or found contact force.
+
+    Args:
+        believed: The believed model at the rate of the logger.
+        baseline: The filter with all forces as known inputs.
+        column: Which of the contact forces.
+        noise: Standard deviation of the force in each run of the baseline [N].
+        known_mass: Reduced mass of the two floors [kg].
+    """
+    left, right = believed.observed.contact_floors[column]
+    modes = baseline.modes
+    row = modes.floors[left] - modes.floors[right]
+    found: list[Impact] = []
+    longest = 1
+    for number, run in enumerate(baseline.runs):
+        data = believed.observed.runs[run]
+        system = linear_system(
+            modes,
+            believed.structure.drift @ modes.floors,
+            believed.observed.quantity,
+            believed.observed.floor,
+        )
+        n = len(modes.omega)
+        covariance = filtered_covariance(system, baseline.noise[number], data.step_s)
+        spread = (
+            float(np.sqrt(max(row @ covariance[:n, :n] @ row, 0.0))),
+            float(np.sqrt(max(row @ covariance[n : 2 * n, n : 2 * n] @ row, 0.0))),
+        )
+        series = data.contact[:, column]
+        spans = groups(series, noise[number], data.step_s)
+        for index, (first, last) in enumerate(spans):
+            following = spans[index + 1][0] if index + 1 < len(spans) else len(series)
+            lead = max(2, int(np.ceil(LEAD_S / data.step_s)))
+            begin = first - lead
+            end = min(last + int(np.ceil(TAIL_S / data.step_s)), following - lead, len(series) - 1)
+            if begin < 1 or end <= last or (end - begin) * data.step_s > LONGEST_S:
+                continue
+            one = _impact(
+                believed, baseline, number, data, row, spread, series, (begin, first, end), noise[number]
+            )
+            if one is not None:
+                found.append(one)
+                longest = max(longest, len(one.free))
+    found.sort(key=lambda one: -one.impulse)
+    held, held_rate = response(modes, row, longest)
+    return Bodies(held, held_rate, known_mass, tuple(found[:MOST]))
+
+
+def sharper(met: Bodies, share: float) -> Bodies:
+    """Return impacts with a share of the errors of their spectra; the states before them are known as before."""
+    return replace(met, impacts=tuple(replace(one, whiten=one.whiten / share) for one in met.impacts))
+
+
+def _impact(
+    believed: Believed,
+    baseline: Baseline,
+    number: int,
+    data: RunData,
+    row: np.ndarray,
+    spread: tuple[float, float],
+    series: np.ndarray,
+    span: tuple[int, int, int],
+    noise: float,
+) -> Impact | None:
+    begin, first, end = span
+    step = data.step_s
+    steps = round((end - begin) * step / STEP_S)
+    free, rate = _free(believed, baseline, number, data, row, begin, end, steps)
+    force = series[begin : end + 1]
+    hertz = np.minimum(np.array(SHARES) / step, np.array(SHARES) / SHARES[-1] * HIGHEST_HZ)
+    coarse = step * np.exp(-2j * np.pi * np.outer(hertz, np.arange(len(force)) * step))
+    fine = STEP_S * np.exp(-2j * np.pi * np.outer(hertz, (np.arange(steps) + 0.5) * STEP_S))
+    values = coarse @ force
+    if values[0].real <= 0:
+        return None
+    slope = coarse / values[:, None]
+    spreads = np.concatenate([slope.real, slope[1:].imag]) * noise
+    covariance = spreads @ spreads.T + np.diag(MODEL**2)
+    strong = np.abs(values) > FAINT * np.abs(values[0])
+    good = np.concatenate([strong, strong[1:]])
+    whiten = np.zeros((7, 7))
+    whiten[np.ix_(good, good)] = np.linalg.inv(np.linalg.cholesky(covariance[np.ix_(good, good)]))
+    onset = round((first - begin) * step / STEP_S)
+    speed = abs(float(rate[min(onset, steps - 1)]))
+    prior = (
+        float(np.hypot(INFLATED * spread[0], STATE_FLOOR[0])),
+        float(np.hypot(INFLATED * spread[1], STATE_FLOOR[1] * speed)),
+    )
+    return Impact(
+        run=baseline.runs[number],
+        time_s=first * step,
+        free=free,
+        free_rate=rate,
+        prior=prior,
+        turn=fine,
+        seen=spectrum(force, coarse),
+        whiten=whiten,
+        onset=onset,
+        impulse=float(values[0].real),
+    )
+
+
+def _free(
+    believed: Believed,
+    baseline: Baseline,
+    number: int,
+    data: RunData,
+    row: np.ndarray,
+    begin: int,
+    end: int,
+    steps: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return relative displacement and velocity from the filtered state at `begin` on, without contact."""
+    modes = baseline.modes
+    n, storeys = len(modes.omega), believed.structure.floors
+    state = baseline.prediction.after[number][begin]
+    table = float(data.table[begin : end + 1].mean()) - state[-3]
+    push = state[2 * n : 2 * n + storeys] @ (believed.structure.drift @ modes.floors)
+    push = push - modes.participation * table
+    at = np.arange(steps) * STEP_S
+    decay = np.exp(-np.outer(at, modes.omega * modes.ratio))
+    swing = modes.omega * np.sqrt(1 - np.minimum(modes.ratio, 0.95) ** 2)
+    sine, cosine = decay * np.sin(np.outer(at, swing)), decay * np.cos(np.outer(at, swing))
+    loss = modes.ratio * modes.omega / swing
+    still = push / modes.omega**2
+    eta, rate = state[:n] - still, state[n : 2 * n]
+    moved = (cosine + loss * sine) * eta + sine / swing * rate + still
+    moving = -(modes.omega**2) / swing * sine * eta + (cosine - loss * sine) * rate
+    return np.ascontiguousarray(moved @ row), np.ascontiguousarray(moving @ row)

@@ -1,0 +1,238 @@
+"""Two frames that touch: what the frames themselves are judged on, and forces at floors where none was measured.
+
+An impact excites modes up to the sampling rate, of which a frame's model knows the lower ones. The frames are therefore
+judged on motions below `RATE_HZ`, all channels and forces filtered alike, which linear frames do not notice; a contact
+is judged on the samples as they were recorded (`pounding.diagnosis.contact_force.impacts`).
+
+A contact force that no cell measured shows in the innovations of the filter as the response to a few short pushes. Their
+sizes follow by least squares; one impulse response of the filter is enough, since it is steady.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.signal import correlate, fftconvolve, firwin, resample_poly
+
+from pounding.diagnosis.inference.filtering import Baseline, run_baseline, whitened_innovations
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations, RunData
+from pounding.diagnosis.model.sensitivity import Term, signatures
+from pounding.diagnosis.model.storeys import Structure
+
+RATE_HZ = 250.0
+"""Least sampling rate [Hz] on which the frames of a pair are judged."""
+LEVEL = 0.03
+"""Latent forces, as a share of the shear, while pushes are looked for in a model that is not calibrated yet."""
+MEMORY_S = 0.25
+"""Time [s] in which the filter forgets a push."""
+PLAIN = 8.0
+"""Standard deviations above which a push opens a window."""
+BEFORE_S, AFTER_S = 1e-3, 3e-3
+"""What a window holds before and after the plain sample [s]."""
+LARGEST_N = 2e4
+"""Prior standard deviation of a force [N]."""
+ROUNDS = 8
+
+
+@dataclass(frozen=True)
+class Pushes:
+    """Forces found between two floors of one run.
+
+    Attributes:
+        force: Force at each sample [N], zero outside the windows, shape (samples,).
+        windows: First and last sample of each window.
+        covariance: Covariance of the forces in each window [N^2].
+        nats: Half the drop of the sum of squares, less what so many free forces gain by chance.
+    """
+
+    force: np.ndarray
+    windows: tuple[tuple[int, int], ...]
+    covariance: tuple[np.ndarray, ...]
+    nats: float
+
+
+def slowed(observed: Observations) -> Observations:
+    """Return the observations low-passed without delay and sampled at `RATE_HZ` or a little more."""
+    slower = min(_every(run) for run in observed.runs)
+    return replace(observed, runs=tuple(_slowed(run) for run in observed.runs), slower=slower)
+
+
+def _every(run: RunData) -> int:
+    return max(1, int(1.0 / (run.step_s * RATE_HZ) + 1e-6))
+
+
+def _slowed(run: RunData) -> RunData:
+    every = _every(run)
+    if every < 2:
+        return run
+
+    def fewer(series: np.ndarray) -> np.ndarray:
+        good = np.isfinite(series)
+        if not good.any():
+            return series[::every]
+        index = np.arange(len(series))
+        filled = np.interp(index, index[good], series[good])
+        slow = resample_poly(filled, 1, every, padtype="line")
+        # What leans on a missing sample is missing too.
+        missing = np.convolve(~good, np.ones(2 * every + 1), "same")[::every] > 0
+        return np.where(missing[: len(slow)], np.nan, slow)
+
+    def columns(values: np.ndarray) -> np.ndarray:
+        slow = [fewer(column) for column in values.T]
+        return np.ascontiguousarray(np.stack(slow, axis=1)) if slow else values[::every]
+
+    # The filter of `resample_poly` without leaving samples out.
+    taps = firwin(20 * every + 1, 1.0 / every, window=("kaiser", 5.0))
+    smooth = [fftconvolve(force, taps, "same") for force in run.contact.T]
+    return replace(
+        run,
+        fine_contact=np.stack(smooth, axis=1) if smooth else None,
+        fine_step_s=run.step_s,
+        step_s=run.step_s * every,
+        time_s=run.time_s[::every],
+        table=fewer(run.table),
+        measured=columns(run.measured),
+        contact=columns(run.contact),
+    )
+
+
+def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int, int]]:
+    """Return the floors (left, right) at equal number at which two frames could touch."""
+    count = min(structure.frames[left].floors, structure.frames[right].floors)
+    return [(structure.first(left) + i, structure.first(right) + i) for i in range(count)]
+
+
+def quick_baseline(believed: Believed, runs: Sequence[int]) -> Baseline:
+    """Return the believed model as it is, its latent forces large enough for what is not calibrated."""
+    noise = starting_noise(believed, runs, LEVEL)
+    return run_baseline(believed, np.zeros(len(believed.std)), noise, runs)
+
+
+def without_forces(believed: Believed) -> Believed:
+    """Return the model as if no contact force were known."""
+    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in believed.observed.runs)
+    return Believed(
+        believed.structure, replace(believed.observed, runs=runs, contact_floors=()), believed.prior
+    )
+
+
+def with_force(
+    observed: Observations, floors: tuple[int, int], forces: dict[int, np.ndarray]
+) -> Observations:
+    """Return the observations with a contact's force beside the measured ones; runs without one have none."""
+    runs = []
+    for number, run in enumerate(observed.runs):
+        column = forces.get(number, np.zeros(len(run.table)))
+        runs.append(replace(run, contact=np.column_stack([run.contact, column])))
+    return replace(observed, runs=tuple(runs), contact_floors=(*observed.contact_floors, floors))
+
+
+def pushes(
+    believed: Believed,
+    baseline: Baseline,
+    floors: tuple[int, int],
+    closed: Sequence[np.ndarray] | None = None,
+    sides: tuple[float, float] = (1.0, 1.0),
+) -> list[Pushes]:
+    """Return the forces between two floors that the innovations of each run of a baseline show.
+
+    Args:
+        believed: The believed model.
+        baseline: The filter, with the forces that are known already.
+        floors: Left and right floor.
+        closed: For each run where no push is looked for, shape (samples,).
+        sides: Share of the force that acts on the left and on the right floor; a contact pushes both alike.
+    """
+    direction = sides[1] * baseline.modes.floors[floors[1]] - sides[0] * baseline.modes.floors[floors[0]]
+    found = []
+    for number, (matched, own) in enumerate(answers(believed, baseline, direction)):
+        step = believed.observed.runs[baseline.runs[number]].step_s
+        found.append(_solved(matched, own, step, None if closed is None else closed[number]))
+    return found
+
+
+def answers(
+    believed: Believed, baseline: Baseline, direction: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return what each run answers to whether a force of this modal direction acted at a sample.
+
+    Args:
+        believed: The believed model.
+        baseline: The filter, with the forces that are known already.
+        direction: Modal force of a unit force [N], shape (modes,).
+
+    Returns:
+        For each run the innovations' product with the response to a unit push at each sample, shape (samples,), and that
+        response's own product with itself so many samples later, whose first is the variance of the answer.
+    """
+    found = []
+    residuals = whitened_innovations(believed, baseline)
+    for number, run in enumerate(baseline.runs):
+        step = believed.observed.runs[run].step_s
+        length = max(16, int(MEMORY_S / step))
+        steady = baseline.filters[number]
+        impulse = np.zeros(length + 1)
+        impulse[1] = 1.0
+        whiten = np.linalg.inv(np.linalg.cholesky(steady.covariance))
+        response = signatures(steady, [[Term(impulse, direction)]], whiten)[:, :, 0].astype(float)
+        channels = response.shape[1]
+        series = residuals[number].reshape(-1, channels)
+        samples = len(series)
+        matched = np.zeros(samples)
+        own = np.zeros(length)
+        for c in range(channels):
+            matched += correlate(series[:, c], response[:, c], "full")[length - 1 : length - 1 + samples]
+            own += correlate(response[:, c], response[:, c], "full")[length : 2 * length]
+        found.append((matched, own))
+    return found
+
+
+def _solved(matched: np.ndarray, own: np.ndarray, step: float, closed: np.ndarray | None) -> Pushes:
+    """Return the pushes from the matched filter's output at each sample and the response's own correlation."""
+    samples = len(matched)
+    # The response begins a sample after the impulse of the filter.
+    free = np.ones(samples, bool) if closed is None else ~closed
+    before, after = int(np.ceil(BEFORE_S / step)) + 1, int(np.ceil(AFTER_S / step)) + 1
+    open_ = np.zeros(samples, bool)
+    force, left = np.zeros(samples), matched.copy()
+    size = np.sqrt(own[0])
+    usual = max(1.0, 1.4826 * float(np.median(np.abs(matched))) / size)
+    gram = np.zeros((0, 0))
+    active = np.zeros(0, int)
+    for _ in range(ROUNDS):
+        plain = np.flatnonzero((left / size > PLAIN * usual) & free & ~open_)
+        if not len(plain):
+            break
+        for k in plain:
+            open_[max(k - before, 1) : k + after] = True
+        open_ &= free
+        active = np.flatnonzero(open_)
+        lag = np.abs(active[:, None] - active[None, :])
+        gram = np.where(lag < len(own), own[np.minimum(lag, len(own) - 1)], 0.0)
+        gram = gram / usual**2 + np.eye(len(active)) / LARGEST_N**2
+        force[:] = 0.0
+        force[active] = cho_solve(cho_factor(gram), matched[active] / usual**2)
+        spread = np.convolve(force, np.r_[own[:0:-1], own], "full")
+        left = matched - spread[len(own) - 1 : len(own) - 1 + samples]
+    if not len(active):
+        return Pushes(force, (), (), 0.0)
+    covariance = np.linalg.inv(gram)
+    starts = np.flatnonzero(np.diff(np.r_[-2, active]) > 1)
+    groups = np.split(np.arange(len(active)), starts[1:])
+    windows, each = [], []
+    for group in groups:
+        own_covariance = covariance[np.ix_(group, group)]
+        total = force[active[group]].sum()
+        # A contact pushes: what pulls on the whole is something else.
+        if total < 4.0 * np.sqrt(own_covariance.sum()):
+            force[active[group]] = 0.0
+            continue
+        windows.append((int(active[group[0]]), int(active[group[-1]])))
+        each.append(own_covariance)
+    gained = 0.5 * float(force[active] @ matched[active]) / usual**2
+    return Pushes(force, tuple(windows), tuple(each), gained - 4.0 * len(active))

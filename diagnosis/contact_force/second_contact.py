@@ -1,0 +1,135 @@
+"""A second contact: pushes at another floor of a pair than that of the contact which is stated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.contact_force import contacts, impacts, pairs
+from pounding.diagnosis.contact_force.contacts import Fitted
+from pounding.diagnosis.contact_force.hypotheses import Hypothesis
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.model.model import Believed
+
+LONG_S = 8e-3
+SECOND_NATS = 300.0
+SECOND_PUSHES = 4
+SECOND_SHARE = 0.5
+SECOND_LEAST_SHARE, BOTH_NATS = 0.15, 15.0
+ONE_SIDED = ((1.0, 0.0), (0.0, 1.0))
+"""After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
+the share of its approaches beyond its gap in which it has to push. A smaller share will do, because a rocking base or
+soft joints make distances wrong, where pushes on both frames are so much likelier than pushes on either alone."""
+
+
+def second_contact(
+    full: Believed,
+    floors: Sequence[tuple[int, int]],
+    touching: tuple[int, int],
+    column: int,
+    noise: Sequence[float],
+    runs: Sequence[int],
+) -> tuple[Believed, tuple[int, float, int] | None]:
+    """Look for pushes at another floor while the stated contact is open."""
+    baseline = pairs.quick_baseline(full, runs)
+    closed = [
+        _closed(run.contact[:, column], level, run.step_s)
+        for run, level in zip(full.observed.runs, noise, strict=True)
+    ]
+    tried = []
+    for number, pair in enumerate(floors):
+        if pair != touching:
+            found = pairs.pushes(full, baseline, pair, closed)
+            if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
+                tried.append((sum(one.nats for one in found), number + 1))
+    if not tried or max(tried)[0] < SECOND_NATS:
+        return full, None
+    nats, floor = max(tried)
+    pair = floors[floor - 1]
+    if not _of_a_contact(full, baseline, pair, closed):
+        return full, None
+    # Now with its pushes during impacts of the stated contact too.
+    both = with_pushes(full, baseline, pair)
+    return both, (floor, nats, len(both.observed.contact_floors) - 1)
+
+
+def with_pushes(full: Believed, baseline: Baseline, floors: tuple[int, int]) -> Believed:
+    """Return the model with the force between two floors that a baseline's innovations show, beside the forces it has."""
+    found = pairs.pushes(full, baseline, floors)
+    forces = {run: one.force for run, one in zip(baseline.runs, found, strict=True)}
+    return Believed(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
+
+
+def without_last(full: Believed) -> Believed:
+    """Return the model without its last contact force."""
+    observed = full.observed
+    runs = tuple(replace(run, contact=run.contact[:, :-1]) for run in observed.runs)
+    fewer = replace(observed, runs=runs, contact_floors=observed.contact_floors[:-1])
+    return Believed(full.structure, fewer, full.prior)
+
+
+def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
+    closed = np.zeros(len(force), bool)
+    for first, last in impacts.groups(force, noise, step):
+        closed[max(0, first - int(2e-3 / step)) : last + int(LONG_S / step)] = True
+    return closed
+
+
+def _of_a_contact(
+    full: Believed, baseline: Baseline, pair: tuple[int, int], closed: Sequence[np.ndarray]
+) -> bool:
+    """Return whether pushes come as the floors come near, or at least push both frames, which no part of one does."""
+    pushed = pairs.pushes(full, baseline, pair, closed)
+    share = _opposed(full, baseline, pair, pushed, closed)
+    if share >= SECOND_SHARE or share < SECOND_LEAST_SHARE:
+        return share >= SECOND_SHARE
+    alone = [
+        sum(one.nats for one in pairs.pushes(full, baseline, pair, closed, sides)) for sides in ONE_SIDED
+    ]
+    return sum(one.nats for one in pushed) > max(alone) + BOTH_NATS
+
+
+def _opposed(
+    full: Believed,
+    baseline: Baseline,
+    pair: tuple[int, int],
+    pushed: Sequence[pairs.Pushes],
+    closed: Sequence[np.ndarray],
+) -> float:
+    """Return the share of approaches beyond the gap at which pushes begin that do meet a push.
+
+    Approaches while the stated contact is `closed` do not count: no push is looked for then.
+    """
+    row = baseline.modes.floors[pair[0]] - baseline.modes.floors[pair[1]]
+    n = len(baseline.modes.omega)
+    begun, tops = [], []
+    for number, one in enumerate(pushed):
+        distance = baseline.prediction.after[number][:, :n] @ row
+        peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
+        step = full.observed.runs[baseline.runs[number]].step_s
+        near = np.zeros(len(distance), bool)
+        for first, last in one.windows:
+            begun.append(float(distance[min(first + int(1e-3 / step), last)]))
+            near[max(0, first - int(0.01 / step)) : last + int(0.01 / step)] = True
+        tops += [(float(distance[k]), bool(near[k])) for k in peaks if near[k] or not closed[number][k]]
+    if not begun:
+        return 0.0
+    gap = float(np.median(begun))
+    beyond = [met for top, met in tops if top > gap]
+    return float(np.mean(beyond)) if beyond else 0.0
+
+
+def second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> Fitted | None:
+    """Return the unlisted contact with everything about it free."""
+    noise = []
+    for run in baseline.runs:
+        force = full.observed.runs[run].contact[:, column]
+        noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
+    met = impacts.bodies(full, baseline, column, noise, mass)
+    if not met.impacts:
+        return None
+    onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
+    law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
+    return contacts.fit(met, Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))

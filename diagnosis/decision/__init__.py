@@ -1,0 +1,1 @@
+"""From findings to a verdict: thresholds, checks of the model, and the confidence in it."""

@@ -1,0 +1,126 @@
+"""Short pushes on a floor that nothing in a model makes: knocks, or a part that strikes.
+
+They show in the innovations as the response to a push of one sample, wherever a matched filter answers far more strongly
+than at other times. Noise and slow model errors do not: a filter forgets them from one sample to the next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from pounding.diagnosis.contact_force.pairs import answers
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.model.model import Believed
+
+PLAIN = 10.0
+"""Answer, in its usual standard deviations, from which a push is plain; noise alone reaches five."""
+SHARE, DEVIATIONS = 0.97, 2.17
+"""Share of the time in which answers are usual, and the deviations that so much of the noise stays below: a law that is not
+quite right answers in every cycle, a knock seldom."""
+LEAST = 2
+"""Plain pushes that make it no accident of one sample."""
+ALONE_NATS = 10.0
+"""By how much a push on one floor must be likelier than one on both floors of a contact."""
+MOST = 6
+"""Times told."""
+APART_S = 0.1
+"""Two answers nearer than this are one push; so near an end of a run none is looked for."""
+BESIDE_TOUCH_S = 0.05
+"""So long about a touch of two floors no push is looked for."""
+
+
+@dataclass(frozen=True)
+class Knocks:
+    """The pushes on the floor on which they are strongest.
+
+    Attributes:
+        place: Frame and floor, from 1.
+        times: For each of them the run's name and the time from its start [s].
+        strength: Sum of the answers.
+    """
+
+    place: tuple[str, int]
+    times: tuple[tuple[str, float], ...]
+    strength: float
+
+    def sentence(self) -> str:
+        """Return what to say of them."""
+        run = self.times[0][0]
+        here = [f"{time:.2f}" for name, time in self.times if name == run]
+        frame, floor = self.place
+        return (
+            f"{run}: short pushes at floor {floor} of {frame} or near it, at {', '.join(here[:MOST])} s from the start, "
+            "which nothing in the model makes; was the frame knocked, or does a part strike it?"
+        )
+
+
+def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
+    """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
+    touches = [
+        answers(believed, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
+        for left, right in believed.observed.contact_floors
+    ]
+    best: Knocks | None = None
+    for floor in range(believed.structure.floors):
+        times, strength = [], 0.0
+        for name, step_s, answer in _answers(believed, baseline, floor, touches):
+            for k in _peaks(answer, max(1, round(APART_S / step_s))):
+                times.append((name, k * step_s))
+                strength += float(answer[k])
+        if len(times) >= LEAST and (best is None or strength > best.strength):
+            best = Knocks(believed.structure.place(floor), tuple(times), strength)
+    return best
+
+
+def _answers(
+    believed: Believed,
+    baseline: Baseline,
+    floor: int,
+    touches: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]],
+) -> Iterator[tuple[str, float, np.ndarray]]:
+    """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor.
+
+    Args:
+        believed, baseline: The model and its filter.
+        floor: The floor among all.
+        touches: The answers to pushes on both floors of each contact, which are told apart from knocks.
+    """
+    for number, (matched, own) in enumerate(answers(believed, baseline, baseline.modes.floors[floor])):
+        run = believed.observed.runs[baseline.runs[number]]
+        answer = np.abs(matched) / np.sqrt(own[0])
+        apart = max(1, round(APART_S / run.step_s))
+        highest = maximum_filter1d(answer, 2 * apart + 1)
+        answer[_touching(run.contact, run.step_s)] = 0.0
+        # A filter begins from rest, and a low-pass knows nothing beyond a run's ends.
+        answer[:apart] = answer[-apart:] = 0.0
+        usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
+        for touch in touches:
+            # What pushes both frames is a touch that the force cell did not show.
+            other = touch[number][0] / np.sqrt(touch[number][1][0])
+            answer[answer**2 < other**2 + 2 * ALONE_NATS] = 0.0
+        # The force of a touch is never quite right: what rises toward it is its flank.
+        answer[answer < highest] = 0.0
+        yield run.name, run.step_s, answer / usual
+
+
+def _peaks(answer: np.ndarray, apart: int) -> list[int]:
+    """Return the samples of plain answers, the largest of those that are near each other."""
+    left, peaks = answer.copy(), []
+    while (k := int(left.argmax())) >= 0 and left[k] > PLAIN:
+        peaks.append(k)
+        left[max(0, k - apart) : k + apart + 1] = 0.0
+    return sorted(peaks)
+
+
+def _touching(contact: np.ndarray, step_s: float) -> np.ndarray:
+    """Return where two floors touch or have just done so, shape (samples,)."""
+    near = np.zeros(len(contact), bool)
+    for force in contact.T:
+        size = np.abs(force)
+        near |= size > 1e-3 * size.max(initial=0.0)
+    reach = max(1, round(BESIDE_TOUCH_S / step_s))
+    return np.convolve(near, np.ones(2 * reach + 1), "same") > 0

@@ -1,0 +1,204 @@
+"""`--calibrate` for two frames that touch: the whole pair, contact and force cell included, simulated by exudyn.
+
+As on a single frame null and rivals take turns at being the truth, the contact's rivals beside those of the frames. A
+simulated case is diagnosed from its channels alone, as the measured one was: forces known or found, frames, impacts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pounding.contact.damping import reduced_mass
+from pounding.contact.errors import ContactError
+from pounding.contact.parameters import make_law
+from pounding.diagnosis.case.case import Case, Run
+from pounding.diagnosis.contact_force.contacts import Fitted
+from pounding.diagnosis.contact_force.hypotheses import at, believed_law, null
+from pounding.diagnosis.contact_force.impacts import Law
+from pounding.diagnosis.contact_force.pair import Touched
+from pounding.diagnosis.contact_force.pairs import without_forces
+from pounding.diagnosis.decision.confidence import behind
+from pounding.diagnosis.decision.pair_decision import place
+from pounding.diagnosis.decision.rig_calibration import (
+    SIZE_SCATTER,
+    Outcome,
+    drawn,
+    name_of,
+    noise_shares,
+    scattered,
+    turn,
+)
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.twin import Between, simulate_touching
+
+RIVALS = 2
+"""Candidates of the frames, and as many of the contact, that take turns at being the truth."""
+SEED = 20261122
+Diagnose = Callable[[Case], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a simulated case hides: in words, its place as a report has it, and what makes it; nothing by default."""
+
+    label: str = "nothing missing"
+    place: dict[str, Any] | None = None
+    frames: Judged | None = None
+    contact: Fitted | None = None
+
+
+def truths(found: Findings, touched: Touched) -> list[Truth]:
+    """Return nothing missing and the best single candidates of the frames and of the contact."""
+    single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].foil]
+    rivals = [Truth(name_of(one), place(one.effects[0].place()), frames=one) for one in single[:RIVALS]]
+    seen: set[str] = set()
+    for _, fit in touched.ranked:
+        effect = fit.hypothesis.effect
+        if effect not in seen and len(seen) < RIVALS:
+            seen.add(effect)
+            where = place({"effect": effect, "contact": 1})
+            rivals.append(Truth(effect.replace("_", " "), where, contact=fit))
+    return [Truth(), *rivals]
+
+
+def simulate_and_judge(
+    case: Case, found: Findings, touched: Touched, diagnose: Diagnose, number: int
+) -> Outcome:
+    """Return the outcome of the case of a number, the same whenever it is asked for.
+
+    Args:
+        case: The measured case.
+        found: What the search found of its frames. touched: What its impacts say.
+        diagnose: Returns the report on a case.
+        number: Number of the simulated case.
+    """
+    tried = truths(found, touched)
+    truth = tried[turn(number, len(tried) - 1)]
+    report = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
+    # Of claims on both, that on the frames.
+    return Outcome(number, truth.label, right(report, truth), behind(report)[0])
+
+
+def right(report: dict[str, Any], truth: Truth) -> bool:
+    """Return whether a report names what is hidden, or a class that holds it, and nothing else."""
+    if truth.place is None:
+        return bool(report["verdict"] == "nothing_missing")
+    claims = report["effects"]
+    if report["verdict"] not in ("effect_named", "effect_class") or len(claims) != 1:
+        return False
+    return truth.place in [place(one) for one in claims[0]["class"]]
+
+
+def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
+    """Return the case with data that the believed pair makes itself, something being hidden in it.
+
+    Raises:
+        CaseError: The contact's law and damping make no law that the engine knows.
+    """
+    assert found.pair is not None
+    bare = without_forces(found.pair.full)
+    values = drawn(bare, rng)
+    acting = scattered(truth.frames, rng) if truth.frames is not None else []
+    between = _between(case, found.pair, truth, rng)
+    runs = [
+        _run(case, found, bare, (values, acting), number, between, rng) for number in range(len(case.runs))
+    ]
+    return replace(case, runs=tuple(runs), warnings=())
+
+
+def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> Between:
+    """Return the contact as it was set up, its numbers off by as much as they may be."""
+    left, right = pair.full.observed.contact_floors[pair.column]
+    mass = np.concatenate([frame.floor_mass for frame in pair.full.structure.frames])
+    masses = float(mass[left]), float(mass[right])
+    stated = believed_law(case.contacts[0], reduced_mass(*masses))
+    law = stated if truth.contact is None else _of_size(stated, truth.contact, rng)
+    built = at(null(law), rng.standard_normal(3))
+    try:
+        acts = make_law(
+            built.name,
+            stiffness=built.stiffness,
+            damping=_given(built.damping),
+            restitution=_given(built.restitution),
+            masses=masses,
+        )
+    except ContactError as error:
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: --calibrate cannot simulate contact 1: {error}"
+        ) from error
+    return Between(left, right, acts, max(built.gap_m, 0.0))
+
+
+def _given(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+def _of_size(stated: Law, fitted: Fitted, rng: np.random.Generator) -> Law:
+    """Return a contact whose departure from the stated one is about the fitted one's; another law is as fitted."""
+    law, effect = fitted.law, fitted.hypothesis.effect
+    share = float(np.exp(SIZE_SCATTER * rng.standard_normal()))
+    if effect == "gap_offset":
+        return replace(stated, gap_m=stated.gap_m + share * (law.gap_m - stated.gap_m))
+    if effect == "contact_stiffness":
+        return replace(stated, stiffness=stated.stiffness * (law.stiffness / stated.stiffness) ** share)
+    if effect == "contact_damping":
+        if np.isnan(stated.damping):
+            changed = stated.restitution + share * (law.restitution - stated.restitution)
+            return replace(stated, restitution=float(np.clip(changed, 0.05, 0.99)))
+        return replace(stated, damping=stated.damping * (law.damping / stated.damping) ** share)
+    return replace(law, gap_m=stated.gap_m)
+
+
+def _run(
+    case: Case,
+    found: Findings,
+    bare: Believed,
+    model: tuple[np.ndarray, Sequence[tuple[Acting, np.ndarray]]],
+    number: int,
+    between: Between,
+    rng: np.random.Generator,
+) -> Run:
+    """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were."""
+    run, measured = bare.observed.runs[number], case.runs[number]
+    clean, force = simulate_touching(bare, *model, number, between)
+    channel, table = noise_shares(found)
+    # White noise loses so much of its power where a run is slowed.
+    more = float(np.sqrt(found.believed.observed.slower))
+    values = measured.values.copy()
+    for column, one in enumerate(case.channels):
+        missing = ~np.isfinite(measured.values[:, column])
+        scatter = rng.standard_normal(len(values))
+        if one.name in bare.observed.names:
+            c = bare.observed.names.index(one.name)
+            size = more * channel[c] * float(root_mean_square(clean[:, c]))
+            values[:, column] = clean[:, c] + size * scatter
+        elif one.quantity == "contact_force":
+            values[:, column] = _recorded(found, measured.values[:, column], force, number, scatter)
+        elif one.is_table:
+            size = more * table * float(root_mean_square(run.table))
+            values[:, column] = _table(run, measured.values[:, column]) + size * scatter
+        values[missing, column] = np.nan
+    return replace(measured, values=values)
+
+
+def _table(run: RunData, series: np.ndarray) -> np.ndarray:
+    index, good = np.arange(len(series)), np.isfinite(series)
+    return np.asarray(np.interp(index, index[good], series[good])) if good.any() else run.table
+
+
+def _recorded(
+    found: Findings, measured: np.ndarray, force: np.ndarray, number: int, scatter: np.ndarray
+) -> np.ndarray:
+    """Return what the force channel shows; one that clips does so again."""
+    assert found.pair is not None
+    if found.pair.cell is not None:
+        return np.asarray(force + found.pair.noise[number] * scatter)
+    return np.asarray(np.minimum(force, np.nanmax(measured, initial=0.0)))

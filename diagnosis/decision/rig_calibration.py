@@ -1,0 +1,255 @@
+"""`--calibrate`: how often verdicts are right on this very rig under these very records, by simulating both.
+
+Null and rivals take turns at being the truth. Each case has ordinary parameters drawn from their priors, the effect at about
+its fitted size, the noise as estimated, and is diagnosed by the same search. What was found and whether it was right is
+kept line by line in a file, so that an interrupted calibration goes on and a finished one costs nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+
+from pounding.diagnosis.decision.confidence import Calibration, Features, fit, restated, shipped
+from pounding.diagnosis.decision.verdict import decide, features
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.findings import Findings, Judged, best
+from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.experiments.results.provenance import software_version
+
+CASES = 36
+"""Cases that make a calibration."""
+MINUTES = 15.0
+"""After so many minutes it ends with what it has."""
+RIVALS = 4
+"""Candidates that take turns at being the truth, beside the null model in every third case."""
+WITHIN = 2.5
+"""Prior standard deviations within which ordinary parameters are drawn."""
+SIZE_SCATTER = 0.5
+"""Standard deviation of the logarithm of an effect's size over its fitted one."""
+WORKERS = 2
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One simulated case: what was true, what the verdict rested on, whether it was right."""
+
+    number: int
+    truth: str
+    right: bool
+    features: Features
+
+
+def calibrate(
+    simulate: Callable[[int], Outcome],
+    path: Path,
+    progress: Progress = lambda what, share: None,
+    *,
+    cases: int = CASES,
+    minutes: float = MINUTES,
+    workers: int = WORKERS,
+) -> list[Outcome]:
+    """Return the outcomes of simulated cases on the rig of a diagnosis, those kept in a file first.
+
+    Args:
+        simulate: Returns the outcome of the case of a number, the same whenever it is asked for.
+        path: File that keeps outcomes, named after rig, records, candidates and software (`fingerprint`).
+        progress: Called with what is being done and the share that is done.
+        cases: How many cases.
+        minutes: When to stop with what is there.
+        workers: Processes; one where candidates are the user's own, whose code lives in this process.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    done = read_outcomes(path)
+    known = {one.number for one in done}
+    missing = [number for number in range(cases) if number not in known]
+    began = monotonic()
+    with Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
+        while missing and monotonic() - began < 60 * minutes:
+            progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
+            numbers, missing = missing[:workers], missing[workers:]
+            for outcome in parallel(delayed(simulate)(number) for number in numbers):
+                done.append(outcome)
+                kept.write(json.dumps(asdict(outcome)) + "\n")
+            kept.flush()
+    return sorted(done, key=lambda one: one.number)
+
+
+def calibrated(
+    found: Findings,
+    folder: Path,
+    simulate: Callable[[int], Outcome],
+    drawn_from: Sequence[str],
+    progress: Progress,
+) -> list[Outcome]:
+    """Return the outcomes of a diagnosis' calibration, kept in a folder under the hash of all that they depend on.
+
+    Args:
+        found: What the search found on the measured data.
+        folder: Where the file is kept.
+        simulate: Returns the outcome of a case.
+        drawn_from: What the cases hide, and contacts as stated, in words.
+        progress: Called with what is being done and the share that is done.
+    """
+    own = any(hasattr(one.effect, "source") for one in found.scores.ranked)
+    path = folder / f"calibration-{fingerprint(found, drawn_from)}.jsonl"
+    return calibrate(simulate, path, progress, workers=1 if own else WORKERS)
+
+
+def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
+    """Return a hash of rig, records, candidates, what was found and software."""
+    digest = hashlib.sha256(software_version().encode())
+    for frame in found.believed.structure.frames:
+        digest.update(
+            np.ascontiguousarray(frame.mass).tobytes() + np.ascontiguousarray(frame.stiffness).tobytes()
+        )
+    for run in found.believed.observed.runs:
+        for series in (run.table, run.measured, run.contact):
+            digest.update(np.ascontiguousarray(series).tobytes())
+    digest.update(" ".join(sorted(one.effect.label() for one in found.scores.ranked)).encode())
+    digest.update(" ".join(drawn_from).encode())
+    digest.update(repr(found.believed.prior).encode())
+    return digest.hexdigest()[:12]
+
+
+def read_outcomes(path: Path) -> list[Outcome]:
+    """Return the outcomes of a file; a last line that was cut off by an interruption does not count."""
+    if not path.is_file():
+        return []
+    found = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        try:
+            entry = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        found.append(Outcome(**(entry | {"features": Features(**entry["features"])})))
+    return found
+
+
+def hypotheses(found: Findings) -> list[Judged]:
+    """Return the null model and the best single candidates that are no foils."""
+    single = [one for one in found.judged if len(one.effects) == 1 and not one.effects[0].foil]
+    return [found.null, *single[:RIVALS]]
+
+
+def turn(number: int, rivals: int) -> int:
+    """Return whose turn it is in a case: 0, nothing missing, in every third; from 1, the rivals in the others."""
+    return 0 if number % 3 == 0 or rivals == 0 else 1 + (number - number // 3 - 1) % rivals
+
+
+def simulate_and_judge(found: Findings, number: int) -> Outcome:
+    """Return the outcome of the case of a number, the same whenever it is asked for."""
+    tried = hypotheses(found)
+    truth = tried[turn(number, len(tried) - 1)]
+    believed = simulated(found, truth, np.random.default_rng([number, 20261121]))
+    effects = [one.effect for one in found.scores.ranked]
+    again = search(believed, effects, found.training, found.held_out, lambda what, share: None)
+    decision = decide(again)
+    claimed = [{_key(e) for e in one.effects} for one in (decision.judged, *decision.alike)]
+    hidden = {_key(effect) for effect in truth.effects}
+    right = decision.verdict == "nothing_missing" if not hidden else (
+        decision.verdict in ("effect_named", "effect_class") and hidden in claimed
+    )  # fmt: skip
+    return Outcome(number, name_of(truth), bool(right), features(again, decision))
+
+
+def _key(effect: Effect) -> tuple[object, ...]:
+    return tuple(effect.place().values())
+
+
+def name_of(judged: Judged) -> str:
+    """Return effects in words."""
+    return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
+
+
+def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Believed:
+    """Return the rig with data that it makes itself, parameters drawn, noise as estimated, dropouts where they were."""
+    believed = found.believed
+    ordinary = drawn(believed, rng)
+    acting = scattered(truth, rng)
+    share, table_share = noise_shares(found)
+    runs: list[RunData] = []
+    outputs = believed.predict(ordinary, None, acting).outputs
+    for run, clean in zip(believed.observed.runs, outputs, strict=True):
+        size = share * root_mean_square(clean)
+        noisy = clean + size * rng.standard_normal(clean.shape)
+        noisy[~np.isfinite(run.measured)] = np.nan
+        table = run.table + table_share * float(root_mean_square(run.table)) * rng.standard_normal(
+            len(run.table)
+        )
+        runs.append(replace(run, measured=noisy, table=table))
+    observed = replace(believed.observed, runs=tuple(runs), warnings=[])
+    return Believed(believed.structure, observed, believed.prior)
+
+
+def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
+    """Return the noise over the root mean square of each channel, shape (channels,), and of the table, as estimated."""
+    baseline = best(found).fit.baseline
+    noise, first = baseline.noise[0], found.believed.observed.runs[baseline.runs[0]]
+    rms = root_mean_square(first.measured)
+    known = np.isfinite(noise.channel) & (rms > 0)
+    share = np.where(known, noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
+    return share, noise.table / float(root_mean_square(first.table))
+
+
+def drawn(believed: Believed, rng: np.random.Generator) -> np.ndarray:
+    """Return ordinary parameters drawn from their priors."""
+    return np.asarray(believed.std * np.clip(rng.standard_normal(len(believed.std)), -WITHIN, WITHIN))
+
+
+def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:
+    """Return effects of about their fitted size."""
+    acting = []
+    for effect, values in zip(truth.effects, truth.fit.values, strict=True):
+        changed = np.array(values, float)
+        changed[_amplitude(effect)] *= np.exp(SIZE_SCATTER * rng.standard_normal())
+        acting.append((effect, changed))
+    return acting
+
+
+def _amplitude(effect: Effect) -> int:
+    """Return which parameter says how strong an effect is: that which its size scales."""
+    one, two = (
+        np.asarray(effect.values(size, _SHAPE[: _shape_length(effect)]), float) for size in (1e-3, 2e-3)
+    )
+    return int(np.argmax(np.abs(two - one) / np.maximum(np.abs(one), 1e-12)))
+
+
+_SHAPE = (1e-3,) * 5
+
+
+def _shape_length(effect: Effect) -> int:
+    return max(len(effect.quantities) - 1, 1)
+
+
+def stated(report: Mapping[str, Any], outcomes: Sequence[Outcome]) -> dict[str, Any]:
+    """Return ``confidence`` and ``confidence_basis`` of a report after a calibration on its rig."""
+    right = sum(one.right for one in outcomes)
+    source = (
+        f"{len(outcomes)} cases simulated on this rig and its records, of which {right} were diagnosed rightly; "
+        f"before them: {shipped().source}"
+    )
+    learnt: Calibration = fit([(one.features, one.right) for one in outcomes], source, around=shipped())
+    by_truth: dict[str, list[int]] = {}
+    for one in outcomes:
+        count = by_truth.setdefault(one.truth, [0, 0])
+        count[0] += one.right
+        count[1] += 1
+    simulated_cases = [{"truth": name, "right": r, "cases": n} for name, (r, n) in by_truth.items()]
+    return {
+        "confidence": restated(report, learnt),
+        "confidence_basis": report["confidence_basis"]
+        | {"calibration": source, "simulated": simulated_cases},
+    }

@@ -1,0 +1,1 @@
+"""What to measure next: detectable sizes, tests that distinguish effects, further measurements."""

@@ -1,0 +1,288 @@
+"""More data, better answer: which further measurement would part what this data cannot, by simulation.
+
+One of two rivals is taken for true and makes the data of a further measurement; the other predicts them with the filter that
+it would have, and is allowed to bend its size and the ordinary parameters to imitate (linearised, inside their priors).
+Half the squared innovations that then remain, less those of the measurement as it was, are the log evidence in nats that the
+further measurement is expected to bring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.inference.filtering import (
+    Baseline,
+    grouped_signatures,
+    motions,
+    run_baseline,
+    whitened_innovations,
+)
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.refine import Coordinates, Fit, effect_columns
+from pounding.diagnosis.inference.search import widths
+from pounding.diagnosis.model.kalman import Noise
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
+from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.model.terms import ordinary_terms
+
+WEAK_NATS = 20.0
+"""A named effect whose rival is within this of it is weakly named."""
+SHARE = 0.02
+"""Noise of a channel that is not there yet, as a share of its rms, where no channel of its kind is."""
+LONGEST_S = 8.0
+"""Length of a simulated run [s]."""
+WEIGHT_SHARE = 0.1
+"""Known weight on the roof, as a share of its frame's mass."""
+ENOUGH = 5.0
+"""Nats from which on two are told apart; advice that brings less is not given."""
+SHOWN = 4
+SECONDS = 20.0
+"""[s] after which no further measurement is tried."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A further measurement.
+
+    Attributes:
+        what: In words.
+        believed: The model with this measurement's channels, runs and known weights.
+        noise: Of each channel in SI.
+        more: Whether it is a run beside the existing one; else the same run with more channels.
+    """
+
+    what: str
+    believed: Believed
+    noise: np.ndarray
+    more: bool
+
+
+def rivals(found: Findings, decision: Decision) -> tuple[Judged, Judged] | None:
+    """Return the best candidate and the one that is hardest to tell from it, or None where the verdict is clear."""
+    if decision.verdict == "unknown_effect" or not found.judged:
+        return None
+    first = found.judged[0] if decision.verdict == "nothing_missing" else decision.judged
+    if decision.verdict == "nothing_missing":
+        return (first, found.null) if first.nats > 0 else None
+    if decision.alike:
+        return first, decision.alike[0]
+    mine = {tuple(effect.place().values()) for effect in first.effects}
+    for other in found.judged:
+        theirs = {tuple(effect.place().values()) for effect in other.effects}
+        if len(other.effects) == len(first.effects) and theirs != mine:
+            return (first, other) if other.nats > first.nats - WEAK_NATS else None
+    return None
+
+
+def advice(found: Findings, decision: Decision | None = None) -> list[str]:
+    """Return sentences on the further measurements that would part the rivals, best first; none for a clear verdict."""
+    pair = rivals(found, decision or decide(found))
+    if pair is None:
+        return []
+    first, second = pair
+    names = [_name(one) for one in pair]
+    gains = expected(found, first.fit, second.fit)
+    return sentences(gains, (names[0], names[1]))
+
+
+def sentences(gains: Sequence[tuple[str, float]], names: tuple[str, str]) -> list[str]:
+    """Return what to say of further measurements: those that would tell, or that none would.
+
+    Args:
+        gains: Each measurement in words and what it is expected to bring [nats], most first.
+        names: The two rivals in words.
+    """
+    useful = [(what, nats) for what, nats in gains if nats >= ENOUGH][:SHOWN]
+    if not useful and gains:
+        what, nats = gains[0]
+        return [
+            f"None of the further measurements tried would tell {names[0]} from {names[1]}; "
+            f"the best, {what}, is expected to bring {max(nats, 0.0):.1f} nats."
+        ]
+    return [
+        f"{what[0].upper()}{what[1:]} is expected to tell {names[0]} from {names[1]} by {nats:.0f} nats more."
+        for what, nats in useful
+    ]
+
+
+def _name(judged: Judged) -> str:
+    return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
+
+
+def expected(found: Findings, true: Fit, other: Fit) -> list[tuple[str, float]]:
+    """Return each further measurement with the nats that it is expected to bring, most first.
+
+    Args:
+        found: What the search found.
+        true: The rival that is taken for true.
+        other: The rival that tries to imitate it.
+    """
+    began = perf_counter()
+    now = as_it_was(found)
+    base = _normal(now, true, other, found)
+    left = _misfit(base)
+    gains = []
+    for one in measurements(found, now):
+        if perf_counter() - began > SECONDS:
+            break
+        normal = _normal(one, true, other, found)
+        total = _misfit(_sum(base, normal)) if one.more else _misfit(normal)
+        gains.append((one.what, total - left))
+    return sorted(gains, key=lambda gain: -gain[1])
+
+
+def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
+    """Yield the further measurements that are tried: channels, amplitudes, another motion, a weight on the roof."""
+    believed, run = now.believed, now.believed.observed.runs[0]
+    for size, words in ((2.0, "twice"), (0.5, "half")):
+        louder = replace(run, table=size * run.table)
+        yield _with_run(now, louder, f"the same shaking at {words} its amplitude")
+    yield _with_run(now, _other_motion(run), "broadband noise of the same peak on the table")
+    structure = believed.structure
+    for number, frame in enumerate(structure.frames):
+        mass = frame.mass.copy()
+        weight = WEIGHT_SHARE * float(frame.floor_mass.sum())
+        mass[-1, -1] += weight
+        heavier = Structure(
+            tuple(replace(f, mass=mass) if i == number else f for i, f in enumerate(structure.frames))
+        )
+        model = Believed(heavier, believed.observed, believed.prior)
+        yield Measurement(
+            f"the same shaking with {weight:.2g} kg on the roof of {frame.name}", model, now.noise, True
+        )
+    yield from _channels(now)
+
+
+def _channels(now: Measurement) -> Iterator[Measurement]:
+    seen = now.believed.observed
+    present = {(int(q), int(f)) for q, f in zip(seen.quantity, seen.floor, strict=True)}
+    simulated = now.believed.predict(np.zeros(len(now.believed.std)), None, (), [0])
+    for kind, words in ((ACCELERATION, "accelerometer on"), (DISPLACEMENT, "displacement sensor at")):
+        for floor in range(now.believed.structure.floors):
+            if (kind, floor) in present:
+                continue
+            frame, number = now.believed.structure.place(floor)
+            run = seen.runs[0]
+            blank = np.zeros((len(run.table), len(seen.names) + 1))
+            wider = replace(
+                seen,
+                names=(*seen.names, "further"),
+                to_si=np.append(seen.to_si, 1.0),
+                quantity=np.append(seen.quantity, kind),
+                floor=np.append(seen.floor, floor),
+                runs=(replace(run, measured=blank),),
+            )
+            model = Believed(now.believed.structure, wider, now.believed.prior)
+            rms = float(
+                root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
+            )
+            alike = np.flatnonzero(seen.quantity == kind)
+            share = SHARE
+            if len(alike):
+                shown = root_mean_square(simulated.outputs[0])[alike]
+                share = float(np.median(now.noise[alike] / np.maximum(shown, 1e-12)))
+            what = (
+                f"an {words} floor {number} of {frame}"
+                if kind == ACCELERATION
+                else f"a {words} floor {number} of {frame}"
+            )
+            yield Measurement(what, model, np.append(now.noise, min(share, 1.0) * rms), False)
+
+
+def as_it_was(found: Findings) -> Measurement:
+    """Return what was measured: the first training run, cut to `LONGEST_S`, without what is infinitely noisy."""
+    seen = found.believed.observed
+    number = found.null.fit.baseline.runs[0]
+    run = seen.runs[number]
+    samples = min(len(run.table), int(LONGEST_S / run.step_s))
+    noise = np.asarray(found.null.fit.baseline.noise[0].channel, float)
+    kept = np.flatnonzero(np.isfinite(noise))
+    cut = replace(
+        run,
+        table=run.table[:samples],
+        time_s=run.time_s[:samples],
+        measured=np.zeros((samples, len(kept))),
+        contact=run.contact[:samples],
+    )
+    observed = replace(
+        seen,
+        names=tuple(seen.names[c] for c in kept),
+        to_si=seen.to_si[kept],
+        quantity=seen.quantity[kept],
+        floor=seen.floor[kept],
+        runs=(cut,),
+    )
+    model = Believed(found.believed.structure, observed, found.believed.prior)
+    return Measurement("as it was", model, noise[kept], False)
+
+
+def _with_run(now: Measurement, run: RunData, what: str) -> Measurement:
+    observed = replace(now.believed.observed, runs=(run,))
+    return Measurement(what, Believed(now.believed.structure, observed, now.believed.prior), now.noise, True)
+
+
+def _other_motion(run: RunData) -> RunData:
+    """Return a run of band-limited noise with the same peak and length."""
+    rng = np.random.default_rng(0)
+    spectrum = np.fft.rfft(rng.standard_normal(len(run.table)))
+    frequency = np.fft.rfftfreq(len(run.table), run.step_s)
+    shaped = np.fft.irfft(spectrum * np.exp(-((frequency / 30.0) ** 4)), len(run.table))
+    shaped *= np.sin(np.linspace(0, np.pi, len(shaped))) ** 0.5
+    return replace(run, table=shaped * np.abs(run.table).max() / np.abs(shaped).max())
+
+
+Normal = tuple[np.ndarray, np.ndarray, float]
+
+
+def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
+    """Return Gauss-Newton matrix, slope and sum of squares of the imitator on the data that the true rival makes."""
+    model = one.believed
+    made = model.predict(_ordinary(model, found, true), None, true.baseline.effects, [0]).outputs[0]
+    run = replace(model.observed.runs[0], measured=made)
+    model = Believed(model.structure, replace(model.observed, runs=(run,)), model.prior)
+    known = other.baseline.noise[0]
+    noise = Noise(np.asarray(known.latent), known.table, one.noise)
+    baseline = run_baseline(model, _ordinary(model, found, other), [noise], [0], other.baseline.effects)
+    widths_of = [
+        widths(found.believed, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
+    ]
+    coordinates = Coordinates.of(other.effects, other.values, widths_of)
+    columns = effect_columns(model, baseline, coordinates, np.zeros(len(coordinates.start)))[0]
+    # A channel that only this measurement has brings gain and delay of its own: they are no part of the other's matrix.
+    shared = [j for j, parameter in enumerate(model.parameters) if not parameter.kind.startswith("channel")]
+    both = np.hstack([_ordinary_columns(model, baseline)[:, shared], columns]).astype(float)
+    residual = whitened_innovations(model, baseline)[0]
+    return both.T @ both, both.T @ residual, float(residual @ residual)
+
+
+def _ordinary(model: Believed, found: Findings, fit: Fit) -> np.ndarray:
+    """Return a fit's ordinary parameters for a model with other channels."""
+    known = {
+        (parameter.kind, parameter.place): value
+        for parameter, value in zip(found.believed.parameters, fit.baseline.values, strict=True)
+        if not parameter.kind.startswith("channel")
+    }
+    return np.array([known.get((one.kind, one.place), 0.0) for one in model.parameters])
+
+
+def _ordinary_columns(model: Believed, baseline: Baseline) -> np.ndarray:
+    groups = [ordinary_terms(model, baseline.modes, motion) for motion in motions(model, baseline)]
+    return np.asarray(grouped_signatures(model, baseline, groups)[0] * model.std)
+
+
+def _sum(one: Normal, other: Normal) -> Normal:
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
+def _misfit(normal: Normal) -> float:
+    """Return half the squares that remain when the imitator has bent all it may [nats]."""
+    gram, slope, squares = normal
+    return 0.5 * float(squares - slope @ np.linalg.solve(gram + np.eye(len(gram)), slope))

@@ -1,0 +1,119 @@
+"""More data, better answer, for a contact: which other recording of impacts would part what these cannot, by simulation.
+
+The likelier rival is taken for true and makes the impacts of a further test; both are then fitted to them. By so much as the
+difference of their evidence grows, the further test is expected to bring.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, compare
+from pounding.diagnosis.contact_force.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
+from pounding.diagnosis.contact_force.pair import Touched
+from pounding.diagnosis.design.advice import WEAK_NATS, sentences
+
+USED = 12
+"""Impacts that are simulated at most, the strongest."""
+TESTS = (
+    ("the same shaking recorded at twice the sampling rate, force cell included", 2.0, 1.0, False),
+    ("the same shaking recorded at four times the sampling rate, force cell included", 4.0, 1.0, False),
+    ("as many impacts at twice the speed", 1.0, 2.0, True),
+    ("as many impacts again", 1.0, 1.0, True),
+)
+FINER = (1.0, 2.0, 4.0)
+"""Further tests: in words, by how much finer the sampling is, by how much faster the floors meet, and whether these impacts
+come to those that are there; shares of the finest frequencies that are compared."""
+NAMES = {
+    "": "the contact as believed",
+    "gap_offset": "another gap of the contact",
+    "contact_stiffness": "another stiffness of the contact",
+    "contact_damping": "another loss of the contact",
+}
+
+
+def rivals(touched: Touched, needed: float) -> tuple[Fitted, Fitted] | None:
+    """Return what the impacts like best and what they cannot tell from it, or None where they are clear.
+
+    Args:
+        touched: What the impacts say.
+        needed: Evidence [nats] from which the best is claimed.
+    """
+    if touched.null is None or not touched.ranked:
+        return None
+    nats, best = touched.ranked[0]
+    if nats < needed:
+        return (best, touched.null) if nats > 0 else None
+    others = [
+        (score, one) for score, one in touched.ranked if one.hypothesis.effect != best.hypothesis.effect
+    ]
+    near = [one for score, one in others if score > nats - WEAK_NATS]
+    return (best, near[0]) if near else None
+
+
+def advice(touched: Touched, needed: float) -> list[str]:
+    """Return sentences on the tests that would part the rivals, best first; none where the impacts are clear."""
+    pair = rivals(touched, needed)
+    if pair is None or touched.bodies is None:
+        return []
+    first, second = pair
+    return sentences(expected(touched.bodies, first, second), (name(first), name(second)))
+
+
+def name(fitted: Fitted) -> str:
+    """Return a hypothesis in words."""
+    return NAMES.get(fitted.hypothesis.effect) or f"the contact law {fitted.law.name}"
+
+
+def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[tuple[str, float]]:
+    """Return each further test with the nats that it is expected to bring, most first.
+
+    Args:
+        bodies: The two floors and their impacts.
+        true: The rival that is taken for true.
+        other: The rival that tries to imitate it.
+    """
+    here = made(bodies, true.law, 1.0, 1.0)
+    now = _apart(here, true, other)
+    gains = []
+    for what, finer, faster, more in TESTS:
+        # A finer record has what a coarser one has, too, and high frequencies may be too faint to be compared.
+        tried = [made(bodies, true.law, share, faster) for share in FINER if share <= finer]
+        before = here.impacts if more else ()
+        apart = [_apart(replace(there, impacts=(*before, *there.impacts)), true, other) for there in tried]
+        gains.append((what, max(apart) - now))
+    return sorted(gains, key=lambda gain: -gain[1])
+
+
+def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:
+    """Return the strongest impacts as a law makes them, sampled so much finer and met so much faster."""
+    impacts = []
+    for impact in bodies.impacts[:USED]:
+        onset = impact.free[min(impact.onset, len(impact.free) - 1)]
+        turn = _turn(impact, finer)
+        one = replace(
+            impact,
+            free=law.gap_m + faster * (impact.free - onset),
+            free_rate=faster * impact.free_rate,
+            prior=(impact.prior[0], faster * impact.prior[1]),
+            turn=turn,
+        )
+        seen = compare(bodies, one, law, np.zeros(2))
+        strong = np.exp(seen[:4] - seen[0]) > FAINT
+        whiten = np.diag(np.concatenate([strong, strong[1:]]) / MODEL)
+        impacts.append(replace(one, seen=seen, whiten=whiten))
+    return replace(bodies, impacts=tuple(impacts))
+
+
+def _turn(impact: Impact, finer: float) -> np.ndarray:
+    hertz = -np.angle(impact.turn[:, 1] / impact.turn[:, 0]) / (2 * np.pi * STEP_S)
+    middle = (np.arange(impact.turn.shape[1]) + 0.5) * STEP_S
+    return np.asarray(STEP_S * np.exp(-2j * np.pi * finer * np.outer(hertz, middle)))
+
+
+def _apart(bodies: Bodies, true: Fitted, other: Fitted) -> float:
+    # What made the data fits them from where it is; the rival may look for its best.
+    right = again(bodies, true)
+    return right.log_evidence - best_fit(bodies, other.hypothesis).log_evidence

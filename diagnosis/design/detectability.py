@@ -1,0 +1,174 @@
+"""The smallest effect that a case's data could have shown: where its evidence and its size would reach a verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.verdict import parameters
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.evidence import Score, Scores
+from pounding.diagnosis.inference.filtering import Baseline, boxed_step
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import root_mean_square
+
+LARGEST_LOSS = 0.95
+"""Share of its stiffness that a storey can lose and still stand."""
+RELATIVE = ("stiffness_change", "loosening")
+PROBE = 0.1
+"""Prior standard deviations by which an ordinary parameter is moved to see what it does to the channels."""
+ROUNDS = 8
+LARGEST_STRIDE = 4.0
+"""How often an amplitude that is not yet seen is raised, and at most by which factor."""
+
+
+@dataclass(frozen=True)
+class Smallest:
+    """The least of an effect at one place: its SI parameters, and the amplitude by which places are compared."""
+
+    effect: Effect
+    values: np.ndarray
+    amplitude: float
+
+
+def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, Any]]:
+    """Return for each effect of the catalogue how small it may be and still be found, at its best and worst place.
+
+    Two things must be reached (see `decision.verdict.decide`): the evidence, which grows with the square of the
+    amplitude over its standard error, and the share of a channel's noise that the effect makes up after the ordinary
+    parameters have imitated what they can.
+
+    Args:
+        case: The case, for the units of its channels.
+        found: What was found.
+        decision: The verdict; the effects in it are part of the model about which this is worked out.
+
+    Returns:
+        For each effect ``effect``, ``places`` (their number), ``shown`` (at how many of them some size could be shown),
+        and ``best`` and ``worst``: place and parameters, or None where no possible size could be shown.
+    """
+    baseline = decision.judged.fit.baseline
+    sight = _Sight.of(found, baseline)
+    kinds: dict[str, list[Smallest | None]] = {}
+    for one, scores in _scores(found, decision):
+        kinds.setdefault(one.effect.name, []).append(_least(found, one, scores, sight))
+    return [_entry(case, found, name, places) for name, places in kinds.items()]
+
+
+def threshold(information: np.ndarray, nats: float) -> np.ndarray:
+    """Return the amplitude, in prior standard deviations, whose expected log evidence is so many `nats`.
+
+    The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `pounding.diagnosis.inference.evidence.score`).
+    """
+    needed = nats + 0.5 * np.log1p(information)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.sqrt(2 * needed * (1 + information)) / information)
+
+
+def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
+    """Return every candidate's score about the model of the verdict, or about the null model where that is all."""
+    about = [(one, found.scores) for one in found.scores.ranked]
+    if found.later is not None and decision.judged is not found.null:
+        later = {id(one.effect): (one, found.later) for one in found.later.ranked}
+        about = [later.get(id(one.effect), (one, scores)) for one, scores in about]
+    return [(one, scores) for one, scores in about if not one.effect.foil]
+
+
+def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
+    effect, believed = one.effect, found.believed
+    nats, size = found.thresholds(effect.absorbing)
+    shapes = effect.grid(found.sizes)
+    first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
+    information = np.diag(scores.projected)[first : first + len(shapes)]
+    widths = np.array([effect.size(believed, found.sizes, shape) for shape in shapes])
+    amplitudes = threshold(np.maximum(information, 1e-12), nats) * widths
+    best = int(np.argmin(amplitudes / widths))
+    sign = effect.sign or 1
+    amplitude = float(amplitudes[best])
+    for _ in range(ROUNDS):
+        if not _possible(effect, believed, amplitude):
+            return None
+        seen = sight.of_effect(effect, effect.values(sign * amplitude, shapes[best]))
+        if seen >= size:
+            break
+        amplitude *= min(1.02 * size / max(seen, 1e-9), LARGEST_STRIDE)
+    else:
+        return None
+    compared = amplitude / widths[best] if effect.where in ("channel", "logger") else amplitude
+    return Smallest(effect, effect.values(sign * amplitude, shapes[best]), float(compared))
+
+
+def _possible(effect: Effect, believed: Believed, amplitude: float) -> bool:
+    if effect.name in RELATIVE:
+        return amplitude <= LARGEST_LOSS
+    if effect.name == "hysteresis":
+        return amplitude <= effect.stiffness(believed)  # type: ignore[attr-defined]
+    return bool(np.isfinite(amplitude))
+
+
+def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]) -> dict[str, Any]:
+    shown = sorted((one for one in places if one is not None), key=lambda one: one.amplitude)
+
+    def described(one: Smallest) -> dict[str, Any]:
+        nothing = np.zeros(len(one.values))
+        quantities = parameters(case, found, one.effect, one.values, nothing)
+        keys = ("name", "value", "unit")
+        return one.effect.place() | {"parameters": [{key: q[key] for key in keys} for q in quantities]}
+
+    return {
+        "effect": name,
+        "places": len(places),
+        "shown": len(shown),
+        "best": described(shown[0]) if shown else None,
+        "worst": described(shown[-1]) if shown and len(shown) == len(places) else None,
+    }
+
+
+@dataclass(frozen=True)
+class _Sight:
+    """What changes of the model do to the channels of the strongest run, in units of their noise."""
+
+    believed: Believed
+    baseline: Baseline
+    run: int
+    output: np.ndarray
+    noise: np.ndarray
+    ordinary: np.ndarray
+    gram: np.ndarray
+
+    @classmethod
+    def of(cls, found: Findings, baseline: Baseline) -> _Sight:
+        believed = found.believed
+        run = max(
+            found.training, key=lambda number: float(root_mean_square(believed.observed.runs[number].table))
+        )
+        rms = np.nan_to_num(believed.observed.rms(believed.observed.runs[run]), nan=np.inf)
+        noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
+        noise = noise * np.sqrt(believed.observed.slower)
+        output = simulate(believed, baseline.values, baseline.effects, [run])[0]
+        columns = []
+        for number, std in enumerate(believed.std):
+            moved = baseline.values.copy()
+            moved[number] += PROBE * std
+            changed = simulate(believed, moved, baseline.effects, [run])[0]
+            columns.append(((changed - output) / noise).ravel() / PROBE)
+        ordinary = np.array(columns).T
+        return cls(believed, baseline, run, output, noise, ordinary, ordinary.T @ ordinary)
+
+    def of_effect(self, effect: Effect, values: np.ndarray) -> float:
+        """Return the rms of what an effect adds to the channel where it shows most, in units of the noise."""
+        acting = [*self.baseline.effects, (effect, values)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            changed = simulate(self.believed, self.baseline.values, acting, [self.run])[0]
+        change = ((changed - self.output) / self.noise).ravel()
+        if not np.isfinite(change).all():
+            return 0.0
+        start = self.baseline.values / self.believed.std
+        left = change - self.ordinary @ boxed_step(self.gram, self.ordinary.T @ change + start, start)
+        return float(root_mean_square(left.reshape(self.output.shape)).max())

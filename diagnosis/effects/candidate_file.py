@@ -1,0 +1,272 @@
+"""A user's own candidates: plain functions with units in a Python file, compiled and checked before anything is run.
+
+    def slack_tie(d, v, t, stiffness: "N/m" = 2e4, slack: "mm" = (0.1, 3.0)):
+        '''A tie in the storey that pulls once its slack is used up.'''
+        return stiffness * (d - slack) if d > slack else 0.0
+
+The first argument says where the force acts: `d`, the drift of a storey [m], or `u`, a floor's displacement relative to
+the table [m]; `v` is its rate [m/s], `t` the time since the run began [s]. The function returns the force [N] that
+opposes it, proportional to its first parameter. Annotations are units, defaults typical sizes or ranges in these units;
+the function itself gets SI.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+import pint
+from numba import njit
+from numba.core.errors import NumbaError
+
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.calling import PARAMETERS, called, compiled
+
+PLACES = {"d": "storey", "u": "floor"}
+"""Where a force acts, by the name of the first argument."""
+TRIED = (
+    np.array([-0.05, -5e-3, -5e-4, -1e-5, 0.0, 1e-5, 5e-4, 5e-3, 0.05]),
+    np.array([-1.0, -0.1, -1e-3, 0.0, 1e-3, 0.1, 1.0]),
+    np.array([0.0, 0.3, 7.0]),
+)
+"""Drifts [m], rates [m/s] and times [s] at which a function is tried: those of frames of this size."""
+RAISED = (
+    ArithmeticError,
+    AttributeError,
+    ImportError,
+    LookupError,
+    NameError,
+    OSError,
+    RuntimeError,
+    TypeError,
+    ValueError,
+)
+"""What a user's own code may raise when it is read or tried."""
+_UNITS: Any = pint.UnitRegistry()
+
+
+@dataclass(frozen=True)
+class UserParameter:
+    """A parameter: name, unit as written, SI per unit, and its typical sizes in SI, one or the ends of a range."""
+
+    name: str
+    unit: str
+    to_si: float
+    sizes: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class UserForce:
+    """A user's function.
+
+    Attributes:
+        name, what: Its name and the first line of its docstring.
+        where: ``storey`` or ``floor``.
+        parameters: Its parameters, the first its size.
+        either_sign: Whether the first parameter may be negative.
+        entry: The compiled function, kept alive with its address.
+    """
+
+    name: str
+    what: str
+    where: str
+    parameters: tuple[UserParameter, ...]
+    either_sign: bool
+    entry: Any
+
+    @property
+    def address(self) -> int:
+        """Where the compiled function is."""
+        return int(self.entry.address)
+
+    def force(self, values: Sequence[float], x: np.ndarray, v: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Return the force [N] for series of drift (or displacement), rate and time, parameters in SI."""
+        padded = np.zeros(PARAMETERS)
+        padded[: len(values)] = values
+        return np.asarray(_series(self.address, padded, *map(np.ascontiguousarray, (x, v, t))))
+
+
+@njit(cache=True)
+def _series(address, p, x, v, t):
+    force = np.empty(x.size)
+    for k in range(x.size):
+        force[k] = called(address, p, x[k], v[k], t[k])
+    return force
+
+
+def read_candidates(path: Path | str) -> list[UserForce]:
+    """Read the functions of a candidates file, compile and check them.
+
+    Functions whose names begin with an underscore are the file's own business.
+
+    Raises:
+        CaseError: The file is missing or cannot be run, or a function lacks units, does not compile, is not finite, is
+            not proportional to its first parameter or does not return a force.
+    """
+    path = Path(path)
+    module = _module(path)
+    found = []
+    for name, thing in vars(module).items():
+        function = getattr(thing, "py_func", thing)
+        if (
+            not name.startswith("_")
+            and isinstance(function, FunctionType)
+            and function.__module__ == module.__name__
+        ):
+            found.append(_force(path, name, function))
+    if not found:
+        raise CaseError(
+            f"{path} holds no candidate; write a function such as "
+            '`def tie(d, v, t, stiffness: "N/m" = 2e4)` that returns the force in N that opposes the drift d'
+        )
+    return found
+
+
+def _module(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise CaseError(f"{path}: there is no such file of candidates; give --candidates a Python file")
+    name = "candidates_of_the_user"
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise CaseError(f"{path} is not a Python file; its name must end in .py")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        raise CaseError(f"{path} line {error.lineno}: {error.msg}; correct the file there") from None
+    except RAISED as error:
+        raise CaseError(f"{path} cannot be run: {type(error).__name__}: {error}") from error
+    return module
+
+
+def _force(path: Path, name: str, function: FunctionType) -> UserForce:
+    where = f"{path} line {function.__code__.co_firstlineno}: {name}"
+    place, parameters = _signature(where, function)
+    force = UserForce(
+        name=name,
+        what=(inspect.getdoc(function) or "").partition("\n")[0],
+        where=place,
+        parameters=parameters,
+        either_sign=bool(getattr(function, "either_sign", False)),
+        entry=_compiled(where, function, len(parameters)),
+    )
+    _check_numbers(where, force)
+    _check_units(where, function, parameters)
+    return force
+
+
+def _signature(where: str, function: FunctionType) -> tuple[str, tuple[UserParameter, ...]]:
+    arguments = list(inspect.signature(function).parameters.values())
+    names = [argument.name for argument in arguments]
+    if len(names) < 3 or names[0] not in PLACES or names[1:3] != ["v", "t"]:
+        raise CaseError(
+            f"{where} takes ({', '.join(names)}); the first three arguments must be d (drift) or u (displacement of a "
+            "floor), v and t; begin the name of a helper function with an underscore"
+        )
+    if not 1 <= len(names) - 3 <= PARAMETERS:
+        raise CaseError(
+            f"{where} has {len(names) - 3} parameters after d, v, t; it may have 1 to {PARAMETERS}"
+        )
+    return PLACES[names[0]], tuple(_parameter(where, argument) for argument in arguments[3:])
+
+
+def _parameter(where: str, argument: inspect.Parameter) -> UserParameter:
+    name, unit = argument.name, argument.annotation
+    if unit is inspect.Parameter.empty or not isinstance(unit, str):
+        raise CaseError(f'{where}: parameter {name!r} has no unit; write it as {name}: "N/m" = 2e4')
+    unit = unit.strip("'\" ")
+    if argument.default is inspect.Parameter.empty:
+        raise CaseError(
+            f"{where}: parameter {name!r} has no typical size; give it one as its default, "
+            f'{name}: "{unit}" = 2.0, or a range, {name}: "{unit}" = (0.5, 4.0)'
+        )
+    to_si = _to_si(where, name, unit).magnitude
+    try:
+        sizes = tuple(float(size) * to_si for size in np.atleast_1d(argument.default))
+    except (TypeError, ValueError):
+        sizes = ()
+    if len(sizes) not in (1, 2) or not np.all(np.isfinite(sizes)) or not np.all(sizes):
+        raise CaseError(
+            f"{where}: the typical size of {name!r} is {argument.default!r}; "
+            "write a number other than 0, or a range of two of them"
+        )
+    if len(sizes) == 2 and sizes[0] >= sizes[1]:
+        raise CaseError(f"{where}: the range of {name!r} must go from low to high, not {argument.default!r}")
+    return UserParameter(name, unit, float(to_si), sizes)
+
+
+def _to_si(where: str, name: str, unit: str) -> Any:
+    """Return one of a unit as a quantity in SI."""
+    try:
+        return (1.0 * _UNITS.parse_expression(unit) * _UNITS.dimensionless).to_base_units()
+    except (pint.PintError, *RAISED, SyntaxError) as error:
+        raise CaseError(
+            f'{where}: the unit "{unit}" of {name!r} is not understood ({error}); write it like "N s/m" or "mm"'
+        ) from error
+
+
+def _compiled(where: str, function: Callable[..., float], count: int) -> Any:
+    try:
+        return compiled(function, count)
+    except (NumbaError, *RAISED) as error:
+        # The first line names numba's own pipeline, the next what it stumbled on.
+        lines = [line.strip(" -") for line in str(error).splitlines() if line.strip()] or [repr(error)]
+        reason = next((line for line in lines if not line.startswith("Failed in nopython")), lines[0])
+        raise CaseError(
+            f"{where} does not compile: {reason}; use numbers, math and numpy functions of numbers, and mark "
+            "helper functions with numba.njit"
+        ) from None
+
+
+def _check_numbers(where: str, force: UserForce) -> None:
+    """Refuse a function that is not finite, does nothing, or is not proportional to its first parameter."""
+    x, v, t = (axis.ravel() for axis in np.meshgrid(*TRIED, indexing="ij"))
+    moved = False
+    for values in product(*(parameter.sizes for parameter in force.parameters)):
+        one, two = (force.force((factor * values[0], *values[1:]), x, v, t) for factor in (1.0, 2.0))
+        bad = np.flatnonzero(~np.isfinite(one))
+        if len(bad):
+            k = bad[0]
+            at = f"{'d' if force.where == 'storey' else 'u'} = {x[k]:g} m, v = {v[k]:g} m/s, t = {t[k]:g} s"
+            raise CaseError(f"{where} gives {one[k]:g} at {at}; it must give a finite force everywhere")
+        if not np.allclose(two, 2 * one, rtol=1e-6, atol=1e-9 * float(np.abs(one).max())):
+            raise CaseError(
+                f"{where}: the force is not proportional to the first parameter, {force.parameters[0].name!r}; "
+                "put the one first that says how strong the effect is"
+            )
+        moved = moved or bool(np.any(one))
+    if not moved:
+        raise CaseError(f"{where} gives no force for motions up to 50 mm and 1 m/s at its typical parameters")
+
+
+def _check_units(where: str, function: Callable[..., Any], parameters: Sequence[UserParameter]) -> None:
+    """Refuse a function that does not return newtons when it is given quantities with units."""
+    quantities = [
+        parameter.sizes[0] / parameter.to_si * _to_si(where, parameter.name, parameter.unit)
+        for parameter in parameters
+    ]
+    metre, second, newton = _UNITS.metre, _UNITS.second, _UNITS.newton
+    for x, v, t in product((0.05, -0.05), (1.0, -1.0), (7.0,)):
+        try:
+            result = function(x * metre, v * metre / second, t * second, *quantities)
+        except pint.DimensionalityError as error:
+            if str(error.units2) in ("dimensionless", ""):
+                return  # A function of plain numbers, such as math.sqrt, which knows no units: nothing to learn here.
+            raise CaseError(f"{where} does not fit its units: {error}") from error
+        except RAISED:
+            return  # What compiles need not work on quantities.
+        plain = not isinstance(result, pint.Quantity)
+        if (result if plain else result.magnitude) == 0.0:
+            continue  # Nothing has no unit: `max(v, 0.0)` loses it.
+        if plain or not result.check(newton):
+            given = "a plain number" if plain else f"{result.to_base_units().units:~}"
+            raise CaseError(
+                f"{where} returns {given} where a force in N is wanted; check the parameters' units"
+            )

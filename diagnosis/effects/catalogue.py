@@ -1,0 +1,199 @@
+"""The catalogue: every effect once, with its equation, places, parameters, its force for scoring and how it is added.
+
+The equations are those of docs/diagnosis/catalogue.md: d is the drift of a storey, v its rate, u a floor's
+displacement relative to the table, w its absolute velocity. An effect gives
+
+- `terms`: the force (or the change of an input or a sensor) that a unit of its amplitude makes on a predicted motion,
+- `apply`: the same effect in the fast simulator (`pounding.diagnosis.model.model`),
+- its parameters with names and units; `pounding.diagnosis.model.twin` puts the same numbers on the exudyn rig.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.sensitivity import Term
+from pounding.diagnosis.model.storeys import Modes
+from pounding.diagnosis.model.terms import Motion
+
+CHANNEL_UNIT = "unit of the channel"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A parameter of an effect: name, unit as reported, how many of that unit an SI unit is; some are not reported."""
+
+    name: str
+    unit: str
+    per_si: float = 1.0
+    reported: bool = True
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Typical sizes of a case's motion, from which amplitudes get their prior widths.
+
+    Attributes:
+        drift, drift_rate: rms of each storey [m], [m/s]. highest, lowest: extremes of each drift [m].
+        shear: rms storey shear [N]. acceleration, rate: rms absolute floor motion [m/s^2], [m/s].
+        output: rms of each channel in SI. omega: angular frequencies [rad/s] of each frame, a list.
+    """
+
+    drift: np.ndarray
+    drift_rate: np.ndarray
+    highest: np.ndarray
+    lowest: np.ndarray
+    shear: np.ndarray
+    acceleration: np.ndarray
+    rate: np.ndarray
+    output: np.ndarray
+    omega: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect at a place. Subclasses say what it does; `index` is the storey, floor or channel among all.
+
+    Attributes:
+        frame, storey, floor, channel, contact, left, right: The place as reported, counted from 1.
+    """
+
+    index: int = 0
+    frame: str | None = None
+    storey: int | None = None
+    floor: int | None = None
+    channel: str | None = None
+    contact: int | None = None
+    left: str | None = None
+    right: str | None = None
+
+    name: ClassVar[str] = ""
+    quantities: ClassVar[tuple[Quantity, ...]] = ()
+    where: ClassVar[str] = ""
+    """``storey``, ``upper storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
+    sign: ClassVar[int] = 0
+    """+1 or -1 where only one sign of the amplitude makes sense, else 0."""
+    linear: ClassVar[bool] = False
+    """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
+    foil: ClassVar[bool] = False
+    """Whether this is outside the catalogue and stands for 'something else'."""
+    absorbing: ClassVar[bool] = False
+    """Whether a little of it mends what every believed frame has wrong: its modes, or losses that are not viscous."""
+
+    def place(self) -> dict[str, object]:
+        """Return effect and place as in the report."""
+        keys = ("frame", "storey", "floor", "channel", "contact", "left", "right")
+        return {"effect": self.name} | {key: getattr(self, key) for key in keys}
+
+    def label(self) -> str:
+        """Return effect and place in words."""
+        where = [
+            f"{key} {value}"
+            for key, value in self.place().items()
+            if value is not None and key not in ("effect", "frame")
+        ]
+        return ", ".join([self.name.replace("_", " ")] + ([str(self.frame)] if self.frame else []) + where)
+
+    def entries(self) -> list[dict[str, object]]:
+        """Return the places under which the effect is reported; more than one if it stands for several."""
+        return [self.place()]
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return the values of what is not an amplitude at which the effect is scored."""
+        del scales
+        return [()]
+
+    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
+        """Return shapes about a scored one from which a refinement may start; what is tuned has a narrow optimum."""
+        del shape
+        return []
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return the prior standard deviation of the amplitude in SI."""
+        raise NotImplementedError
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return what a unit amplitude adds."""
+        raise NotImplementedError
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the SI parameters, in the order of `quantities`, of an amplitude."""
+        del shape
+        return np.array([amplitude])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Put the effect with SI parameter `values` on an assembly."""
+        raise NotImplementedError
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """Return which parameters are refined as logarithms, because they can only be positive."""
+        return tuple(False for _ in self.quantities)
+
+
+@dataclass(frozen=True)
+class Registry:
+    """The kinds of effects, in the order of the catalogue."""
+
+    kinds: list[type[Effect]] = field(default_factory=list)
+
+    def add(self, kind: type[Effect]) -> type[Effect]:
+        """Register a kind; used as a decorator."""
+        self.kinds.append(kind)
+        return kind
+
+    def names(self) -> list[str]:
+        """Return the names of the effects of the catalogue."""
+        return [kind.name for kind in self.kinds if not kind.foil]
+
+
+CATALOGUE = Registry()
+
+
+def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
+    """Return a kind of effect at each of its places."""
+    structure, observed = believed.structure, believed.observed
+    where = kind.where
+    if where in ("storey", "upper storey"):
+        spots = [structure.place(i) for i in range(structure.floors)]
+        lowest = 2 if where == "upper storey" else 1
+        return [
+            kind(index=i, frame=frame, storey=number)
+            for i, (frame, number) in enumerate(spots)
+            if number >= lowest
+        ]
+    if where == "floor":
+        spots = [structure.place(i) for i in range(structure.floors)]
+        return [kind(index=i, frame=frame, floor=number) for i, (frame, number) in enumerate(spots)]
+    if where == "frame":
+        return [kind(index=i, frame=frame.name) for i, frame in enumerate(structure.frames)]
+    if where == "channel":
+        return [kind(index=i, channel=name) for i, name in enumerate(observed.names)]
+    if where == "logger":
+        return [_logger(kind, believed, members) for members in loggers(believed)]
+    return [kind()]
+
+
+def loggers(believed: Believed) -> list[tuple[int, ...]]:
+    """Return groups of channels that may sit on a logger of their own: one kind of quantity, or one frame."""
+    observed = believed.observed
+    everything = tuple(range(len(observed.names)))
+    groups = [
+        tuple(int(c) for c in np.flatnonzero(observed.quantity == kind))
+        for kind in np.unique(observed.quantity)
+    ]
+    groups += [
+        tuple(int(c) for c in np.flatnonzero(believed.at_frame(frame)))
+        for frame in range(len(believed.structure.frames))
+    ]
+    return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]
+
+
+def _logger(kind: type[Effect], believed: Believed, members: tuple[int, ...]) -> Effect:
+    names = tuple(believed.observed.names[c] for c in members)
+    return kind(index=members[0], channel=names[0], members=members, channels=names)  # type: ignore[call-arg]

@@ -1,0 +1,375 @@
+"""Effects of a whole frame or of a floor: changed matrices, drag, and what the floors' displacements do not show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import cont2discrete, lfilter
+
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.nuisance import Assembly, floor_mass
+from pounding.diagnosis.model.predictor import DRAG
+from pounding.diagnosis.model.sensitivity import Term
+from pounding.diagnosis.model.storeys import Modes, StoreyFrame
+from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
+
+
+@dataclass(frozen=True)
+class FrameEffect(Effect):
+    """An effect of a whole frame, or of one of its floors."""
+
+    where = "frame"
+
+    def storeys(self, believed: Believed) -> StoreyFrame:
+        """Return the frame."""
+        return believed.structure.frames[believed.structure.index(str(self.frame))]
+
+    def span(self, believed: Believed) -> slice:
+        """Return its floors among all."""
+        return believed.structure.span(believed.structure.index(str(self.frame)))
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class JointFlexibility(FrameEffect):
+    """The rotational stiffness of each floor-column joint differs: the joints' part of the flexibility is rescaled."""
+
+    name = "joint_flexibility"
+    absorbing = True
+    quantities = (Quantity("joint_stiffness", "N m/rad"),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 0.4 of the joints' stiffness, as a logarithm."""
+        return 0.5
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the force of the stiffness' derivative with respect to the logarithm of the joints' stiffness."""
+        derivative = self.storeys(believed).joint_derivative
+        assert derivative is not None
+        return matrix_terms(motion, derivative, modes.floors, self.span(believed))
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the joints' stiffness as a factor on the believed one."""
+        return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Rescale the joints' part of the flexibility."""
+        frame, span = self.storeys(believed), self.span(believed)
+        assert frame.joint_derivative is not None
+        flexibility = np.linalg.inv(frame.stiffness)
+        joints = flexibility @ frame.joint_derivative @ flexibility
+        changed = np.linalg.inv(flexibility + (1 / float(values[0]) - 1) * joints)
+        assembly.stiffness[span, span] += changed - frame.stiffness
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """A stiffness is positive."""
+        return (True,)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class BaseRocking(FrameEffect):
+    """The base turns on a spring instead of being fixed: the flexibility grows by h h' / k."""
+
+    name = "base_rocking"
+    absorbing = True
+    quantities = (Quantity("rotational_stiffness", "N m/rad"),)
+    sign = 1
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return the compliance [rad/(N m)] that makes the roof a quarter more flexible."""
+        frame = self.storeys(believed)
+        return 0.25 * float(np.linalg.inv(frame.stiffness)[-1, -1]) / float(frame.height_m[-1]) ** 2
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the force of a unit compliance of the base."""
+        moment = self.storeys(believed).stiffness @ self.storeys(believed).height_m
+        span = self.span(believed)
+        return [force_term(motion, lambda m: m.floor[:, span] @ moment, moment @ modes.floors[span])]
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the base's stiffness."""
+        return np.array([1 / max(amplitude, 1e-12)])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add the base's flexibility."""
+        frame, span = self.storeys(believed), self.span(believed)
+        flexibility = np.linalg.inv(frame.stiffness) + np.outer(frame.height_m, frame.height_m) / abs(
+            float(values[0])
+        )
+        assembly.stiffness[span, span] += np.linalg.inv(flexibility) - frame.stiffness
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """A stiffness is positive."""
+        return (True,)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class PDelta(FrameEffect):
+    """Geometric stiffness of weight_factor times the frame's weight beyond what the model has."""
+
+    name = "p_delta"
+    absorbing = True
+    linear = True
+    quantities = (Quantity("weight_factor", "1"),)
+    sign = 1
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return the factor that takes a fifth of the first mode's stiffness away."""
+        frame = self.storeys(believed)
+        shape_of_first = np.linalg.solve(frame.stiffness, frame.floor_mass)
+        share = (shape_of_first @ frame.geometric @ shape_of_first) / (
+            shape_of_first @ frame.stiffness @ shape_of_first
+        )
+        return 0.2 / float(share)
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the force of the frame's own weight on its drifts."""
+        return matrix_terms(motion, -self.storeys(believed).geometric, modes.floors, self.span(believed))
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Take the geometric stiffness away."""
+        span = self.span(believed)
+        assembly.stiffness[span, span] -= float(values[0]) * self.storeys(believed).geometric
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AddedMass(FrameEffect):
+    """Mass on a floor beyond the believed."""
+
+    name = "added_mass"
+    linear = True
+    where = "floor"
+    quantities = (Quantity("mass", "kg"),)
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return a quarter of the floor's mass."""
+        return 0.25 * floor_mass(believed.structure, self.index)
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the inertia of a unit mass."""
+        return [force_term(motion, lambda m: -m.acceleration[:, self.index], modes.floors[self.index])]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add the mass."""
+        lightest = -0.9 * floor_mass(believed.structure, self.index)
+        assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AirDrag(FrameEffect):
+    """Drag c w abs(w) on each floor."""
+
+    name = "air_drag"
+    quantities = (Quantity("coefficient", "N s^2/m^2"),)
+    sign = 1
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return what makes a fifth of the inertia of a floor."""
+        span = self.span(believed)
+        inertia = float(np.mean(self.storeys(believed).floor_mass * scales.acceleration[span]))
+        return 0.2 * inertia / float(np.mean(scales.rate[span] ** 2))
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return w abs(w) at every floor."""
+
+        def drag(floor: int) -> Term:
+            def pull(m: Motion) -> np.ndarray:
+                rate = m.floor_rate[:, floor] + m.table_rate
+                return np.asarray(-rate * np.abs(rate))
+
+            return force_term(motion, pull, modes.floors[floor])
+
+        span = self.span(believed)
+        return [drag(floor) for floor in range(span.start, span.stop)]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add the drag."""
+        span = self.span(believed)
+        row = np.zeros(believed.structure.floors)
+        assembly.laws.append((DRAG, row, (abs(float(values[0])),), (span.start, span.stop)))
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """Drag is positive."""
+        return (True,)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class TorsionalEccentricity(FrameEffect):
+    """Centres of mass and stiffness lie an eccentricity apart, so that the floors turn as they move.
+
+    Displacements are those of the plan's centre, the centre of stiffness. Floors turn with the lateral shapes, at
+    `ratio` times the lateral frequencies where the centres coincide; neither that ratio nor the damping of turning, a
+    multiple of the lateral, is in the believed model: the one is scored on a grid, both are refined with the eccentricity.
+    """
+
+    name = "torsional_eccentricity"
+    absorbing = True
+    quantities = (
+        Quantity("eccentricity", "m"),
+        Quantity("torsional_frequency_ratio", "1", reported=False),
+        Quantity("torsional_damping_factor", "1", reported=False),
+    )
+    sign = 1
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return ratios of torsional to lateral frequency."""
+        return [(1.05,), (1.25,), (1.5,), (1.8,), (2.3,)]
+
+    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
+        """Return ratios up to the neighbours' of the grid."""
+        return [(float(shape[0] * factor),) for factor in np.geomspace(0.88, 1.14, 27)]
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return the square of a fifth of the radius of gyration."""
+        return (0.2 * self.storeys(believed).gyration_m) ** 2
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the inertia of the turning floors for a unit squared eccentricity."""
+        span = self.span(believed)
+        radius = self.storeys(believed).gyration_m
+        found = []
+        for mode in range(span.start, span.stop):
+            omega, ratio = float(modes.omega[mode]), float(modes.ratio[mode])
+
+            def turning(
+                m: Motion, mode: int = mode, omega: float = omega, ratio: float = ratio
+            ) -> np.ndarray:
+                moved = -(omega**2) * m.eta[:, mode] - 2 * ratio * omega * m.eta_rate[:, mode]
+                own = shape[0] * omega
+                driven = oscillator(moved, own, ratio, motion.run.step_s)
+                return np.asarray((moved - own**2 * driven) / radius**2)
+
+            found.append(force_term(motion, turning, np.eye(len(modes.omega))[mode]))
+        return found
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return eccentricity, frequency ratio and a damping as that of the lateral motion."""
+        return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0], 1.0])
+
+    def like_appendage(
+        self, believed: Believed, values: np.ndarray, floor: int, appendage: np.ndarray
+    ) -> np.ndarray:
+        """Return the parameters with which the first mode meets what an appendage on a floor makes it meet.
+
+        Args:
+            believed: The believed model.
+            values: Ordinary parameters of the fit with the appendage in it.
+            floor: The appendage's floor among all.
+            appendage: Its mass [kg], frequency [Hz] and damping ratio.
+        """
+        plain = believed.plain_modes(believed.assemble(values))
+        first = self.span(believed).start
+        mass, frequency, ratio = (float(value) for value in appendage)
+        share = mass * float(plain.floors[floor, first]) ** 2
+        offset = self.storeys(believed).gyration_m * np.sqrt(max(share, 1e-9))
+        own = 2 * np.pi * frequency / float(plain.omega[first])
+        return np.array([offset, own, max(ratio, 1e-4) / float(plain.ratio[first])])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add the floors' rotations, scaled by the radius of gyration to displacements."""
+        span, floors = self.span(believed), believed.structure.floors
+        offset = float(values[0]) / self.storeys(believed).gyration_m
+        ratio, damped = float(values[1]), float(values[2])
+        n = span.stop - span.start
+
+        def extend(
+            mass: np.ndarray, stiffness: np.ndarray, damping: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            before = len(mass)
+            larger = [np.zeros((before + n, before + n)) for _ in range(3)]
+            for new, old in zip(larger, (mass, stiffness, damping), strict=True):
+                new[:before, :before] = old
+            own = stiffness[span, span]
+            new_part = slice(before, before + n)
+            larger[0][new_part, new_part] = (1 + offset**2) * mass[span, span]
+            larger[0][span, new_part] = offset * mass[span, span]
+            larger[0][new_part, span] = offset * mass[span, span]
+            larger[1][new_part, new_part] = ratio**2 * own
+            larger[2][new_part, new_part] = damped * ratio * damping[span, span]
+            return larger[0], larger[1], larger[2]
+
+        assert floors >= n
+        assembly.extensions.append(extend)
+        assembly.influence.extend([0.0] * n)
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """All are positive."""
+        return (True, True, True)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class Appendage(FrameEffect):
+    """A mass on a spring that nobody listed: not in the catalogue, so its evidence speaks for an unknown effect."""
+
+    name = "appendage"
+    absorbing = True
+    where = "floor"
+    foil = True
+    quantities = (Quantity("mass", "kg"), Quantity("frequency", "Hz"), Quantity("damping_ratio", "1"))
+    sign = 1
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return angular frequencies [rad/s] from below the first to beyond the third frequency."""
+        omega = np.concatenate(scales.omega)
+        lowest = float(omega.min())
+        highest = float(np.sort(omega)[min(2, len(omega) - 1)])
+        return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
+
+    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return a tenth of the floor's mass."""
+        return 0.1 * floor_mass(believed.structure, self.index)
+
+    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the force of a unit mass on a spring that is driven by the floor."""
+
+        def pull(m: Motion) -> np.ndarray:
+            relative = oscillator(-m.acceleration[:, self.index], shape[0], 0.02, motion.run.step_s)
+            return np.asarray(shape[0] ** 2 * relative)
+
+        return [force_term(motion, pull, modes.floors[self.index])]
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return mass, frequency and damping."""
+        return np.array([max(amplitude, 1e-6), shape[0] / (2 * np.pi), 0.02])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Add a coordinate."""
+        weight, omega, damping_ratio = float(values[0]), 2 * np.pi * float(values[1]), float(values[2])
+        floor = self.index
+
+        def extend(
+            mass: np.ndarray, stiffness: np.ndarray, damping: np.ndarray
+        ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            n = len(mass)
+            larger = [np.zeros((n + 1, n + 1)) for _ in range(3)]
+            row = np.zeros(n + 1)
+            row[n], row[floor] = 1.0, -1.0
+            spring = weight * omega**2 * np.outer(row, row)
+            damper = 2 * damping_ratio * omega * weight * np.outer(row, row)
+            for new, old in zip(larger, (mass, stiffness, damping), strict=True):
+                new[:n, :n] = old
+            larger[0][n, n] = weight
+            return larger[0], larger[1] + spring, larger[2] + damper
+
+        assembly.extensions.append(extend)
+        assembly.influence.append(1.0)
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """All are positive."""
+        return (True, True, True)
+
+
+def oscillator(driving: np.ndarray, omega: float, ratio: float, step_s: float) -> np.ndarray:
+    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,)."""
+    numerator, denominator, _ = cont2discrete(
+        ([1.0], [1.0, 2 * ratio * omega, omega**2]), step_s, method="foh"
+    )
+    return np.asarray(lfilter(numerator.ravel(), denominator, driving))

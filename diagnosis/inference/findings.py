@@ -1,0 +1,216 @@
+"""What a search finds: fits with their evidence and their gaps, about the null model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pounding.diagnosis.effects.catalogue import Effect, Scales
+from pounding.diagnosis.inference.evidence import Scores
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.misfit import by_frame, channel_gaps, floors, median, over_floor, simulate
+from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.model.model import Believed
+
+if TYPE_CHECKING:
+    from pounding.diagnosis.model.pair import Pair
+
+UNEXPLAINED = 1.5
+"""Gap over noise floor above which the search goes on: larger amplitudes, second effects."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A refined candidate as it is judged.
+
+    Attributes:
+        fit: The fit. nats: Its log evidence against the null model.
+        gap: Median gap over the training and over the held-out runs (NaN without any).
+        channel_gap: Gap of each channel over the training and the held-out runs, shape (2, channels).
+        beside: A fit without which it is not judged, of what only tells how sensors are known; nats are against that.
+    """
+
+    fit: Fit
+    nats: float
+    gap: tuple[float, float]
+    channel_gap: np.ndarray
+    beside: Judged | None = None
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects in the fit, without those that it is judged beside."""
+        aside = () if self.beside is None else self.beside.fit.effects
+        return tuple(effect for effect in self.fit.effects if effect not in aside)
+
+
+DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
+"""Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
+PAIR_NATS, PAIR_SIZE = 200.0, 0.2
+LOCAL_NATS, LOCAL_SIZE = 100.0, 0.1
+CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
+"""The same for frames that collide. Impacts show how a believed frame is off: effects that absorb some of that had up to 463
+nats, and up to 0.16 of the noise where nothing at all was hidden; others, whose thresholds are the second, up to 21. Where a
+force cell told of the impacts, what is slow beside them may also show by so much evidence in less of it."""
+BLIND_FACTOR = 2.0
+"""Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
+these miss looks like an effect too."""
+BESIDE_FACTOR = 1.5
+"""Times as much that absorbing effects need where something is missing between the frames already; where evidence makes up
+for size, only of that."""
+FILTERED_S = 2.5e-4
+"""Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
+
+
+@dataclass
+class Findings:
+    """What the search found.
+
+    Attributes:
+        null: The refined null model. scores: All candidates about it.
+        judged: Refined candidates, best first.
+        floor: Gap that a perfect model would leave over the training and the held-out runs, (2, channels).
+        sizes: Typical sizes of motion.
+        training, held_out: Numbers of the runs.
+    """
+
+    believed: Believed
+    null: Judged
+    scores: Scores
+    sizes: Scales
+    training: tuple[int, ...]
+    held_out: tuple[int, ...]
+    judged: list[Judged] = field(default_factory=list)
+    floor: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
+    later: Scores | None = None
+    """Scores of second effects about the best fit."""
+    pair: Pair | None = None
+    """Two frames that touch, at the rate of the logger."""
+    settled: tuple[Judged, Believed, Baseline] | None = None
+    """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
+    engine: dict[int, np.ndarray] = field(default_factory=dict)
+    """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
+
+    def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
+        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
+
+        Args:
+            absorbing: Whether a little of it mends what every believed frame has wrong (see `Effect.absorbing`).
+        """
+        if self.pair is None:
+            return DETECTED_NATS, DETECTED_SIZE
+        known = BLIND_FACTOR if self.pair.blind else 1.0
+        if absorbing:
+            return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
+        return known * LOCAL_NATS, LOCAL_SIZE
+
+    def _beside(self) -> float:
+        return BESIDE_FACTOR if self.pair is not None and self.pair.contact_claimed else 1.0
+
+    def plain(self, judged: Judged, size: float) -> bool:
+        """Return whether effects are detected that have so much evidence and this size."""
+        needed, least = self.thresholds(any(effect.absorbing for effect in judged.effects))
+        certain = self.pair is not None and not self.pair.blind
+        return (judged.nats >= needed and size >= least) or (
+            certain and judged.nats >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
+        )
+
+    def claimable(self) -> list[Judged]:
+        """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
+
+        Those are delays as filters make them, and effects beside a second contact, whose force is what the motion asks for.
+        Where such a delay is the likeliest effect, others are judged beside it, since alone they may imitate it.
+        """
+        pair = self.pair
+        if pair is None:
+            return self.judged
+        floor = None if pair.second is None else pair.second[0]
+        told = [one for one in self.judged if not _beside(one, floor)]
+        single = [one for one in told if len(one.effects) == 1]
+        if not single or not _of_filters(single[0]):
+            return [one for one in told if not _of_filters(one)]
+        delay = single[0]
+        found = [
+            replace(one, nats=one.nats - delay.nats, beside=delay)
+            for one in told
+            if len(one.effects) == 2 and delay.effects[0] in one.effects
+        ]
+        return [one for one in found if not _of_filters(one)]
+
+
+def _of_filters(judged: Judged) -> bool:
+    each = zip(judged.fit.effects, judged.fit.values, strict=True)
+    return any(
+        effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S
+        for effect, values in each
+        if effect in judged.effects
+    )
+
+
+def _beside(judged: Judged, floor: int | None) -> bool:
+    """Return whether an effect is at a floor (from 1) or in one of the two storeys that meet there."""
+    if floor is None:
+        return False
+    return any(effect.storey in (floor, floor + 1) or effect.floor == floor for effect in judged.effects)
+
+
+def judge(
+    believed: Believed, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]
+) -> Judged:
+    """Return a fit with its evidence and its gaps."""
+    each = [fit_gaps(believed, fit.baseline, runs) for runs in (training, held_out)]
+    return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
+
+
+def judged_on(judged: Judged, believed: Believed, baseline: Baseline, *runs: tuple[int, ...]) -> Judged:
+    """Return a candidate with the gaps that a baseline with its effects leaves in a model with other contact forces.
+
+    Args:
+        judged: The candidate.
+        believed: The model.
+        baseline: Its frames with the effects.
+        runs: Numbers of the training and of the held-out runs.
+    """
+    each = [fit_gaps(believed, baseline, some) for some in runs]
+    return replace(judged, gap=_medians(each), channel_gap=np.array(each))
+
+
+def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
+    training, held_out = (float(median(gaps)) for gaps in each)
+    return training, held_out
+
+
+def fit_gaps(believed: Believed, baseline: Baseline, runs: tuple[int, ...]) -> np.ndarray:
+    """Return the gap of each channel that a fit leaves over some runs, NaN without any."""
+    if not runs:
+        return np.full(len(believed.observed.names), np.nan)
+    return channel_gaps(believed, simulate(believed, baseline.values, baseline.effects, runs), runs)
+
+
+def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
+    """Return the gap that a perfect model would leave over the training and the held-out runs, (2, channels)."""
+    nothing = np.full(len(found.believed.observed.names), np.nan)
+    return np.array(
+        [
+            floors(found.believed, fit.baseline, runs) if runs else nothing
+            for runs in (found.training, found.held_out)
+        ]
+    )
+
+
+def best(found: Findings) -> Judged:
+    """Return the candidate with most evidence, or the null model."""
+    return found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
+
+
+def unexplained(found: Findings, judged: Judged) -> bool:
+    """Return whether a fit leaves much more than noise of a frame in the training runs."""
+    return leaves_much(found.believed, judged.channel_gap[0], judged.fit.baseline, found.training)
+
+
+def leaves_much(believed: Believed, gaps: np.ndarray, baseline: Baseline, runs: tuple[int, ...]) -> bool:
+    """Return whether gaps (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
+    over = over_floor(believed, gaps, floors(believed, baseline, runs))
+    return bool(np.nanmax(by_frame(believed, over)) > UNEXPLAINED)

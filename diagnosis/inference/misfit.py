@@ -1,0 +1,213 @@
+"""How far a simulation is from what was measured, and how near it could come."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.signal import fftconvolve
+
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.model.kalman import Noise, discretise, linear_system, noise_density
+from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
+from pounding.diagnosis.model.storeys import Modes
+
+SLOW = 0.3
+"""Share of the lowest frequency below which absolute displacements are not compared."""
+
+
+def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
+    """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
+    measured = np.concatenate([believed.observed.runs[run].measured for run in runs])
+    difference = np.concatenate(
+        [
+            levelled(believed, one - believed.observed.runs[run].measured, believed.observed.runs[run].step_s)
+            for one, run in zip(outputs, runs, strict=True)
+        ]
+    )
+    rms = root_mean_square(measured)
+    return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+
+
+def levelled(believed: Believed, difference: np.ndarray, step_s: float) -> np.ndarray:
+    """Take what is slow against the frames off absolute displacements: integrated twice, a table's noise drifts.
+
+    Args:
+        believed: The believed model.
+        difference: Simulated less measured, (samples, channels).
+        step_s: Sampling step [s].
+    """
+    difference = difference.copy()
+    drifting = np.flatnonzero(
+        np.isin(believed.observed.quantity, (ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT))
+    )
+    if not len(drifting):
+        return difference
+    slow = _slow(len(difference), step_s, SLOW * believed.structure.lowest_hz)
+    for channel in drifting:
+        good = np.isfinite(difference[:, channel])
+        if good.sum() > slow.shape[1]:
+            fitted, *_ = np.linalg.lstsq(slow[good], difference[good, channel])
+            difference[:, channel] -= slow @ fitted
+    return difference
+
+
+@lru_cache(8)
+def _slow(samples: int, step_s: float, below_hz: float) -> np.ndarray:
+    """Return a line and the cosines of a run that lie below a frequency, shape (samples, terms)."""
+    time = np.linspace(0.0, 1.0, samples)
+    cosines = int(2 * samples * step_s * below_hz)
+    return np.column_stack([time - 0.5, *(np.cos(np.pi * k * time) for k in range(cosines + 1))])
+
+
+def differences(
+    believed: Believed, baseline: Baseline, runs: Sequence[int]
+) -> Iterator[tuple[RunData, np.ndarray]]:
+    """Yield each run with what a fit's simulation differs by from its channels in SI, (samples, channels), levelled."""
+    for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
+        data = believed.observed.runs[run]
+        yield data, levelled(believed, output - data.measured, data.step_s)
+
+
+def over_floor(believed: Believed, gaps: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return gaps over the noise floor as they would be at the rate of the logger.
+
+    Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
+    was recorded.
+    """
+    slower = believed.observed.slower
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(((gaps / floor) ** 2 + slower - 1) / slower))
+
+
+def by_frame(believed: Believed, over: np.ndarray) -> np.ndarray:
+    """Return the median of gaps over the noise floor (..., channels) over the channels of each frame, (..., frames).
+
+    What one frame lacks hardly shows in the channels of another, which may be more.
+    """
+    frames = range(len(believed.structure.frames))
+    return np.stack([median(over[..., believed.at_frame(frame)]) for frame in frames], axis=-1)
+
+
+def median(gaps: np.ndarray) -> np.ndarray:
+    """Return the median of gaps (..., channels) over the channels that were measured, NaN where none was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        return np.asarray(np.nanmedian(gaps, axis=-1))
+
+
+def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
+    """Return the median of the channels' gaps."""
+    return float(median(channel_gaps(believed, outputs, runs)))
+
+
+def simulate(
+    believed: Believed, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+) -> list[np.ndarray]:
+    """Return the channels as simulated in each run, nothing corrected by measurements."""
+    return believed.predict(values, None, effects, runs).outputs
+
+
+def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.ndarray:
+    """Return the gap that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
+
+    Contact forces are as uncertain as their touches say in runs that were not fitted.
+
+    Args:
+        believed: The believed model.
+        baseline: A fit; its noise is taken as a share of each channel's rms, its modes carry the table's noise.
+        runs: Runs for which the floor is wanted, fitted or not.
+    """
+    squares, total = np.zeros(len(believed.observed.names)), np.zeros(len(believed.observed.names))
+    for number, noise in zip(runs, expected_noise(believed, baseline, runs), strict=True):
+        run = believed.observed.runs[number]
+        rms = np.nan_to_num(believed.observed.rms(run))
+        own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
+        carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * noise.table
+        pushed = 0.0 if number in baseline.runs else touch_response(believed, baseline.modes, number)
+        squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
+        total = total + len(run.table) * rms**2
+    return np.sqrt(
+        np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
+    )
+
+
+def expected_noise(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> list[Noise]:
+    """Return the noise of runs, fitted or not, as the same share of table and channels as in those of a fit.
+
+    What a channel never showed in a fit is infinite.
+    """
+    shares, table = _shares(believed, baseline)
+    found = []
+    for number in runs:
+        run = believed.observed.runs[number]
+        channel = shares * np.nan_to_num(believed.observed.rms(run))
+        of_table = table * float(root_mean_square(run.table))
+        found.append(Noise(baseline.noise[0].latent, of_table, np.where(channel > 0, channel, np.inf)))
+    return found
+
+
+def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:
+    channel, table = [], []
+    for number, noise in zip(baseline.runs, baseline.noise, strict=True):
+        run = believed.observed.runs[number]
+        rms = believed.observed.rms(run)
+        known = np.isfinite(noise.channel) & (rms > 0)
+        channel.append(np.where(known, noise.channel / np.where(known, rms, 1.0), np.nan))
+        table.append(noise.table / float(root_mean_square(run.table)))
+    shares = np.array(channel)
+    known = np.isfinite(shares)
+    mean = np.nansum(shares, axis=0) / np.maximum(known.sum(axis=0), 1)
+    return mean, float(np.mean(table))
+
+
+def table_response(believed: Believed, modes: Modes, step_s: float, samples: int) -> np.ndarray:
+    """Return the rms of each channel for table noise of unit standard deviation, over a run from rest."""
+    storeys = believed.structure.floors
+    system = linear_system(
+        modes, believed.structure.drift @ modes.floors, believed.observed.quantity, believed.observed.floor
+    )
+    density = noise_density(len(system.rate), Noise(np.zeros(storeys), 1.0, np.zeros(0)))
+    step, covariance = discretise(system.rate, density, step_s)
+    # Doubling: the covariance after 1, 2, 4, ... samples, up to half the run, where its mean lies.
+    for _ in range(max(1, int(np.log2(max(samples, 4) / 2)))):
+        covariance = covariance + step @ covariance @ step.T
+        step = step @ step
+    # What `levelled` takes off is not noise either.
+    output = system.output.copy()
+    output[:, -2:] = 0.0
+    variance = np.einsum("ci,ij,cj->c", output, covariance, output)
+    return np.sqrt(np.maximum(variance, 0.0))
+
+
+def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
+    """Return the mean square of each channel in SI, (channels,), that the uncertain sizes of a run's contact forces make."""
+    run, observed = believed.observed.runs[number], believed.observed
+    total = np.zeros(len(observed.names))
+    touches = [touch for touch in observed.touches if touch.run == number]
+    if not touches:
+        return total
+    system = linear_system(modes, believed.structure.drift @ modes.floors, observed.quantity, observed.floor)
+    swaying = slice(0, 2 * len(modes.omega))
+    step = expm(system.rate[swaying, swaying] * run.step_s)
+    times, samples = np.arange(len(run.table)) * run.step_s, len(run.table)
+    for column, (left, right) in enumerate(observed.contact_floors):
+        direction = modes.floors[right] - modes.floors[left]
+        state = np.concatenate([np.zeros(len(direction)), direction])
+        after = np.zeros((samples, len(total)))
+        for k in range(samples):
+            after[k] = system.output[:, swaying] @ state
+            state = step @ state
+        after[0] /= 2.0  # The trapezoidal rule: half of an impulse lies before its sample.
+        for touch in touches:
+            if touch.column == column:
+                force = np.where(touch.within(times), run.contact[:, column], 0.0)[:, None]
+                moved = fftconvolve(force, run.step_s * after, axes=0)[:samples]
+                added = touch.std * (moved + force * (system.direct @ direction))
+                total += np.mean(added**2, axis=0)
+    return total

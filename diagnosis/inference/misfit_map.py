@@ -1,0 +1,71 @@
+"""Where a model and measurements disagree: by channel, run, window and band."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.misfit import differences
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import root_mean_square
+
+WINDOWS = 6
+BANDS = 6
+SHOWN = 8
+ABOVE = 1.5
+"""Windows of a run, bands up to beyond the modes, entries told, and how far above the noise one must be."""
+
+
+def where(
+    believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Sequence[int]
+) -> list[dict[str, Any]]:
+    """Return the largest disagreements of a fit, largest first, as the report lists them.
+
+    `gap` is the rms of the difference in a window and band over the rms of the channel in the whole run.
+
+    Args:
+        believed: The believed model.
+        baseline: The fit that is compared with the measurements.
+        floor: Noise floor of each channel as a share of its rms, shape (channels,).
+        runs: The runs to look at.
+    """
+    edges = band_edges(baseline)
+    found: list[dict[str, Any]] = []
+    for data, levelled in differences(believed, baseline, runs):
+        difference = np.nan_to_num(levelled)
+        rms = root_mean_square(data.measured)
+        nyquist = 0.5 / data.step_s
+        for low, high in zip(edges[:-1], np.minimum(edges[1:], 0.95 * nyquist), strict=True):
+            part = band(difference, low, high, data.step_s)
+            for window in np.array_split(np.arange(len(part)), WINDOWS):
+                level = root_mean_square(part[window])
+                noise = floor * np.sqrt((high - low) / nyquist)
+                for channel in np.flatnonzero(level > ABOVE * noise * rms):
+                    found.append(
+                        {
+                            "channel": believed.observed.names[channel],
+                            "run": data.name,
+                            "window_s": [float(data.time_s[window[0]]), float(data.time_s[window[-1]])],
+                            "band_hz": [float(low), float(high)],
+                            "gap": float(level[channel] / rms[channel]),
+                        }
+                    )
+    return sorted(found, key=lambda one: -one["gap"])[:SHOWN]
+
+
+def band_edges(baseline: Baseline) -> np.ndarray:
+    """Return the edges of the bands in which a gap is looked at [Hz], from 0 to beyond the fifth mode."""
+    highest = 1.3 * float(np.sort(baseline.modes.omega)[min(4, len(baseline.modes.omega) - 1)]) / (2 * np.pi)
+    edges = np.geomspace(0.5 * float(baseline.modes.omega.min()) / (2 * np.pi), highest, BANDS)
+    return np.concatenate([[0.0], edges])
+
+
+def band(series: np.ndarray, low: float, high: float, step_s: float) -> np.ndarray:
+    """Return the part of series (samples, channels) between two frequencies [Hz]; from 0 on, below the upper one."""
+    kind, edge = ("lowpass", high) if low <= 0 else ("bandpass", (low, high))
+    sections = butter(3, edge, kind, fs=1 / step_s, output="sos")
+    return np.asarray(sosfiltfilt(sections, series, axis=0))

@@ -1,0 +1,124 @@
+"""The force that each storey has beyond a model: a smoother with a latent force in every storey.
+
+The latent forces' sizes are found from the data by expectation and maximisation (Shumway and Stoffer 1982), so that a
+storey in which nothing is left over gives its share to the one where something is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
+
+from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.kalman import (
+    LinearSystem,
+    Noise,
+    SteadyFilter,
+    discretise,
+    linear_system,
+    noise_density,
+)
+from pounding.diagnosis.model.model import Believed
+
+FIRST_LEVEL = 0.1
+ROUNDS = 16
+LEAST_LEVEL = 1e-4
+"""Latent forces to start from as a share of each storey's shear, rounds of estimating their size, and the least."""
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """The force that a storey has beyond the calibrated model's, in one run.
+
+    Attributes:
+        run: Name of the run. time_s: Times (samples,). force: (samples, storeys) [N]. std: (storeys,) [N].
+        drift, drift_rate: (samples, storeys) [m], [m/s].
+    """
+
+    run: str
+    time_s: np.ndarray
+    force: np.ndarray
+    std: np.ndarray
+    drift: np.ndarray
+    drift_rate: np.ndarray
+
+
+def leftover_forces(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> list[Leftover]:
+    """Return the leftover force of every storey in each run, from all of the run's measurements.
+
+    Args:
+        believed: The believed model.
+        baseline: The model: its ordinary parameters and effects.
+        runs: Numbers of the runs.
+    """
+    return [_leftover(believed, baseline, run) for run in runs]
+
+
+def _leftover(believed: Believed, baseline: Baseline, run: int) -> Leftover:
+    (noise,) = starting_noise(believed, [run], FIRST_LEVEL)
+    # Noise that the fit has found in this run is better than that of the spectrum alone.
+    if run in baseline.runs:
+        known = baseline.noise[baseline.runs.index(run)]
+        noise = replace(noise, table=known.table)
+    least = LEAST_LEVEL / FIRST_LEVEL * noise.latent
+    for _ in range(ROUNDS):
+        found = run_baseline(believed, baseline.values, [noise], [run], baseline.effects)
+        rows = believed.structure.drift @ found.modes.floors
+        system = linear_system(found.modes, rows, believed.observed.quantity, believed.observed.floor)
+        states, spread = smoothed(system, found, noise, believed.observed.runs[run].step_s)
+        latent = slice(2 * len(found.modes.omega), 2 * len(found.modes.omega) + len(noise.latent))
+        size = np.sqrt(np.mean(states[:, latent] ** 2, axis=0) + spread[latent] ** 2)
+        noise = replace(noise, latent=np.maximum(size, least))
+    modes = len(found.modes.omega)
+    data = believed.observed.runs[run]
+    return Leftover(
+        run=data.name,
+        time_s=data.time_s,
+        # A latent force pushes along the drift; what a storey has beyond the model opposes it.
+        force=-states[:, latent],
+        std=spread[latent],
+        drift=states[:, :modes] @ rows.T,
+        drift_rate=states[:, modes : 2 * modes] @ rows.T,
+    )
+
+
+def smoothed(
+    system: LinearSystem, baseline: Baseline, noise: Noise, step_s: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the states of a run given all its samples (samples, states), and their standard deviations (states,).
+
+    The backward pass of Rauch, Tung and Striebel (1965) with the filter's steady covariance.
+    """
+    steady, prediction = baseline.filters[0], baseline.prediction
+    before, after = prediction.before[0], prediction.after[0]
+    predicted, filtered = _covariances(system, steady, noise, step_s)
+    size = np.sqrt(np.maximum(np.diag(predicted), 1e-30))
+    scaled = predicted / np.outer(size, size)
+    # C = P_filtered A' P_predicted^-1, each state scaled to about one: metres and newtons stand side by side.
+    gain = np.linalg.solve(scaled, (steady.step @ filtered / size[:, None]) / size[None, :]).T
+    gain = gain * size[:, None] / size[None, :]
+    states = after.copy()
+    for k in range(len(states) - 2, -1, -1):
+        states[k] += gain @ (states[k + 1] - before[k + 1])
+    covariance = solve_discrete_lyapunov(gain, filtered - gain @ predicted @ gain.T)
+    return states, np.sqrt(np.maximum(np.diag(covariance), 0.0))
+
+
+def _covariances(
+    system: LinearSystem, steady: SteadyFilter, noise: Noise, step_s: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the steady covariance of the states before and after a sample, from the filter's own gain.
+
+    Joseph's form, a Lyapunov equation: it stays positive where the Riccati solution is a small difference.
+    """
+    measured = np.isfinite(noise.channel)
+    gain, output = steady.gain[:, measured], steady.output[measured]
+    left = np.eye(len(steady.step)) - gain @ output
+    step, driven = discretise(system.rate, noise_density(len(steady.step), noise), step_s)
+    seen = gain @ np.diag(noise.channel[measured] ** 2) @ gain.T
+    predicted = solve_discrete_lyapunov(step @ left, step @ seen @ step.T + driven)
+    return predicted, left @ predicted @ left.T + seen

@@ -1,0 +1,47 @@
+"""Two channels that were swapped: told from how the null model likes their exchange."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from pounding.diagnosis.inference.filtering import Baseline, log_likelihood
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import Observations
+
+SWAPPED_NATS = 1000.0
+"""What exchanging two channels must gain before it is worth a recalibration."""
+
+
+def exchange(believed: Believed, null: Baseline) -> tuple[int, int] | None:
+    """Return the two channels of one kind and frame whose exchange the null model likes best, if it likes one much."""
+    observed = believed.observed
+    frames = [
+        believed.structure.place(int(floor))[0] if floor < believed.structure.floors else ""
+        for floor in observed.floor
+    ]
+    best, gain = None, SWAPPED_NATS
+    gains = [steady.gain for steady in null.filters]
+    for one, other in combinations(range(len(observed.names)), 2):
+        if observed.quantity[one] != observed.quantity[other] or frames[one] != frames[other]:
+            continue
+        trial = Believed(believed.structure, exchanged(observed, one, other), believed.prior)
+        prediction = trial.predict(null.values, gains, (), null.runs)
+        gained = log_likelihood(trial, prediction.innovations, null.filters, null.runs) - null.log_likelihood
+        if gained > gain:
+            best, gain = (one, other), gained
+    return best
+
+
+def exchanged(observed: Observations, one: int, other: int) -> Observations:
+    """Return the observations with two channels' columns exchanged."""
+    order = np.arange(len(observed.names))
+    order[[one, other]] = other, one
+    return replace(
+        observed,
+        runs=tuple(
+            replace(run, measured=np.ascontiguousarray(run.measured[:, order])) for run in observed.runs
+        ),
+    )

@@ -1,0 +1,1 @@
+"""The model of the measured frames: storeys, observations, nuisance parameters, prediction, and its exudyn twin."""

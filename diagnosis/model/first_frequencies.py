@@ -1,0 +1,86 @@
+"""Whether the frame that was measured can be the frame that is named: first frequencies as they stand in the data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import csd, welch
+
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.model.predictor import ACCELERATION, VELOCITY
+
+SEGMENT_CYCLES = 16
+"""Length of the segments of a spectrum in cycles of the believed first frequency."""
+RANGE = (0.4, 2.0)
+"""Where the measured first frequency is looked for, in believed ones."""
+UNLIKELY = 3.0
+"""Prior standard deviations from which a measured frequency is told."""
+
+
+def frequency_warnings(believed: Believed) -> list[str]:
+    """Return a sentence for each frame whose measured first frequency is unlikely before the test."""
+    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
+    prior = believed.prior
+    said = []
+    for number, frame in enumerate(believed.structure.frames):
+        floors = modes.floors[believed.structure.span(number)]
+        own = np.flatnonzero(np.abs(floors).max(axis=0) > 1e-6 * np.abs(modes.floors).max())
+        first = float(modes.omega[own].min()) / (2 * np.pi)
+        found = measured_frequency(believed, number, first)
+        spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
+        if found is None or abs(np.log(found[0] / first)) < UNLIKELY * spread + found[1] / first:
+            continue
+        said.append(
+            f"{frame.name}: the first frequency in the data is {found[0]:.2f} Hz and the believed one {first:.2f} Hz, "
+            f"{abs(np.log(found[0] / first)) / spread:.1f} prior standard deviations apart; if nothing was changed on "
+            "purpose, check that this is the frame that case.toml names"
+        )
+    return said
+
+
+def measured_frequency(believed: Believed, frame: int, first_hz: float) -> tuple[float, float] | None:
+    """Return where a frame's highest measured floor answers the table most [Hz], and the resolution [Hz].
+
+    The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; over all
+    runs that are long enough; None without one.
+
+    Args:
+        believed: The believed model.
+        frame: Number of the frame.
+        first_hz: Its believed first frequency [Hz].
+    """
+    floor = believed.observed.floor
+    inside = np.flatnonzero(believed.at_frame(frame))
+    if len(inside) == 0:
+        return None
+    channel = int(inside[np.argmax(floor[inside])])
+    power = {ACCELERATION: 2, VELOCITY: 1}.get(int(believed.observed.quantity[channel]), 0)
+    return _peak([(run, channel) for run in believed.observed.runs], first_hz, power)
+
+
+def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> tuple[float, float] | None:
+    """Return frequency and resolution of the peak, spectra of all runs with the first usable run's step added up."""
+    step_s, across, own, hertz, length = 0.0, 0.0, 0.0, np.zeros(0), 0
+    for run, channel in runs:
+        answer = np.nan_to_num(run.measured[:, channel])
+        segment = int(SEGMENT_CYCLES / first_hz / run.step_s)
+        if (
+            len(answer) < segment
+            or not np.any(answer)
+            or not np.any(run.table)
+            or step_s not in (0.0, run.step_s)
+        ):
+            continue
+        step_s, length = run.step_s, segment
+        settings = {"fs": 1 / step_s, "nperseg": segment, "noverlap": 3 * segment // 4, "nfft": 4 * segment}
+        hertz, crossed = csd(run.table, answer, **settings)
+        across = across + len(answer) * crossed
+        own = own + len(answer) * welch(run.table, **settings)[1]
+    if step_s == 0.0:
+        return None
+    looked = (hertz > RANGE[0] * first_hz) & (hertz < RANGE[1] * first_hz)
+    table = np.asarray(own)
+    gain = np.abs(np.asarray(across)[looked]) / np.maximum(table[looked], 1e-3 * table.max())
+    return float(hertz[looked][np.argmax(gain / hertz[looked] ** power)]), 0.5 / (length * step_s)

@@ -1,0 +1,209 @@
+"""The baseline predictor: modes, latent storey forces and table noise as one linear system, and its steady Kalman gain.
+
+Latent forces are Ornstein-Uhlenbeck processes, one in each storey; they stand for whatever the model lacks, so that
+predictions do not run out of phase with a lightly damped frame and a later linearisation about them holds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, expm, solve_discrete_are
+
+from pounding.diagnosis.model.predictor import (
+    ABSOLUTE_DISPLACEMENT,
+    ACCELERATION,
+    LEAK,
+    TABLE_DISPLACEMENT,
+    VELOCITY,
+)
+from pounding.diagnosis.model.storeys import Modes
+
+LATENT_RATE = 2 * np.pi * 15.0
+TABLE_NOISE_RATE = 2 * np.pi * 80.0
+"""[1/s] corner of the latent forces and of the table channel's noise."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What is not deterministic.
+
+    Attributes:
+        latent: Standard deviation of each storey's latent force [N], shape (storeys,).
+        table: Standard deviation of the table channel's noise [m/s^2].
+        channel: Standard deviation of each channel's noise in SI, shape (channels,); infinite where not measured.
+    """
+
+    latent: np.ndarray
+    table: float
+    channel: np.ndarray
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """Continuous system x' = A x + B force, y = C x + D force over modes, latent forces, table noise, table motion.
+
+    `rate` (states, states), `force` (states, modes + 1: the table's acceleration last), `output` (channels, states),
+    `direct` (channels, modes).
+    """
+
+    rate: np.ndarray
+    force: np.ndarray
+    output: np.ndarray
+    direct: np.ndarray
+
+
+@dataclass(frozen=True)
+class SteadyFilter:
+    """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the standard
+    deviation of each state after a sample (states,).
+    """
+
+    gain: np.ndarray
+    covariance: np.ndarray
+    step: np.ndarray
+    force_start: np.ndarray
+    force_end: np.ndarray
+    output: np.ndarray
+    direct: np.ndarray
+    spread: np.ndarray
+
+
+def linear_system(
+    modes: Modes, latent_rows: np.ndarray, quantities: np.ndarray, floor: np.ndarray
+) -> LinearSystem:
+    """Return the system of `modes` with latent forces on the drifts `latent_rows` (storeys, modes)."""
+    n, storeys = len(modes.omega), len(latent_rows)
+    states = 2 * n + storeys + 3
+    latent, noise, displacement, velocity = slice(2 * n, 2 * n + storeys), states - 3, states - 2, states - 1
+    rate = np.zeros((states, states))
+    rate[:n, n : 2 * n] = np.eye(n)
+    rate[n : 2 * n, :n] = -np.diag(modes.omega**2)
+    rate[n : 2 * n, n : 2 * n] = -np.diag(2 * modes.ratio * modes.omega)
+    rate[n : 2 * n, latent] = latent_rows.T
+    rate[n : 2 * n, noise] = modes.participation
+    rate[latent, latent] = -LATENT_RATE * np.eye(storeys)
+    rate[noise, noise] = -TABLE_NOISE_RATE
+    rate[displacement, velocity] = 1.0
+    rate[velocity, [noise, displacement, velocity]] = -1.0, -(LEAK**2), -1.4 * LEAK
+    force = np.zeros((states, n + 1))
+    force[n : 2 * n, :n] = np.eye(n)
+    force[velocity, n] = 1.0
+    output = np.zeros((len(quantities), states))
+    direct = np.zeros((len(quantities), n))
+    for c, (quantity, f) in enumerate(zip(quantities, floor, strict=True)):
+        if quantity == ACCELERATION:
+            output[c] = modes.floors[f] @ rate[n : 2 * n]
+            output[c, noise] = 0.0
+            direct[c] = modes.floors[f]
+        elif quantity == VELOCITY:
+            output[c, n : 2 * n] = modes.floors[f]
+        elif quantity == TABLE_DISPLACEMENT:
+            output[c, displacement] = 1.0
+        else:
+            output[c, :n] = modes.floors[f]
+            output[c, displacement] = float(quantity == ABSOLUTE_DISPLACEMENT)
+    return LinearSystem(rate, force, output, direct)
+
+
+def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFilter:
+    """Return the steady Kalman filter of a system sampled at `step_s` [s]."""
+    states = len(system.rate)
+    density = noise_density(states, noise)
+    step, covariance = discretise(system.rate, density, step_s)
+    measured = np.isfinite(noise.channel)
+    output = system.output[measured]
+    scale = 1.0 / noise.channel[measured]
+    predicted = _riccati(step, output * scale[:, None], covariance)
+    scaled = output * scale[:, None]
+    innovation = scaled @ predicted @ scaled.T + np.eye(len(scaled))
+    gain = np.zeros((states, len(measured)))
+    gain[:, measured] = np.linalg.solve(innovation, scaled @ predicted).T * scale
+    full = np.eye(len(measured))
+    full[np.ix_(measured, measured)] = innovation / np.outer(scale, scale)
+    start, end = _first_order_hold(system.rate, system.force, step_s)
+    left = np.diag(predicted) - np.einsum("ic,ci->i", gain[:, measured], output @ predicted)
+    spread = np.sqrt(np.maximum(left, 0.0))
+    return SteadyFilter(gain, full, step, start, end, system.output, system.direct, spread)
+
+
+def noise_density(states: int, noise: Noise) -> np.ndarray:
+    """Return the spectral density of the white noise that drives each state, shape (states,)."""
+    storeys = len(noise.latent)
+    density = np.zeros(states)
+    density[states - 3 - storeys : states - 3] = 2 * LATENT_RATE * noise.latent**2
+    density[states - 3] = 2 * TABLE_NOISE_RATE * noise.table**2
+    # A table channel that is a little off its zero drifts away when integrated twice.
+    density[states - 1] = 1e-12 + 1e-4 * noise.table**2
+    return density
+
+
+def discretise(rate: np.ndarray, density: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return transition and noise covariance over a step (Van Loan 1978)."""
+    n = len(rate)
+    # Halved until the matrix is small, then doubled: exp of a stiff, lightly damped system stays accurate.
+    block = np.zeros((2 * n, 2 * n))
+    block[:n, :n], block[:n, n:], block[n:, n:] = -rate, np.diag(density), rate.T
+    halvings = 4
+    exponential = expm(block * step_s / 2**halvings)
+    step = exponential[n:, n:].T
+    covariance = step @ exponential[:n, n:]
+    for _ in range(halvings):
+        covariance = covariance + step @ covariance @ step.T
+        step = step @ step
+    return step, (covariance + covariance.T) / 2
+
+
+def _first_order_hold(rate: np.ndarray, force: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the responses to a force at the start and at the end of a step, linear in between."""
+    n, m = force.shape
+    block = np.zeros((n + 2 * m, n + 2 * m))
+    block[:n, :n], block[:n, n : n + m] = rate * step_s, force * step_s
+    block[n : n + m, n + m :] = np.eye(m)
+    exponential = expm(block)
+    held, ramp = exponential[:n, n : n + m], exponential[:n, n + m :]
+    return held - ramp, ramp
+
+
+def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Return the steady predicted covariance for unit measurement noise."""
+    # States of very different size (metres, newtons) spoil the solver, so each is scaled to about one.
+    size = np.sqrt(np.maximum(np.diag(covariance), 1e-30))
+    n = len(step)
+    scaled_step = step * size[None, :] / size[:, None]
+    scaled_covariance = covariance / np.outer(size, size)
+    scaled_output = output * size
+    try:
+        solution = solve_discrete_are(
+            scaled_step.T, scaled_output.T, scaled_covariance + 1e-12 * np.eye(n), np.eye(len(output))
+        )
+    except (LinAlgError, ValueError):
+        solution = _doubling(scaled_step, scaled_output, scaled_covariance)
+    return np.asarray(solution) * np.outer(size, size)
+
+
+def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """Solve the Riccati equation by structure-preserving doubling (Chu, Fan, Lin and Wang 2004)."""
+    a, g, h = step.T.copy(), output.T @ output, covariance.copy()
+    identity = np.eye(len(step))
+    for _ in range(60):
+        inverse = np.linalg.inv(identity + g @ h)
+        new_h = h + a.T @ h @ inverse @ a
+        g = g + a @ inverse @ g @ a.T
+        a = a @ inverse @ a
+        if np.abs(new_h - h).max() <= 1e-12 * np.abs(new_h).max():
+            return new_h
+        h = new_h
+    return h
+
+
+def filtered_covariance(system: LinearSystem, noise: Noise, step_s: float) -> np.ndarray:
+    """Return the steady covariance of the state after each sample, shape (states, states)."""
+    step, covariance = discretise(system.rate, noise_density(len(system.rate), noise), step_s)
+    measured = np.isfinite(noise.channel)
+    output = system.output[measured] / noise.channel[measured, None]
+    predicted = _riccati(step, output, covariance)
+    innovation = output @ predicted @ output.T + np.eye(len(output))
+    seen = output @ predicted
+    return np.asarray(predicted - seen.T @ np.linalg.solve(innovation, seen))

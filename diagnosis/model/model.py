@@ -1,0 +1,291 @@
+"""The believed model: its system for given ordinary parameters and effects, and the prediction that follows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.fft import next_fast_len
+from scipy.interpolate import CubicSpline
+
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE
+from pounding.diagnosis.model.nuisance import Assembly, ordinary_parameters, vary
+from pounding.diagnosis.model.observations import Observations, RunData
+from pounding.diagnosis.model.predictor import predict
+from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
+from pounding.diagnosis.model.tilt import tilt_inputs
+
+
+class Acting(Protocol):
+    """An effect that can be put on an assembly."""
+
+    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+        """Change the assembly by the effect with SI parameter `values`."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Innovations (or residuals), predicted and filtered states and outputs of each run."""
+
+    innovations: list[np.ndarray]
+    before: list[np.ndarray]
+    after: list[np.ndarray]
+    outputs: list[np.ndarray]
+
+
+class Believed:
+    """A structure, what was measured on it, and the priors of its ordinary parameters."""
+
+    def __init__(self, structure: Structure, observed: Observations, prior: Prior) -> None:
+        self.structure = structure
+        self.observed = observed
+        self.prior = prior
+        self.parameters = ordinary_parameters(structure, observed, prior)
+        self.std = np.array([parameter.std for parameter in self.parameters])
+        self._splines = [
+            CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
+        ]
+        self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
+        self._own: np.ndarray | None = None
+
+    def at_frame(self, frame: int) -> np.ndarray:
+        """Return which channels sit on a frame (its number), shape (channels,); the first one has the table's, too."""
+        span, floor = self.structure.span(frame), self.observed.floor
+        return np.asarray((floor >= span.start) & (floor < span.stop))
+
+    def table_slope(self, run: RunData) -> np.ndarray:
+        """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
+        number = next(i for i, one in enumerate(self.observed.runs) if one is run)
+        return np.asarray(self._splines[number](np.arange(len(run.table)) * run.step_s, 1))
+
+    def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
+        """Return the believed system with parameter `values` (in units of their own) and effects."""
+        structure = self.structure
+        floors = structure.floors
+        channels = len(self.observed.names)
+        assembly = Assembly(
+            mass=np.zeros((floors, floors)),
+            stiffness=np.zeros((floors, floors)),
+            log_damping=np.log(np.concatenate([frame.damping_ratio for frame in structure.frames])),
+            table_gain=0.0,
+            table_delay_s=0.0,
+            table_tilt=0.0,
+            channel_gain=np.zeros(channels),
+            channel_delay_s=np.zeros(channels),
+            channel_offset=np.zeros(channels),
+            touch_gain=np.zeros(len(self.observed.touches)),
+        )
+        for number, frame in enumerate(structure.frames):
+            span = structure.span(number)
+            assembly.mass[span, span] += frame.mass
+            assembly.stiffness[span, span] += frame.stiffness
+        for parameter, value in zip(self.parameters, values, strict=True):
+            vary(assembly, structure, parameter, float(value))
+        for effect, numbers in effects:
+            effect.apply(assembly, np.asarray(numbers, float), self)
+        return assembly
+
+    def modes(self, assembly: Assembly) -> Modes:
+        """Return the modes of an assembly, with the coordinates that effects added."""
+        plain = self.plain_modes(assembly)
+        return _extended(assembly, plain) if assembly.extensions else plain
+
+    def plain_modes(self, assembly: Assembly) -> Modes:
+        """Return the modes of an assembly's floors alone, frame by frame."""
+        mass, stiffness, log_damping = assembly.mass, assembly.stiffness, assembly.log_damping
+        floors = len(mass)
+        omegas, rows = [], []
+        shapes = np.zeros((floors, floors))
+        for number in range(len(self.structure.frames)):
+            span = self.structure.span(number)
+            omega, block = solve_modes(mass[span, span], stiffness[span, span])
+            omegas.append(omega)
+            shapes[span, span] = block
+            rows.append(block.T @ mass[span, span].sum(axis=1))
+        return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
+
+    def overlap(self, modes: Modes) -> np.ndarray:
+        """Return which part of each of `modes` is each of the believed frames' own modes, shape (floors, modes)."""
+        if self._own is None:
+            assembly = self.assemble(np.zeros(len(self.std)))
+            self._own = self.plain_modes(assembly).floors.T @ assembly.mass
+        return np.square(self._own @ modes.floors)
+
+    def predict(
+        self,
+        values: np.ndarray,
+        gains: Sequence[np.ndarray] | None = None,
+        effects: Sequence[tuple[Acting, np.ndarray]] = (),
+        runs: Sequence[int] | None = None,
+    ) -> Prediction:
+        """Run the predictor over `runs` (all by default) with a filter gain for each; without gains it simulates."""
+        assembly = self.assemble(values, effects)
+        modes = self.modes(assembly)
+        result = Prediction([], [], [], [])
+        for number, run in enumerate(runs if runs is not None else range(len(self.observed.runs))):
+            pieces = self._run(assembly, modes, run, None if gains is None else gains[number])
+            for store, piece in zip(
+                (result.innovations, result.before, result.after, result.outputs), pieces, strict=True
+            ):
+                store.append(piece)
+        return result
+
+    def _run(
+        self, assembly: Assembly, modes: Modes, number: int, gain: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        run = self.observed.runs[number]
+        storeys = self.structure.floors
+        states = 2 * len(modes.omega) + storeys + 3
+        substep = run.step_s / run.substeps
+        kinds, rows, parameters, drag = _laws(assembly, modes, run.step_s * (len(run.table) - 1))
+        known_mid, known_at, table_mid, added = self._inputs(assembly, modes, number, run)
+        measured = self._corrected(assembly, number, run, added)
+        innovations, before, after, outputs = predict(
+            np.stack([modes.omega, modes.ratio], axis=1),
+            _steps(modes, substep / 2),
+            _steps(modes, substep),
+            modes.participation,
+            np.ascontiguousarray(modes.floors),
+            np.ascontiguousarray(self.structure.drift @ modes.floors),
+            known_mid,
+            known_at,
+            table_mid,
+            self.observed.quantity,
+            self.observed.floor,
+            measured,
+            np.zeros((states, len(self.observed.names))) if gain is None else np.ascontiguousarray(gain),
+            np.array([LATENT_RATE, TABLE_NOISE_RATE]),
+            run.step_s,
+            kinds,
+            rows,
+            parameters,
+            drag,
+        )
+        if gain is None:
+            for channel in np.flatnonzero(assembly.channel_delay_s):
+                outputs[:, channel] = shift(
+                    outputs[:, channel], run.step_s, -assembly.channel_delay_s[channel]
+                )
+        factor = 1.0 + assembly.channel_gain
+        return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
+
+    def _inputs(
+        self, assembly: Assembly, modes: Modes, number: int, run: RunData
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return known modal forces at midpoints and samples, the table at midpoints, and what the tilt adds."""
+        samples, substeps = len(run.table), run.substeps
+        middle = (np.arange(samples)[:, None] + (np.arange(substeps)[None, :] + 0.5) / substeps) * run.step_s
+        end = (samples - 1) * run.step_s
+        table_mid = (1 + assembly.table_gain) * self._splines[number](
+            np.clip(middle - assembly.table_delay_s, 0.0, end)
+        )
+        known_mid = np.zeros((samples, substeps, len(modes.omega)))
+        known_at = np.zeros((samples, len(modes.omega)))
+        added = np.zeros((samples, len(self.observed.names)))
+        at = np.arange(samples) * run.step_s
+        for column, (left, right) in enumerate(self.observed.contact_floors):
+            direction = modes.floors[right] - modes.floors[left]
+            known_at += self.contact_force(assembly, number, column, at)[..., None] * direction
+            known_mid += self.contact_force(assembly, number, column, middle)[..., None] * direction
+        if assembly.table_tilt:
+            tilt_inputs(self, assembly, modes, number, middle, at, known_mid, known_at, added)
+        return known_mid, known_at, table_mid, added
+
+    def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
+        """Return a contact force [N] of a run at times [s] from its start, as large in each touch as the assembly says."""
+        force = self.observed.runs[number].contact_at(times_s, column)
+        for touch, gain in zip(self.observed.touches, assembly.touch_gain, strict=True):
+            if gain and (touch.run, touch.column) == (number, column):
+                force[touch.within(times_s)] *= 1.0 + gain
+        return force
+
+    def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray) -> np.ndarray:
+        """Return the measured channels without the gain, delay and offset that the assembly gives their sensors."""
+        measured = run.measured
+        delayed = np.flatnonzero(assembly.channel_delay_s)
+        if len(delayed):
+            measured = measured.copy()
+            for channel in delayed:
+                measured[:, channel] = self._shift(
+                    number, int(channel), float(assembly.channel_delay_s[channel])
+                )
+        return (measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added
+
+    def _shift(self, number: int, channel: int, delay_s: float) -> np.ndarray:
+        key = (number, channel, round(delay_s, 8))
+        if key not in self._shifted:
+            if len(self._shifted) > 400:
+                self._shifted.clear()
+            run = self.observed.runs[number]
+            self._shifted[key] = shift(run.measured[:, channel], run.step_s, delay_s)
+        return self._shifted[key]
+
+
+def shift(series: np.ndarray, step_s: float, delay_s: float) -> np.ndarray:
+    """Return a series as it was before a delay [s]; NaN samples stay NaN.
+
+    The shift is a phase and nothing else: an interpolation between samples would average their noise away, and a
+    likelihood would pay for that.
+    """
+    good = np.isfinite(series)
+    if good.sum() < 4:
+        return series
+    index = np.arange(len(series))
+    filled = np.interp(index, index[good], series[good])
+    pad = min(256, len(series) - 1)
+    padded = np.concatenate(
+        [2 * filled[0] - filled[pad:0:-1], filled, 2 * filled[-1] - filled[-2 : -pad - 2 : -1]]
+    )
+    length = next_fast_len(len(padded), real=True)
+    ramp = np.linspace(padded[-1], padded[0], length - len(padded) + 2)[1:-1]
+    frequency = np.fft.rfftfreq(length, step_s)
+    spectrum = np.fft.rfft(np.concatenate([padded, ramp])) * np.exp(2j * np.pi * frequency * delay_s)
+    moved = np.fft.irfft(spectrum, length)[pad : pad + len(series)]
+    moved[~good] = np.nan
+    return moved
+
+
+def _extended(assembly: Assembly, plain: Modes) -> Modes:
+    """Return the modes with the coordinates that effects added; coupling by damping between modes is left out."""
+    mass, stiffness = assembly.mass, assembly.stiffness
+    weighted = mass @ plain.floors
+    damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
+    for extend in assembly.extensions:
+        mass, stiffness, damping = extend(mass, stiffness, damping)
+    omega, shapes = solve_modes(mass, stiffness)
+    ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * omega)
+    influence = np.concatenate([np.ones(len(plain.floors)), assembly.influence])
+    return Modes(omega, ratio, shapes[: len(plain.floors)], shapes.T @ (mass @ influence))
+
+
+def _steps(modes: Modes, step: float) -> np.ndarray:
+    """Return the exact step of each mode under a constant force, shape (modes, 6)."""
+    omega, ratio = modes.omega, np.minimum(modes.ratio, 0.95)
+    damped = omega * np.sqrt(1 - ratio**2)
+    decay = np.exp(-ratio * omega * step)
+    cosine, sine = decay * np.cos(damped * step), decay * np.sin(damped * step)
+    a11 = cosine + ratio * omega / damped * sine
+    a12 = sine / damped
+    return np.stack(
+        [a11, a12, -(omega**2) * a12, cosine - ratio * omega / damped * sine, (1 - a11) / omega**2, a12],
+        axis=1,
+    )
+
+
+def _laws(
+    assembly: Assembly, modes: Modes, end: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    count = len(assembly.laws)
+    rows = np.zeros((count, len(modes.omega)))
+    parameters = np.zeros((count, 5))
+    drag = np.zeros((count, 2), np.int64)
+    kinds = np.zeros(count, np.int64)
+    for j, (kind, row, numbers, span) in enumerate(assembly.laws):
+        kinds[j] = kind
+        rows[j] = row @ modes.floors
+        parameters[j, : len(numbers)] = [end if np.isnan(number) else number for number in numbers]
+        drag[j] = span
+    return kinds, rows, parameters, drag

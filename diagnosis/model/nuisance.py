@@ -1,0 +1,148 @@
+"""The ordinary parameters: what may vary inside the priors, how wide, and what each changes in the believed system."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.observations import Observations
+from pounding.diagnosis.model.storeys import Structure
+
+CHANNEL_GAIN = 0.003
+CHANNEL_DELAY_S = 2e-4
+COMMON_DAMPING = 0.7
+STRUCK_DAMPING = 2.0
+"""What a case does not state: prior standard deviations of a sensor's gain and delay, and how much of the damping's
+goes to all modes together; half the variance of the first mode, which is the one that was measured; and how many times
+wider that of the higher modes is where frames collide, because an impact shows those that a shaking hardly does."""
+
+
+BASE_STIFFNESS = 0.04
+JOINT_STIFFNESS = 0.05
+"""The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
+rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
+models that agree in all frequencies differ in both."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An ordinary parameter: what it is, of which place (an index), and its prior standard deviation."""
+
+    kind: str
+    place: int
+    std: float
+
+
+@dataclass
+class Assembly:
+    """What a set of parameters and effects amounts to, before it is made modal; effects change it in place."""
+
+    mass: np.ndarray
+    stiffness: np.ndarray
+    log_damping: np.ndarray
+    table_gain: float
+    table_delay_s: float
+    table_tilt: float
+    channel_gain: np.ndarray
+    channel_delay_s: np.ndarray
+    channel_offset: np.ndarray
+    touch_gain: np.ndarray
+    """Relative change of the contact force in each of the observations' touches."""
+    laws: list[tuple[int, np.ndarray, tuple[float, ...], tuple[int, int]]] = field(default_factory=list)
+    """Kind, row of floors that gives the drift, SI parameters, floor range (drag)."""
+    extensions: list[
+        Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    ] = field(default_factory=list)
+    """Each turns mass, stiffness and damping matrices into larger ones: coordinates that the floors do not have."""
+    influence: list[float] = field(default_factory=list)
+    """Motion of each such coordinate when the table moves by one."""
+
+
+def ordinary_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:
+    """Return the ordinary parameters of a structure and of what was measured on it."""
+    floors = structure.floors
+    frames = range(len(structure.frames))
+    first = {structure.first(frame) for frame in frames}
+    found = [Parameter("frame_stiffness", frame, prior.frame_stiffness) for frame in frames]
+    common = COMMON_DAMPING * prior.damping_ratio
+    found += [Parameter("frame_damping", frame, common) for frame in frames]
+    found += [Parameter("storey_stiffness", storey, prior.storey_stiffness) for storey in range(floors)]
+    found += [
+        Parameter("base_stiffness", structure.first(number), BASE_STIFFNESS)
+        for number, frame in enumerate(structure.frames)
+        if frame.joint_derivative is not None
+    ]
+    found += [
+        Parameter("joint_stiffness", number, JOINT_STIFFNESS)
+        for number, frame in enumerate(structure.frames)
+        if frame.joint_derivative is not None
+    ]
+    higher = STRUCK_DAMPING if observed.contact_floors else 1.0
+    found += [Parameter("floor_mass", floor, prior.floor_mass) for floor in range(floors)]
+    found += [
+        Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else higher) * prior.damping_ratio)
+        for mode in range(floors)
+    ]
+    found += [Parameter("table_gain", 0, prior.table_gain)]
+    found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
+    channels = range(len(observed.names))
+    found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
+    # One channel keeps the time: all of them late together are a table that is early; contact forces keep their own.
+    first_free = 0 if observed.touching else 1
+    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
+    found += [Parameter("touch_gain", number, touch.std) for number, touch in enumerate(observed.touches)]
+    return found
+
+
+def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: float) -> None:
+    """Change an assembly by a parameter's `value`, in units of its own."""
+    place = parameter.place
+    if parameter.kind == "frame_stiffness":
+        span = structure.span(place)
+        assembly.stiffness[span, span] += value * structure.frames[place].stiffness
+    elif parameter.kind == "frame_damping":
+        assembly.log_damping[structure.span(place)] += value
+    elif parameter.kind == "mode_damping":
+        assembly.log_damping[place] += value
+    elif parameter.kind in ("storey_stiffness", "base_stiffness"):
+        assembly.stiffness += value * storey_pattern(structure, place)
+    elif parameter.kind == "joint_stiffness":
+        span, derivative = structure.span(place), structure.frames[place].joint_derivative
+        assembly.stiffness[span, span] += value * np.asarray(derivative)
+    elif parameter.kind == "floor_mass":
+        assembly.mass[place, place] += value * floor_mass(structure, place)
+    elif parameter.kind == "table_gain":
+        assembly.table_gain += value
+    elif parameter.kind == "table_delay":
+        assembly.table_delay_s += value
+    elif parameter.kind == "channel_gain":
+        assembly.channel_gain[place] += value
+    elif parameter.kind == "channel_delay":
+        assembly.channel_delay_s[place] += value
+    elif parameter.kind == "touch_gain":
+        assembly.touch_gain[place] += value
+
+
+def storey_stiffness(structure: Structure, storey: int) -> float:
+    """Return the stiffness [N/m] of a storey counted among all frames."""
+    name, number = structure.place(storey)
+    return float(structure.frames[structure.index(name)].storey_stiffness[number - 1])
+
+
+def storey_pattern(structure: Structure, storey: int) -> np.ndarray:
+    """Return the change of the whole stiffness for a unit relative change of a storey's, (floors, floors) [N/m]."""
+    name, number = structure.place(storey)
+    frame = structure.index(name)
+    span = structure.span(frame)
+    pattern = np.zeros((structure.floors, structure.floors))
+    pattern[span, span] = structure.frames[frame].storey_pattern(number - 1)
+    return pattern
+
+
+def floor_mass(structure: Structure, floor: int) -> float:
+    """Return the mass [kg] of a floor counted among all frames."""
+    name, number = structure.place(floor)
+    return float(structure.frames[structure.index(name)].floor_mass[number - 1])

@@ -1,0 +1,57 @@
+"""Two frames that touch, as they are modelled: at the rate of the logger and below that of the contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pounding.diagnosis.model.model import Believed
+
+
+@dataclass
+class Pair:
+    """A pair as its frames and its contact are judged.
+
+    Attributes:
+        full: The believed model with observations at the logger's rate, all contact forces filled in.
+        slow: The same for the frames, below `pairs.RATE_HZ`.
+        column: Column of the stated contact's force. noise: Its standard deviation in each run [N].
+        cell: What the force cell itself does wrong, or None where there is none that can be used.
+        second: Floor (from 1) of a contact that nobody listed, its nats, and its column; or None.
+        warnings: What was odd.
+        contact_claimed: Whether something between the frames is known to be missing.
+    """
+
+    full: Believed
+    slow: Believed
+    column: int
+    noise: list[float]
+    cell: Cell | None
+    second: tuple[int, float, int] | None = None
+    warnings: list[str] = field(default_factory=list)
+    contact_claimed: bool = False
+
+    @property
+    def blind(self) -> bool:
+        """Whether a contact's force is what the motion asks for, no cell having measured it."""
+        return self.cell is None or self.second is not None
+
+
+TURNED_ROUND = -2.0
+"""Relative change of such a cell's gain."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A force channel and its faults: name of the effect, value in SI, standard error, nats."""
+
+    channel: str
+    column: int
+    faults: tuple[tuple[str, float, float, float], ...] = ()
+
+    @property
+    def corrected(self) -> bool:
+        """Whether its gain or its delay was put right by the motion."""
+        return any(
+            name in ("sensor_gain", "sensor_delay") and value != TURNED_ROUND
+            for name, value, *_ in self.faults
+        )

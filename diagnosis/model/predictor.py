@@ -1,0 +1,292 @@
+"""The one loop over time: modal frames with effects, corrected by each sample as far as a gain says.
+
+With a gain of zero it is a simulator; with the steady Kalman gain it predicts each sample from those before it.
+Forces are evaluated at the middle of each substep (exponential midpoint rule, second order), the linear modes are exact.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from pounding.diagnosis.model.calling import called
+
+# What a channel measures.
+ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT = range(5)
+
+# How an effect acts; the place is a storey, a floor or the first and last floor of a frame.
+(
+    SPRING,
+    DAMPER,
+    FRICTION,
+    CUBIC,
+    HYSTERESIS,
+    LOOSENING,
+    BUMPER,
+    DRAG,
+    SLIP,
+    QUADRATIC_DAMPER,
+    CONTACT,
+    HERTZ_DAMP,
+    USER,
+    FADING,
+) = range(14)
+
+LEAK = 2.0 * math.pi * 0.002
+"""[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
+
+
+@njit(cache=True)
+def _elastoplastic(stiffness: float, limit: float, state: np.ndarray, drift: float) -> float:
+    force = state[0] + stiffness * (drift - state[1])
+    return min(max(force, -limit), limit)
+
+
+@njit(cache=True)
+def _hysteretic(stiffness: float, limit: float, sharpness: float, state: np.ndarray, drift: float) -> float:
+    """Return the force of a part that yields with a rounded knee (Bouc 1967, Wen 1976), by the midpoint rule."""
+    first, step = state[0], stiffness * (drift - state[1])
+    middle = first + 0.5 * step * _loss(first, limit, sharpness, step)
+    force = first + step * _loss(middle, limit, sharpness, step)
+    return min(max(force, -limit), limit)
+
+
+@njit(cache=True)
+def _loss(force: float, limit: float, sharpness: float, step: float) -> float:
+    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
+    if force * step <= 0.0:
+        return 1.0
+    return max(1.0 - min(abs(force) / limit, 1.0) ** sharpness, 0.0)
+
+
+@njit(cache=True)
+def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: float) -> float:
+    """Return the force [N] of an effect that opposes the drift d [m] and its rate v [m/s]; see `effects.catalogue`.
+
+    `p` are the effect's parameters in SI, `state` its memory, (4,): force, drift, contact's approach velocity, flag.
+    """
+    if kind == SPRING:
+        return p[0] * d
+    if kind == DAMPER:
+        return p[0] * v
+    if kind == FRICTION:  # p: force, stiffness and damping of the stuck joint
+        return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0])
+    if kind == FADING:  # p: as friction's, and the rate at which it has lost half of itself
+        return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0]) / (1.0 + abs(v) / p[3])
+    if kind == CUBIC:
+        return p[0] * d * d * d
+    if kind == HYSTERESIS:  # p: yield force, stiffness, sharpness of the knee
+        return _hysteretic(p[1], p[0], p[2], state, d) - p[1] * d
+    if kind == LOOSENING:
+        return p[0] * min(time / p[1], 1.0) * d
+    if kind == BUMPER:
+        if p[0] >= 0.0:
+            return p[1] * max(d - p[0], 0.0)
+        return p[1] * min(d - p[0], 0.0)
+    if kind == QUADRATIC_DAMPER:
+        return p[0] * v * abs(v)
+    if kind == SLIP:  # a part of the stiffness is lost within a play, on either side
+        return -p[1] * min(max(d, -p[0]), p[0])
+    if kind == CONTACT:  # p: gap, stiffness, damping, exponent; never pulls
+        x = d - p[0]
+        if x <= 0.0:
+            return 0.0
+        return max(p[1] * x ** p[3] + p[2] * v, 0.0)
+    return 0.0
+
+
+@njit(cache=True)
+def _remember(kind: int, p: np.ndarray, state: np.ndarray, d: float) -> None:
+    if kind in (FRICTION, FADING):
+        state[0] = _elastoplastic(p[1], p[0], state, d)
+        state[1] = d
+    elif kind == HYSTERESIS:
+        state[0] = _hysteretic(p[1], p[0], p[2], state, d)
+        state[1] = d
+
+
+@njit(cache=True)
+def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, table_rate, time, keep, force):
+    """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
+    modes = eta.size
+    for j in range(kinds.size):
+        if kinds[j] == DRAG:
+            for f in range(drag[j, 0], drag[j, 1]):
+                w = table_rate
+                for m in range(modes):
+                    w += floors[f, m] * rate[m]
+                pull = -parameters[j, 0] * w * abs(w)
+                for m in range(modes):
+                    force[m] += floors[f, m] * pull
+            continue
+        d = 0.0
+        v = 0.0
+        for m in range(modes):
+            d += rows[j, m] * eta[m]
+            v += rows[j, m] * rate[m]
+        if kinds[j] == USER:  # a function of the user's, whose address stands where drag has its floors
+            pull = -called(drag[j, 0], parameters[j], d, v, time)
+        else:
+            pull = -law(kinds[j], parameters[j], memory[j], d, v, time)
+        if keep:
+            _remember(kinds[j], parameters[j], memory[j], d)
+        for m in range(modes):
+            force[m] += rows[j, m] * pull
+
+
+@njit(cache=True)
+def _advance(steps, eta, rate, force, new_eta, new_rate):
+    for m in range(eta.size):
+        new_eta[m] = steps[m, 0] * eta[m] + steps[m, 1] * rate[m] + steps[m, 4] * force[m]
+        new_rate[m] = steps[m, 2] * eta[m] + steps[m, 3] * rate[m] + steps[m, 5] * force[m]
+
+
+@njit(cache=True)
+def predict(
+    modes,
+    half,
+    full,
+    participation,
+    floors,
+    latent_rows,
+    known_mid,
+    known_at,
+    table_mid,
+    quantities,
+    channel_floor,
+    measured,
+    gain,
+    decay,
+    step_s,
+    kinds,
+    rows,
+    parameters,
+    drag,
+):
+    """Run the predictor over one run.
+
+    Args:
+        modes: Angular frequency [rad/s] and damping ratio of each mode, shape (modes, 2).
+        half, full: Exact step matrices of each mode over half a substep and a whole one, shape (modes, 6):
+            a11, a12, a21, a22 and the response of both states to a constant modal force.
+        participation: Modal participation of a unit table acceleration, shape (modes,).
+        floors: Mass-normalised shapes at the floors, shape (floors, modes).
+        latent_rows: Modal rows of the drifts on which latent forces act, shape (storeys, modes).
+        known_mid: Known modal forces but the table's at the middle of each substep, shape (samples, substeps, modes).
+        known_at: The same at the samples, shape (samples, modes).
+        table_mid: Table acceleration at the middle of the substeps [m/s^2], shape (samples, substeps).
+        quantities, channel_floor: What each channel measures, and at which floor (0 is the first), shape (channels,).
+        measured: Measured samples in SI, NaN where missing, shape (samples, channels).
+        gain: Filter gain, shape (2 modes + storeys + 3, channels); zeros for a simulation.
+        decay: Rates of the latent forces and of the table noise [1/s], shape (2,).
+        step_s: Sampling step [s].
+        kinds, rows, parameters, drag: Effects: kind, modal row of its drift, SI parameters, floor range for drag.
+
+    Returns:
+        Innovations (samples, channels), NaN samples as zero; predicted states (samples, states); filtered states;
+        outputs as predicted (samples, channels).
+    """
+    samples, channels = measured.shape
+    n = modes.shape[0]
+    storeys = latent_rows.shape[0]
+    states = 2 * n + storeys + 3
+    substeps = table_mid.shape[1]
+    h = step_s / substeps
+    latent_half = math.exp(-decay[0] * h / 2)
+    noise_half = math.exp(-decay[1] * h / 2)
+    z = np.zeros(states)
+    innovations = np.zeros((samples, channels))
+    outputs = np.zeros((samples, channels))
+    before = np.zeros((samples, states))
+    after = np.zeros((samples, states))
+    memory = np.zeros((kinds.size, 4))
+    force = np.zeros(n)
+    last = np.zeros(n)
+    eta_mid = np.zeros(n)
+    rate_mid = np.zeros(n)
+    new_eta = np.zeros(n)
+    new_rate = np.zeros(n)
+    eta = z[:n]
+    rate = z[n : 2 * n]
+    correcting = False
+    for i in range(states):
+        for c in range(channels):
+            if gain[i, c] != 0.0:
+                correcting = True
+    for k in range(samples):
+        before[k] = z
+        time = k * step_s
+        for m in range(n):
+            force[m] = known_at[k, m] - modes[m, 0] ** 2 * eta[m] - 2.0 * modes[m, 0] * modes[m, 1] * rate[m]
+        for s in range(storeys):
+            for m in range(n):
+                force[m] += latent_rows[s, m] * z[2 * n + s]
+        _effect_forces(
+            kinds, rows, parameters, memory, drag, floors, eta, rate, z[states - 1], time, False, force
+        )
+        for c in range(channels):
+            y = 0.0
+            f = channel_floor[c]
+            q = quantities[c]
+            if q == ACCELERATION:
+                for m in range(n):
+                    y += floors[f, m] * force[m]
+            elif q == VELOCITY:
+                for m in range(n):
+                    y += floors[f, m] * rate[m]
+            elif q == TABLE_DISPLACEMENT:
+                y = z[states - 2]
+            else:
+                for m in range(n):
+                    y += floors[f, m] * eta[m]
+                if q == ABSOLUTE_DISPLACEMENT:
+                    y += z[states - 2]
+            outputs[k, c] = y
+            if not math.isnan(measured[k, c]):
+                innovations[k, c] = measured[k, c] - y
+        if correcting:
+            for i in range(states):
+                for c in range(channels):
+                    z[i] += gain[i, c] * innovations[k, c]
+        after[k] = z
+        for j in range(substeps):
+            for s in range(storeys):
+                z[2 * n + s] *= latent_half
+            z[states - 3] *= noise_half
+            table = table_mid[k, j] - z[states - 3]
+            for m in range(n):
+                force[m] = known_mid[k, j, m] - participation[m] * table
+            for s in range(storeys):
+                for m in range(n):
+                    force[m] += latent_rows[s, m] * z[2 * n + s]
+            _advance(half, eta, rate, force + last, eta_mid, rate_mid)
+            for m in range(n):
+                last[m] = -force[m]
+            _effect_forces(
+                kinds,
+                rows,
+                parameters,
+                memory,
+                drag,
+                floors,
+                eta_mid,
+                rate_mid,
+                z[states - 1],
+                time + (j + 0.5) * h,
+                True,
+                force,
+            )
+            for m in range(n):
+                last[m] += force[m]
+            _advance(full, eta, rate, force, new_eta, new_rate)
+            for m in range(n):
+                eta[m] = new_eta[m]
+                rate[m] = new_rate[m]
+            for s in range(storeys):
+                z[2 * n + s] *= latent_half
+            z[states - 3] *= noise_half
+            z[states - 1] += h * (table - 1.4 * LEAK * z[states - 1] - LEAK**2 * z[states - 2])
+            z[states - 2] += h * z[states - 1]
+    return innovations, before, after, outputs

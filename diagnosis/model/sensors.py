@@ -1,0 +1,112 @@
+"""Sensor faults that are told from the data before any effect is looked for: clipped, dead, swapped channels.
+
+A channel of the wrong gain, polarity or time is an effect of the catalogue and is left to the search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
+
+DEAD_S = 0.05
+"""A channel that repeats one value for longer than this [s] in the middle of a shaking has dropped out."""
+CLIPPED_SAMPLES = 6
+CLIPPED_SHARE = 0.9
+"""Samples that sit exactly at the largest value before a channel is called clipped, and the least share of those that
+reach `CLIPPED_SHARE` of it that must."""
+
+
+def screened(observed: Observations) -> Observations:
+    """Return the observations without samples that a sensor did not measure, and with a warning for each fault.
+
+    Raises:
+        CaseError: No run is left in which the table moves and something else is measured.
+    """
+    runs = []
+    for recorded in observed.runs:
+        run = _ended(recorded)
+        if run is not recorded:
+            observed.warnings.append(
+                f"{run.name}: every channel repeats one value after {run.time_s[-1]:g} s "
+                f"({len(recorded.time_s) - len(run.time_s)} samples); left out"
+            )
+        measured = run.measured.copy()
+        for channel, name in enumerate(observed.names):
+            series = measured[:, channel]
+            for fault, bad in (("dead", _dead(series, run.step_s)), ("clipped", _clipped(series))):
+                if bad.any():
+                    series[bad] = np.nan
+                    observed.warnings.append(_sentence(observed, run, channel, name, fault, bad))
+        runs.append(replace(run, measured=measured))
+    if not any(_shaken(run) for run in runs):
+        where = ", ".join(run.name for run in runs)
+        raise CaseError(f"{where}: nothing moves in any run; check that the files hold the measurements")
+    return replace(observed, runs=tuple(runs))
+
+
+def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
+    """Return the runs in which the table moves and something is measured; the others get a warning."""
+    found = [number for number in runs if _shaken(observed.runs[number])]
+    for number in set(runs) - set(found):
+        observed.warnings.append(f"{observed.runs[number].name}: nothing moves in this run; it was left out")
+    return found
+
+
+def _ended(run: RunData) -> RunData:
+    """Return a run without an end at which nothing is recorded any more: every channel repeats its last value."""
+    series = np.column_stack([run.table, run.measured])
+    same = np.all((series == series[-1]) | (np.isnan(series) & np.isnan(series[-1])), axis=1)
+    kept = len(same) - int(np.argmin(same[::-1]))
+    if same.all() or (len(same) - kept) * run.step_s < DEAD_S:
+        return run
+    parts = {name: getattr(run, name)[:kept] for name in ("time_s", "table", "measured", "contact")}
+    return replace(run, **parts)
+
+
+def _shaken(run: RunData) -> bool:
+    return float(root_mean_square(run.table)) > 0 and bool(np.any(root_mean_square(run.measured) > 0))
+
+
+def _sentence(
+    observed: Observations, run: RunData, channel: int, name: str, fault: str, bad: np.ndarray
+) -> str:
+    place = f"{run.name}: channel {name}"
+    if fault == "dead":
+        first, last = run.time_s[np.flatnonzero(bad)[[0, -1]]]
+        return f"{place} repeats one value between {first:g} and {last:g} s ({bad.sum()} samples); left out"
+    largest = float(np.nanmax(np.abs(run.measured[:, channel]))) / float(observed.to_si[channel])
+    return f"{place} is clipped at {largest:g} in its own unit ({bad.sum()} samples); those were left out"
+
+
+def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
+    """Return where a channel repeats a value for long, but at the ends of a run, where the frame may be at rest."""
+    bad = np.zeros(len(series), bool)
+    good = np.isfinite(series)
+    if not good.any() or np.nanmax(np.abs(series)) == 0:
+        return good
+    least = max(8, int(DEAD_S / step_s))
+    edges = np.flatnonzero(np.diff(series) != 0) + 1
+    for start, stop in zip(np.r_[0, edges], np.r_[edges, len(series)], strict=True):
+        if stop - start >= least and start > 0 and stop < len(series) and np.isfinite(series[start]):
+            bad[start:stop] = True
+    return bad
+
+
+def _clipped(series: np.ndarray) -> np.ndarray:
+    """Return where a channel sits at its largest or smallest value, if it does so too often to be chance."""
+    bad = np.zeros(len(series), bool)
+    for sign in (1.0, -1.0):
+        signed = sign * series
+        if not np.isfinite(signed).any():
+            continue
+        top = np.nanmax(signed)
+        at = signed == top
+        near = signed >= CLIPPED_SHARE * top
+        if top > 0 and at.sum() >= CLIPPED_SAMPLES and at.sum() > 0.3 * near.sum():
+            bad |= at
+    return bad

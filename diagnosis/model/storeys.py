@@ -1,0 +1,169 @@
+"""The believed frames as storeys: masses, stiffness and damping of the floors' x displacements, and what varies them.
+
+All frames of a case stand on one table, so they make one block-diagonal system; each keeps its own floors.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.linalg import block_diag, eigh
+
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+GRAVITY = 9.80665
+
+
+@dataclass(frozen=True)
+class StoreyFrame:
+    """One frame condensed to its floors.
+
+    Attributes:
+        name: The frame's name.
+        mass, stiffness: Matrices of the floors' displacements relative to the table [kg], [N/m], shape (n, n).
+        damping_ratio: Damping ratio of each mode, shape (n,).
+        height_m: Height of each floor above the base, shape (n,).
+        joint_derivative: d stiffness / d log(joint stiffness) [N/m], shape (n, n), or None where a frame has no joints.
+        joint_stiffness: The believed joint stiffness [N m/rad], or NaN.
+        patterns: Change of the stiffness for a unit relative change of each storey's, (storeys, n, n), where the
+            frame is more than a chain of storeys.
+        gyration_m: Radius of gyration of a floor about the vertical [m].
+    """
+
+    name: str
+    mass: np.ndarray
+    stiffness: np.ndarray
+    damping_ratio: np.ndarray
+    height_m: np.ndarray
+    joint_derivative: np.ndarray | None = None
+    joint_stiffness: float = float("nan")
+    patterns: np.ndarray | None = None
+    gyration_m: float = 0.163
+
+    @property
+    def floors(self) -> int:
+        """Number of floors, which is that of storeys."""
+        return len(self.height_m)
+
+    @property
+    def drift(self) -> np.ndarray:
+        """Rows that turn floor displacements into drifts, shape (storeys, floors)."""
+        return np.eye(self.floors) - np.eye(self.floors, k=-1)
+
+    @property
+    def storey_stiffness(self) -> np.ndarray:
+        """Shear for a unit drift in one storey alone [N/m], shape (storeys,)."""
+        above = np.tril(np.ones((self.floors, self.floors)))
+        return np.einsum("is,ij,js->s", above, self.stiffness, above)
+
+    def storey_pattern(self, storey: int) -> np.ndarray:
+        """Return the change of the stiffness for a unit relative change of a storey's (from 0) [N/m]."""
+        if self.patterns is not None:
+            return np.asarray(self.patterns[storey])
+        row = self.drift[storey]
+        return float(self.storey_stiffness[storey]) * np.outer(row, row)
+
+    @property
+    def floor_mass(self) -> np.ndarray:
+        """Row sums of the mass matrix [kg], shape (floors,)."""
+        return self.mass.sum(axis=1)
+
+    @property
+    def geometric(self) -> np.ndarray:
+        """Stiffness that the frame's own weight takes away, shape (floors, floors) [N/m]."""
+        weight = GRAVITY * np.cumsum(self.floor_mass[::-1])[::-1]
+        storey_height = np.diff(self.height_m, prepend=0.0)
+        return self.drift.T @ np.diag(weight / storey_height) @ self.drift
+
+    @property
+    def rocking(self) -> np.ndarray:
+        """Stiffness lost for a small unit base flexibility, -dK/d(1/k) [N^2 m^2/m^2], shape (floors, floors)."""
+        moment = self.stiffness @ self.height_m
+        return np.outer(moment, moment)
+
+
+def from_reduced(reduced: ReducedFrame, name: str | None = None) -> StoreyFrame:
+    """Return the storeys of a reduced frame."""
+    mass, stiffness, damping = (np.asarray(matrix, float) for matrix in reduced.storey_model())
+    squares, shapes = eigh(stiffness, mass)
+    ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * np.sqrt(squares))
+    return StoreyFrame(
+        name=name or reduced.name,
+        mass=mass,
+        stiffness=stiffness,
+        damping_ratio=ratio,
+        height_m=np.asarray(reduced.heights_m, float),
+    )
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes of all frames together, mass-normalised.
+
+    Attributes:
+        omega: Angular frequencies [rad/s], shape (modes,).
+        ratio: Damping ratios, shape (modes,).
+        floors: Shapes at the floors [kg^-0.5], shape (floors, modes).
+        participation: Modal force of a unit table acceleration, shape (modes,).
+    """
+
+    omega: np.ndarray
+    ratio: np.ndarray
+    floors: np.ndarray
+    participation: np.ndarray
+
+
+@dataclass(frozen=True)
+class Structure:
+    """All frames of a case on one table."""
+
+    frames: tuple[StoreyFrame, ...]
+
+    @property
+    def floors(self) -> int:
+        """Number of floors of all frames."""
+        return sum(frame.floors for frame in self.frames)
+
+    @property
+    def drift(self) -> np.ndarray:
+        """Rows that turn floor displacements into drifts, shape (storeys, floors)."""
+        return np.asarray(block_diag(*(frame.drift for frame in self.frames)))
+
+    @cached_property
+    def lowest_hz(self) -> float:
+        """Lowest frequency of all frames [Hz]."""
+        return min(
+            float(np.sqrt(max(eigh(frame.stiffness, frame.mass, eigvals_only=True)[0], 0.0))) / (2 * np.pi)
+            for frame in self.frames
+        )
+
+    def first(self, frame: int) -> int:
+        """Return the index of a frame's first floor (and storey) among all."""
+        return sum(other.floors for other in self.frames[:frame])
+
+    def span(self, frame: int) -> slice:
+        """Return the floors of a frame among all."""
+        start = self.first(frame)
+        return slice(start, start + self.frames[frame].floors)
+
+    def index(self, name: str) -> int:
+        """Return the number of the frame of that name."""
+        return [frame.name for frame in self.frames].index(name)
+
+    def place(self, storey: int) -> tuple[str, int]:
+        """Return frame and storey (or floor) number from 1 of an index among all."""
+        for number, frame in enumerate(self.frames):
+            if storey < self.first(number) + frame.floors:
+                return frame.name, storey - self.first(number) + 1
+        raise IndexError(storey)
+
+
+def solve_modes(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return angular frequencies [rad/s] and mass-normalised shapes; a stiffness that is not positive is made so."""
+    squares, shapes = eigh(stiffness, mass)
+    signs = np.sign(shapes.sum(axis=0))
+    return np.sqrt(np.maximum(squares, 1.0)), shapes * np.where(signs == 0, 1.0, signs)

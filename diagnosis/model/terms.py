@@ -1,0 +1,141 @@
+"""What a unit of each ordinary parameter, and of anything like it, adds to a predicted motion: terms of its signature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.nuisance import floor_mass, storey_pattern
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.model.sensitivity import Term
+from pounding.diagnosis.model.storeys import Modes
+
+LEAST_SHARE = 0.02
+"""Part of a mode below which its damping is not followed."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of one run, from which regressors are made; columns are floors, storeys or modes.
+
+    `start` holds it as the filter leaves it at each sample, the rest as predicted before the sample.
+    """
+
+    run: RunData
+    eta: np.ndarray
+    eta_rate: np.ndarray
+    floor: np.ndarray
+    floor_rate: np.ndarray
+    drift: np.ndarray
+    drift_rate: np.ndarray
+    acceleration: np.ndarray
+    table_rate: np.ndarray
+    outputs: np.ndarray
+    output_rate: np.ndarray
+    start: Motion | None = None
+
+
+def force_term(motion: Motion, series: Callable[[Motion], np.ndarray], force: np.ndarray) -> Term:
+    """Return the term of a force that is a function of the motion."""
+    return Term(series(motion.start or motion), force, end=series(motion))
+
+
+def ordinary_terms(believed: Believed, modes: Modes, motion: Motion) -> list[list[Term]]:
+    """Return for each ordinary parameter the terms that a unit of it adds."""
+    return [
+        _ordinary(believed, modes, motion, parameter.kind, parameter.place)
+        for parameter in believed.parameters
+    ]
+
+
+def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+    shapes = modes.floors
+    structure = believed.structure
+    if kind in ("storey_stiffness", "base_stiffness"):
+        return pattern_terms(motion, storey_pattern(structure, place), shapes)
+    if kind == "frame_stiffness":
+        span = structure.span(place)
+        return matrix_terms(motion, structure.frames[place].stiffness, shapes, span)
+    if kind == "joint_stiffness":
+        return matrix_terms(
+            motion, np.asarray(structure.frames[place].joint_derivative), shapes, structure.span(place)
+        )
+    if kind == "floor_mass":
+        mass = floor_mass(structure, place)
+        return [force_term(motion, lambda m: -mass * m.acceleration[:, place], shapes[place])]
+    if kind == "mode_damping":
+        return _damping_terms(believed, modes, motion, [place])
+    if kind == "frame_damping":
+        span = structure.span(place)
+        return _damping_terms(believed, modes, motion, range(span.start, span.stop))
+    if kind == "table_gain":
+        return [table_term(modes, motion.run.table)]
+    if kind == "table_delay":
+        return [table_term(modes, -believed.table_slope(motion.run))]
+    if kind == "touch_gain":
+        return _touch_terms(believed, modes, motion, place)
+    if kind == "channel_gain":
+        return [channel_term(believed, place, motion.outputs[:, place])]
+    return [channel_term(believed, place, -motion.output_rate[:, place])]
+
+
+def _touch_terms(believed: Believed, modes: Modes, motion: Motion, place: int) -> list[Term]:
+    """Return the contact force in one touch, nothing in other runs."""
+    touch, run = believed.observed.touches[place], motion.run
+    if believed.observed.runs[touch.run] is not run:
+        return []
+    left, right = believed.observed.contact_floors[touch.column]
+    within = touch.within(np.arange(len(run.table)) * run.step_s)
+    pushed = np.where(within, run.contact[:, touch.column], 0.0)
+    return [force_term(motion, lambda _: pushed, modes.floors[right] - modes.floors[left])]
+
+
+def matrix_terms(motion: Motion, stiffness: np.ndarray, shapes: np.ndarray, span: slice) -> list[Term]:
+    """Return the terms of a stiffness matrix added to the floors in `span`."""
+    return [
+        force_term(motion, lambda m, row=row: -(m.floor[:, span] @ row), shapes[span.start + floor])  # type: ignore[misc]
+        for floor, row in enumerate(stiffness)
+    ]
+
+
+def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> list[Term]:
+    """Return the terms of a symmetric stiffness of low rank: one for each of its eigenvectors that matters."""
+    values, vectors = np.linalg.eigh(pattern)
+    large = np.flatnonzero(np.abs(values) > 1e-3 * np.abs(values).max())
+    return [
+        force_term(motion, lambda m, j=j: -values[j] * (m.floor @ vectors[:, j]), vectors[:, j] @ shapes)  # type: ignore[misc]
+        for j in large
+    ]
+
+
+def _damping_terms(believed: Believed, modes: Modes, motion: Motion, places: Sequence[int]) -> list[Term]:
+    """Return the terms of a unit relative change of the damping of the frames' own modes `places`.
+
+    With coordinates that the floors do not have there are more modes, each made of several of the frames' own.
+    """
+    if len(modes.omega) == believed.structure.floors:
+        share = np.eye(len(modes.omega))[list(places)].sum(axis=0)
+    else:
+        share = believed.overlap(modes)[list(places)].sum(axis=0)
+    return [
+        force_term(motion, _damper(modes, int(mode), float(share[mode])), np.eye(len(modes.omega))[mode])
+        for mode in np.flatnonzero(share > LEAST_SHARE)
+    ]
+
+
+def _damper(modes: Modes, mode: int, share: float) -> Callable[[Motion], np.ndarray]:
+    factor = -2 * share * modes.ratio[mode] * modes.omega[mode]
+    return lambda m: factor * m.eta_rate[:, mode]
+
+
+def table_term(modes: Modes, series: np.ndarray) -> Term:
+    """Return what a change of the table's acceleration by `series` adds."""
+    return Term(series, -modes.participation, inertial=True, table=1.0)
+
+
+def channel_term(believed: Believed, channel: int, series: np.ndarray) -> Term:
+    """Return what a change of a channel by `series` adds."""
+    return Term(series, output=np.eye(len(believed.observed.names))[channel])

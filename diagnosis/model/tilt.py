@@ -1,0 +1,74 @@
+"""The table's pitch: an angle proportional to its acceleration, and what that does to frames and sensors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, DISPLACEMENT
+from pounding.diagnosis.model.storeys import GRAVITY, Modes
+
+PITCH_LIMIT_HZ = 60.0
+"""The table cannot pitch faster; above it its second derivative would be noise alone."""
+
+
+def smooth_derivatives(table: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the table's acceleration below `PITCH_LIMIT_HZ` and its second derivative, both (samples,)."""
+    length = next_fast_len(2 * len(table), real=True)
+    frequency = np.fft.rfftfreq(length, step_s)
+    keep = 1.0 / (1.0 + (frequency / PITCH_LIMIT_HZ) ** 8)
+    spectrum = np.fft.rfft(table, length) * keep
+    second = -((2 * np.pi * frequency) ** 2) * spectrum
+    n = len(table)
+    return np.fft.irfft(spectrum, length)[:n], np.fft.irfft(second, length)[:n]
+
+
+def tilt_series(believed: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...]:
+    """Return pitch and pitching of a unit tilt, their modal directions, and what the channels see of both.
+
+    Returns:
+        Pitch [rad] and its second derivative [rad/s^2] for a tilt of one, each (samples,); modal direction of the
+        pitching floors' inertia (modes,) and of the leaning weight (modes,); what each channel sees of the pitch: a
+        displacement its floor's height, an acceleration nothing but the frame's own restoring forces.
+    """
+    structure, observed = believed.structure, believed.observed
+    pitch, pitching = smooth_derivatives(run.table, run.step_s)
+    height = np.concatenate([frame.height_m for frame in structure.frames])
+    mass = np.concatenate([frame.floor_mass for frame in structure.frames])
+    inertia = modes.floors.T @ (mass * height)
+    weight = modes.floors.T @ (mass * GRAVITY)
+    seen = np.zeros(len(observed.names))
+    for channel, (quantity, floor) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
+        if quantity in (DISPLACEMENT, ABSOLUTE_DISPLACEMENT):
+            seen[channel] = height[floor]
+    return pitch, pitching, inertia, weight, seen
+
+
+def tilt_inputs(
+    believed: Any,
+    assembly: Any,
+    modes: Modes,
+    number: int,
+    middle: np.ndarray,
+    at: np.ndarray,
+    known_mid: np.ndarray,
+    known_at: np.ndarray,
+    added: np.ndarray,
+) -> None:
+    """Add an assembly's tilt to the known modal forces at midpoints and to what the channels see.
+
+    The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
+    through the floors' own motion, not at once.
+    """
+    run = believed.observed.runs[number]
+    pitch, pitching, inertia, weight, seen = tilt_series(believed, modes, run)
+    size = assembly.table_tilt
+    known_mid += size * (
+        np.interp(middle, at, pitch)[..., None] * weight
+        - np.interp(middle, at, pitching)[..., None] * inertia
+    )
+    known_at += size * pitch[:, None] * weight
+    added += size * pitch[:, None] * seen

@@ -1,0 +1,1 @@
+"""The thesis' pounding tests as cases for sweeps, and their tables."""

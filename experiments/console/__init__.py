@@ -1,0 +1,1 @@
+"""How the command shows results and leaves with an exit status."""

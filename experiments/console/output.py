@@ -1,0 +1,73 @@
+"""How a verb shows its result: tables for a reader, or one JSON object and nothing else."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from rich.console import Console, RenderableType
+from rich.table import Table
+
+
+def emit(
+    result: Mapping[str, Any], *, as_json: bool, show: Callable[[], Iterable[RenderableType | str]]
+) -> None:
+    """Print a result.
+
+    Args:
+        result: The whole result, stamped (see `pounding.experiments.results.provenance.stamp`).
+        as_json: Print it as one JSON object on standard output, and nothing else there.
+        show: Makes the tables and sentences for a reader; called only when they are wanted.
+    """
+    if as_json:
+        json.dump(plain(result), sys.stdout, indent=2, allow_nan=False)
+        sys.stdout.write("\n")
+        return
+    # Units stand in [brackets], which rich would take for markup.
+    console = Console(highlight=False, markup=False)
+    for item in show():
+        console.print(item)
+
+
+def plain(value: Any) -> Any:
+    """Return a value in the types of JSON: arrays as lists, NaN and infinity as null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, str | int | bool):
+        return value
+    return str(value)
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
+    """Return a table with right-aligned numbers; None is shown as a dash."""
+    rows = [list(row) for row in rows]
+    shown = Table(title=title, title_justify="left")
+    for index, name in enumerate(columns):
+        words = any(isinstance(row[index], str) for row in rows)
+        # A name too long for a narrow terminal goes on in the next line rather than lose its end.
+        shown.add_column(name, justify="left" if words else "right", overflow="fold")
+    for row in rows:
+        shown.add_row(*("–" if cell is None else f"{cell}" for cell in row))
+    return shown
+
+
+def warn(sentence: str) -> None:
+    """Print a warning on standard error, where it does not disturb a JSON result."""
+    Console(stderr=True, highlight=False).print(f"warning: {sentence}", style="yellow", markup=False)
+
+
+def progress_console() -> Console:
+    """Return the console for progress bars: standard error, so that `--json` stays clean."""
+    return Console(stderr=True)

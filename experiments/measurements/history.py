@@ -1,0 +1,204 @@
+"""A user's own measured history, read from CSV so that it can be laid over a run.
+
+The file has a header, a first column ``time_s`` and a column a channel. What a column is follows from
+``[[channel]]`` entries (name, quantity, frame, floor, unit) in a file ``case.toml`` beside it, or else from
+its name: ``15B_relative_displacement_floor10_mm``, ``table_acceleration_g``.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import tomllib
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import correlate, correlation_lags
+
+from pounding.experiments.errors import ExperimentError
+
+Real = NDArray[np.floating[Any]]
+
+GRAVITY = 9.80665
+
+TO_SI = {
+    "displacement": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
+    "acceleration": {"m/s^2": 1.0, "cm/s^2": 1e-2, "g": GRAVITY},
+    "force": {"N": 1.0, "kN": 1e3},
+}
+"""Units of each kind of quantity, as factors to SI."""
+
+QUANTITIES = {
+    "table_acceleration": "acceleration",
+    "table_displacement": "displacement",
+    "absolute_acceleration": "acceleration",
+    "relative_displacement": "displacement",
+    "absolute_displacement": "displacement",
+    "relative_velocity": "velocity",
+    "contact_force": "force",
+}
+"""What can be measured, and its kind."""
+
+NAME = re.compile(
+    rf"(?:(?P<frame>.+)_)?(?P<quantity>{'|'.join(QUANTITIES)})(?:_floor(?P<floor>\d+))?_(?P<unit>\w+)"
+)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A measured history.
+
+    Attributes:
+        name: Column of the file.
+        quantity: One of `QUANTITIES`.
+        frame: Frame it was measured on, or None.
+        floor: Floor, or None; 0 is the table.
+        time_s: Times (m,) [s].
+        values: Values (m,) in SI; NaN where the cell is empty.
+    """
+
+    name: str
+    quantity: str
+    frame: str | None
+    floor: int | None
+    time_s: Real
+    values: Real
+
+
+def read(path: str | Path) -> list[Channel]:
+    """Return the channels of a measured file.
+
+    Raises:
+        ExperimentError: The file cannot be read, a cell is not a number, or no column is a known channel; the
+            sentence names file, line and column.
+    """
+    path = Path(path)
+    header, table = _table(path)
+    described = _described(path.parent / "case.toml")
+    found = []
+    for place, column in enumerate(header[1:], start=1):
+        what = described.get(column) or _by_name(column)
+        if what is None:
+            continue
+        quantity, unit = what["quantity"], what["unit"]
+        factors = TO_SI[QUANTITIES[quantity]]
+        if unit not in factors:
+            raise ExperimentError(
+                f"{path}: column {column!r}: unit {unit!r}; {quantity} takes {', '.join(factors)}"
+            )
+        values = table[:, place] * factors[unit]
+        found.append(Channel(column, quantity, what.get("frame"), what.get("floor"), table[:, 0], values))
+    if not found:
+        raise ExperimentError(
+            f"{path}: none of its columns ({', '.join(header[1:]) or 'none'}) is a channel; describe them as "
+            "[[channel]] in a case.toml beside it, or call them like 15B_relative_displacement_floor10_mm"
+        )
+    return found
+
+
+def _table(path: Path) -> tuple[list[str], Real]:
+    try:
+        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+    except (OSError, UnicodeDecodeError) as error:
+        raise ExperimentError(
+            f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from error
+    header = [cell.strip() for cell in rows[0]] if rows else []
+    if not header or header[0] != "time_s" or len(rows) < 3:
+        raise ExperimentError(
+            f"{path}: needs a header whose first column is time_s, and two rows or more below"
+        )
+    table = np.array([_numbers(path, line, header, row) for line, row in enumerate(rows[1:], start=2) if row])
+    steps = np.diff(table[:, 0])
+    if not np.all(steps > 0.0):
+        bad = int(np.flatnonzero(~(steps > 0.0))[0]) + 3
+        raise ExperimentError(f"{path}: line {bad}: time_s does not increase")
+    return header, table
+
+
+def _numbers(path: Path, line: int, header: list[str], row: list[str]) -> list[float]:
+    if len(row) != len(header):
+        raise ExperimentError(f"{path}: line {line}: {len(row)} cells, the header has {len(header)}")
+    values = []
+    for column, cell in zip(header, row, strict=True):
+        try:
+            # An empty cell is a dropout.
+            values.append(float(cell) if cell.strip() else np.nan)
+        except ValueError as error:
+            raise ExperimentError(
+                f"{path}: line {line}, column {column!r}: {cell!r} is not a number"
+            ) from error
+    return values
+
+
+def _described(path: Path) -> dict[str, dict[str, Any]]:
+    if not path.is_file():
+        return {}
+    try:
+        entries = tomllib.loads(path.read_text(encoding="utf-8")).get("channel", [])
+    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ExperimentError(f"{path}: {error}") from error
+    known = [
+        entry for entry in entries if entry.get("quantity") in QUANTITIES and {"name", "unit"} <= entry.keys()
+    ]
+    return {entry["name"]: entry for entry in known}
+
+
+def _by_name(column: str) -> dict[str, Any] | None:
+    match = NAME.fullmatch(column)
+    if match is None:
+        return None
+    unit = match["unit"].replace("_s2", "/s^2").replace("_s", "/s")
+    floor = None if match["floor"] is None else int(match["floor"])
+    return {"quantity": match["quantity"], "frame": match["frame"], "floor": floor, "unit": unit}
+
+
+def aligned(channels: list[Channel], times_s: Real, table_m_s2: Real) -> tuple[list[Channel], float]:
+    """Return channels on a run's clock, and by how much their time was shifted [s].
+
+    With a channel of the table's acceleration the shift is where its correlation with the run's table is
+    largest; without one the file's clock is taken as the run's.
+
+    Args:
+        channels: Measured channels.
+        times_s: Times of the run (m,), evenly spaced [s].
+        table_m_s2: The run's table acceleration (m,) [m/s^2].
+    """
+    table = next((channel for channel in channels if channel.quantity == "table_acceleration"), None)
+    if table is None:
+        return channels, 0.0
+    step = float(times_s[1] - times_s[0])
+    grid = np.arange(table.time_s[0], table.time_s[-1], step)
+    known = np.isfinite(table.values)
+    values = np.interp(grid, table.time_s[known], table.values[known])
+    match = correlate(table_m_s2, values, method="fft")
+    lags = correlation_lags(len(table_m_s2), len(values))
+    shift = float(lags[match.argmax()] * step - grid[0] + times_s[0])
+    return [replace(channel, time_s=channel.time_s + shift) for channel in channels], shift
+
+
+def misfit(channel: Channel, times_s: Real, values: Real) -> dict[str, Any]:
+    """Return how a computed history compares with a measured one where both are known.
+
+    Returns:
+        ``channel``, ``quantity``, ``frame``, ``floor``, the largest magnitudes ``measured_peak`` and
+        ``computed_peak`` (SI) and ``rms_error_ratio``: rms of the difference over rms of the measured.
+    """
+    inside = np.isfinite(channel.values) & (channel.time_s >= times_s[0]) & (channel.time_s <= times_s[-1])
+    measured = channel.values[inside]
+    computed = np.interp(channel.time_s[inside], times_s, values)
+    size = float(np.sqrt(np.mean(measured**2))) if measured.size else 0.0
+    ratio = float(np.sqrt(np.mean((computed - measured) ** 2))) / size if size > 0.0 else None
+    return {
+        "channel": channel.name,
+        "quantity": channel.quantity,
+        "frame": channel.frame,
+        "floor": channel.floor,
+        "measured_peak": float(np.abs(measured).max(initial=0.0)),
+        "computed_peak": float(np.abs(computed).max(initial=0.0)),
+        "rms_error_ratio": ratio,
+    }

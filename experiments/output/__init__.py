@@ -1,0 +1,1 @@
+"""The folders that a shaking and a collision leave."""

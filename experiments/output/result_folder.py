@@ -1,0 +1,152 @@
+"""The folder that a shaking leaves: data, plots, pictures, VTK files and, on request, a film and CSV."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pounding.experiments import published
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.measurements.history import Channel
+from pounding.experiments.pictures import films, plots, scenes
+from pounding.experiments.pictures.series import write_series
+from pounding.experiments.results import dataset as results
+from pounding.experiments.rig.shaking import Shaking
+from pounding.frames import names
+from pounding.frames.drawing.rendering import cannot_render
+from pounding.frames.files import write_whole
+
+SERIES_S = 1.0
+"""The VTK series covers so long before and after the largest roof displacement [s]."""
+
+SERIES_STEP_S = 0.02
+"""Step of the VTK series [s]: twenty states in a period of the tallest frame."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What to keep of a shaking beside data, plots, a picture and a VTK series."""
+
+    csv: bool = False
+    film: bool = False
+    measured: Sequence[Channel] = ()
+
+
+def prepare(folder: Path) -> None:
+    """Make a folder for results before anything is computed.
+
+    Raises:
+        ExperimentError: It cannot be made or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ExperimentError(f"folder {folder}: cannot be made ({error.strerror})") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise ExperimentError(f"folder {folder}: cannot be written; choose another with --out")
+
+
+def keep(
+    shaking: Shaking,
+    data: xr.Dataset,
+    result: dict[str, Any],
+    folder: Path,
+    *,
+    wish: Wish = Wish(),
+    progress: Callable[[str, float], None] | None = None,
+) -> tuple[list[str], list[str]]:
+    """Write everything that a shaking leaves into a folder.
+
+    Args:
+        shaking: The run.
+        data: The run as a labelled dataset.
+        result: What is printed, kept as ``shake.json``.
+        folder: Where to write.
+        wish: What else to keep.
+        progress: Called with what is being made and the share that is done.
+
+    Returns:
+        The names of the files, and a sentence for each thing that could not be made.
+
+    Raises:
+        FrameError: A file cannot be written; what was finished before is whole.
+    """
+    told = progress or (lambda _what, _share: None)
+    title = f"Frame {shaking.reduced.name}, {shaking.record.name}, {shaking.record.pga_g:.3f} g"
+    told("data", 0.0)
+    results.save(data, folder / "shake.nc")
+    files = ["shake.nc"]
+    if wish.csv:
+        results.save_csv(data, folder / "shake.csv")
+        files.append("shake.csv")
+    told("plots", 0.1)
+    files += _plots(shaking, data, folder, wish, title)
+    if shaking.reduced.is_mesh:
+        told("VTK series", 0.3)
+        write_series(shaking.motion, _around_peak(shaking), folder / "series.pvd")
+        files.append("series.pvd")
+    told("pictures", 0.5)
+    reason = cannot_render()
+    if reason is None:
+        files += _pictures(shaking, folder, wish, title, told)
+    write_whole(folder / "shake.json", (json.dumps(result, indent=2) + "\n").encode())
+    return [*files, "shake.json"], [reason] if reason else []
+
+
+def published_peaks(frame: str, record: str) -> dict[int, tuple[float, float]]:
+    """Return the measured peaks of Table 4.1 by floor (maximum, minimum; both positive) [mm], if any."""
+    table = published.table("4.1")
+    if frame not in names() or frame not in table.index.get_level_values("frame"):
+        return {}
+    if record not in table.columns.get_level_values("record"):
+        return {}
+    rows = table.loc[frame][record]["experiment"]
+    return {int(floor): (float(row["max"]), float(row["min"])) for floor, row in rows.iterrows()}
+
+
+def _plots(shaking: Shaking, data: xr.Dataset, folder: Path, wish: Wish, title: str) -> list[str]:
+    name = shaking.reduced.name
+    as_published = not any("peak scaled" in step for step in shaking.record.history)
+    peaks = published_peaks(name, shaking.record.name) if as_published else {}
+    floors = sorted(set(peaks) | {shaking.reduced.storeys}, reverse=True)
+    plots.history(data, folder / "history.png", frame=name, floors=floors, published_mm=peaks, title=title)
+    frequencies = shaking.reduced.frequencies_hz[:3]
+    plots.spectra(
+        shaking.record,
+        folder / "spectra.png",
+        damping_ratio=shaking.reduced.damping_ratio,
+        marks_hz={f"mode {mode + 1}": float(value) for mode, value in enumerate(frequencies)},
+        title=title,
+    )
+    files = ["history.png", "spectra.png"]
+    if plots.overlay(data, wish.measured, folder / "measured.png", frame=name, title=title):
+        files.append("measured.png")
+    return files
+
+
+def _pictures(
+    shaking: Shaking, folder: Path, wish: Wish, title: str, told: Callable[[str, float], None]
+) -> list[str]:
+    scenes.picture(shaking.motion, folder / "peak.png", title=title)
+    if not wish.film:
+        return ["peak.png"]
+    films.film(
+        shaking.motion,
+        folder / "film.mp4",
+        title=title,
+        progress=lambda share: told("film", 0.6 + 0.4 * share),
+    )
+    return ["peak.png", "film.mp4"]
+
+
+def _around_peak(shaking: Shaking) -> np.ndarray:
+    moment = scenes.largest_moment(shaking.motion)
+    start, end = max(0.0, moment - SERIES_S), min(shaking.motion.model_s, moment + SERIES_S)
+    return np.arange(start, end, SERIES_STEP_S)

@@ -1,0 +1,1 @@
+"""Plots, scenes, films and VTK series of runs."""

@@ -1,0 +1,158 @@
+"""Plots of contacts: force histories of several laws, force over deformation, maps of the peak force."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.pictures.plots import STYLE
+from pounding.frames.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pounding.experiments.rig.motion import ContactHistory
+    from pounding.experiments.rig.pounding import Pounding
+
+Real = NDArray[np.floating[Any]]
+
+COLOURS = {
+    "linear_spring": "#1f4e79",
+    "linear_viscoelastic": "#d1711c",
+    "hertz": "#3a7d44",
+    "nonlinear_viscoelastic": "#b3262e",
+    "hertz_damp": "#6a4c93",
+}
+OTHER = "#555555"
+PALETTE = tuple(COLOURS.values())
+
+
+@matplotlib.rc_context(STYLE)
+def force_histories(
+    runs: Sequence[Pounding],
+    path: str | Path,
+    *,
+    labels: Sequence[str] | None = None,
+    window_s: float = 0.0025,
+) -> None:
+    """Plot the force of several runs over each other: the whole run, and the first impact of each, aligned.
+
+    Args:
+        runs: Runs that differ in their law; the first contact of each is shown.
+        path: File to write; its suffix says the format.
+        labels: Of the runs; the names of their laws when None.
+        window_s: Length of the close view [s].
+
+    Raises:
+        ExperimentError: In no run the floors touched.
+    """
+    _require_touch(runs)
+    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+    whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
+    for index, run in enumerate(runs):
+        history = run.motion.contacts[0]
+        name = labels[index] if labels else _label(history)
+        colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
+        times, force = history.sampled()
+        whole.plot(times, force, color=colour, label=name, linewidth=0.9)
+        if run.impacts:
+            start = run.impacts[0].time_s
+            near = np.linspace(start - 0.1 * window_s, start + window_s, 1500)
+            close.plot(1e3 * (near - start), history.at(near)[2], color=colour)
+    touches = [impact.time_s for run in runs for impact in run.impacts]
+    margin = 0.03 + 0.1 * (max(touches) - min(touches))
+    whole.set_xlim(max(0.0, min(touches) - margin), max(touches) + margin)
+    first, (left, right) = runs[0], runs[0].motion.frames
+    gap = f"gap {1e3 * first.motion.contacts[0].gap_m:g} mm"
+    whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
+    whole.set(xlabel="time [s]", ylabel="contact force [N]")
+    # Below the axes: the peaks take whatever room there is inside.
+    figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
+    close.set(xlabel="time after first touch [ms]")
+    close.set_title("first impact of each", fontsize=10)
+    _save(figure, path)
+
+
+@matplotlib.rc_context(STYLE)
+def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] | None = None) -> None:
+    """Plot force over deformation of the hardest touch of each run; the area of a loop is the energy lost.
+
+    Args:
+        runs: Runs; the first contact of each is shown.
+        path: File to write.
+        labels: Of the runs; the names of their laws when None.
+
+    Raises:
+        ExperimentError: In no run the floors touched.
+    """
+    _require_touch(runs)
+    figure = Figure(figsize=(5.4, 3.8), layout="constrained")
+    axes = figure.subplots()
+    for index, run in enumerate(runs):
+        history = run.motion.contacts[0]
+        if history.pulses:
+            colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
+            _loop(axes, history, labels[index] if labels else _label(history), colour)
+    axes.set(xlabel="deformation [mm]", ylabel="contact force [N]")
+    axes.set_title("hardest touch of each", fontsize=10)
+    axes.legend(fontsize=8)
+    _save(figure, path)
+
+
+@matplotlib.rc_context(STYLE)
+def peak_map(peaks_n: Mapping[str, Mapping[str, float]], path: str | Path, *, title: str = "") -> None:
+    """Plot a map of the peak force: one row a record, one column a gap.
+
+    Args:
+        peaks_n: For each record, the peak force [N] by the label of its gap, widest first.
+        path: File to write.
+        title: Above the map.
+    """
+    rows, columns = len(peaks_n), max(len(row) for row in peaks_n.values())
+    values = np.full((rows, columns), np.nan)
+    for index, row in enumerate(peaks_n.values()):
+        values[index, : len(row)] = list(row.values())
+    figure = Figure(figsize=(1.3 * columns + 2.2, 0.72 * rows + 1.2), layout="constrained")
+    axes = figure.subplots()
+    axes.grid(False)
+    image = axes.imshow(values, cmap="YlOrRd", vmin=0.0, aspect="auto")
+    for (i, record), j in ((pair, j) for pair in enumerate(peaks_n) for j in range(len(peaks_n[pair[1]]))):
+        gap = list(peaks_n[record])[j]
+        dark = values[i, j] > 0.6 * np.nanmax(values)
+        axes.text(
+            j, i, f"{gap} mm\n{values[i, j]:.0f} N", ha="center", va="center", fontsize=8,
+            color="white" if dark else "black",
+        )  # fmt: skip
+    axes.set_yticks(range(rows), list(peaks_n))
+    axes.set_xticks([])
+    axes.set_xlabel("gap, widest to narrowest")
+    axes.set_title(title, fontsize=10)
+    figure.colorbar(image, ax=axes, label="peak force [N]")
+    _save(figure, path)
+
+
+def _loop(axes: Axes, history: ContactHistory, name: str, colour: str) -> None:
+    pulses = [history.pulse(*pulse) for pulse in history.pulses]
+    _, deformation, _, force = max(pulses, key=lambda pulse: float(pulse[3].max()))
+    axes.plot(1e3 * deformation, force, color=colour, label=name, linewidth=1.3)
+
+
+def _label(history: ContactHistory) -> str:
+    return history.law.name.replace("_", " ")
+
+
+def _require_touch(runs: Sequence[Pounding]) -> None:
+    if not any(run.motion.contacts[0].pulses for run in runs):
+        raise ExperimentError("nothing to plot: the floors did not touch; narrow the gap")
+
+
+def _save(figure: Figure, path: str | Path) -> None:
+    with replacing(Path(path)) as whole:
+        figure.savefig(whole, dpi=100)

@@ -1,0 +1,203 @@
+"""Plots of a run: histories with published peaks and measured histories, response and Fourier spectra."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import matplotlib.ticker
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from pounding.experiments.records.record import STANDARD_GRAVITY
+from pounding.experiments.records.spectra import fourier_spectrum, response_spectrum
+from pounding.frames.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from pounding.experiments.measurements.history import Channel
+    from pounding.experiments.records import Record
+
+Real = NDArray[np.floating[Any]]
+
+OURS, THEIRS, PUBLISHED = "#1f4e79", "#d1711c", "#b3262e"
+"""Colours of what is computed, what was measured, and what is published."""
+
+STYLE: Any = {
+    "font.size": 10,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.0,
+    "legend.frameon": False,
+}
+
+
+@matplotlib.rc_context(STYLE)
+def history(
+    data: xr.Dataset,
+    path: str | Path,
+    *,
+    frame: str,
+    floors: Sequence[int] | None = None,
+    published_mm: Mapping[int, tuple[float, float]] | None = None,
+    measured: Iterable[Channel] = (),
+    title: str = "",
+) -> None:
+    """Plot the table's acceleration and a frame's floor displacements relative to it.
+
+    Args:
+        data: A run (`pounding.experiments.results.dataset.dataset`).
+        path: File to write; its suffix says the format.
+        frame: Label of the frame.
+        floors: Floors to show, from the top down; the roof when None.
+        published_mm: Published maximum and minimum by floor, both positive [mm].
+        measured: Measured histories; those of relative displacement on these floors are laid over.
+        title: Title.
+    """
+    shown = list(floors or [roof(data, frame)])
+    figure = _figure(height=1.5 + 1.7 * (1 + len(shown)))
+    axes = np.atleast_1d(figure.subplots(1 + len(shown), 1, sharex=True))
+    time = data.time.values
+    axes[0].plot(time, data.table_acceleration.values / STANDARD_GRAVITY, color="#555555", lw=0.8)
+    axes[0].set_ylabel("table [g]")
+    axes[0].set_title(title, loc="left")
+    channels = list(measured)
+    for axis, floor in zip(axes[1:], shown, strict=True):
+        moved = 1e3 * data.relative_displacement.sel(frame=frame, floor=floor).values
+        axis.plot(time, moved, color=OURS, label="computed")
+        for channel in channels:
+            if (channel.quantity, channel.floor, channel.frame) == ("relative_displacement", floor, frame):
+                axis.plot(channel.time_s, 1e3 * channel.values, color=THEIRS, lw=0.9, label="measured")
+        if published_mm and floor in published_mm:
+            _mark(axis, published_mm[floor])
+        axis.set_ylabel(f"floor {floor} [mm]")
+    axes[1].legend(loc="upper right", ncols=4, fontsize=9)
+    axes[-1].set_xlabel("time on the model's clock [s]")
+    axes[-1].set_xlim(time[0], time[-1])
+    _save(figure, path)
+
+
+def roof(data: xr.Dataset, frame: str) -> int:
+    """Return the top floor of a frame in a dataset."""
+    return int(data.floor.values[np.isfinite(data.height.sel(frame=frame).values)][-1])
+
+
+@matplotlib.rc_context(STYLE)
+def overlay(
+    data: xr.Dataset, measured: Sequence[Channel], path: str | Path, *, frame: str, title: str = ""
+) -> int:
+    """Plot every measured channel that the run has a history for, one panel each.
+
+    Returns:
+        How many channels were laid over; with none no file is written.
+    """
+    found = [(channel, simulated(data, channel, frame)) for channel in measured]
+    pairs = [(channel, values) for channel, values in found if values is not None]
+    if not pairs:
+        return 0
+    figure = _figure(height=1.0 + 1.7 * len(pairs))
+    axes = np.atleast_1d(figure.subplots(len(pairs), 1, sharex=True))
+    for axis, (channel, values) in zip(axes, pairs, strict=True):
+        scale, unit = _shown_unit(channel.quantity)
+        axis.plot(channel.time_s, scale * channel.values, color=THEIRS, lw=1.0, label="measured")
+        axis.plot(data.time, scale * values, color=OURS, lw=0.8, label="computed")
+        axis.set_ylabel(unit)
+        axis.set_title(_described(channel), loc="left", fontsize=9)
+    axes[0].legend(loc="upper right", ncols=2, fontsize=9)
+    axes[-1].set_xlabel("time [s]")
+    figure.suptitle(title, x=0.01, ha="left")
+    _save(figure, path)
+    return len(pairs)
+
+
+def simulated(data: xr.Dataset, channel: Channel, frame: str) -> Real | None:
+    """Return the run's history (time,) of what a channel measured, or None where the run has none."""
+    if channel.floor == 0 or channel.frame is None:
+        name = f"table_{channel.quantity.rpartition('_')[2]}"
+        # What is relative to the table does not move on the table, and a force has no place there.
+        known = name in data and not channel.quantity.startswith(("relative", "contact"))
+        return data[name].values if known else None
+    if channel.frame != frame or channel.quantity not in data or channel.floor not in data.floor.values:
+        return None
+    return data[channel.quantity].sel(frame=frame, floor=channel.floor).values
+
+
+@matplotlib.rc_context(STYLE)
+def spectra(
+    record: Record,
+    path: str | Path,
+    *,
+    damping_ratio: float,
+    marks_hz: Mapping[str, float] | None = None,
+    title: str = "",
+) -> None:
+    """Plot displacement and acceleration response spectra and the Fourier spectrum of a motion.
+
+    Args:
+        record: The motion, at model scale.
+        path: File to write.
+        damping_ratio: Of the oscillators, a fraction.
+        marks_hz: Frequencies to mark by name, such as a frame's modes [Hz].
+        title: Title.
+    """
+    frequencies = np.geomspace(0.8, 60.0, 400)
+    response = response_spectrum(record, 1.0 / frequencies, damping_ratio)
+    fourier = fourier_spectrum(record)
+    figure = _figure(height=6.4)
+    axes = figure.subplots(3, 1, sharex=True)
+    axes[0].loglog(frequencies, 1e3 * response.displacement_m, color=OURS)
+    axes[0].set_ylabel("displacement [mm]")
+    axes[1].semilogx(frequencies, response.acceleration_m_s2 / STANDARD_GRAVITY, color=OURS)
+    axes[1].set_ylabel("acceleration [g]")
+    axes[2].semilogx(fourier.frequency_hz, fourier.amplitude_m_s, color=OURS, lw=0.6)
+    axes[2].set_ylabel("Fourier amplitude [m/s]")
+    axes[2].set_xlabel("frequency [Hz]")
+    axes[2].set_xlim(frequencies[0], frequencies[-1])
+    axes[2].xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+    axes[2].set_xticks([1, 2, 5, 10, 20, 50])
+    for name, frequency in (marks_hz or {}).items():
+        for axis in axes:
+            axis.axvline(frequency, color=PUBLISHED, lw=0.8, ls="--")
+        place = {"xy": (frequency, 1.02), "xycoords": ("data", "axes fraction"), "ha": "center"}
+        axes[0].annotate(name, **place, fontsize=8, color=PUBLISHED)
+    axes[0].set_title(title, loc="left", pad=18)
+    axes[1].annotate(f"damping ratio {damping_ratio:g}", (0.01, 0.9), xycoords="axes fraction", fontsize=9)
+    _save(figure, path)
+
+
+def _mark(axis: Axes, peaks_mm: tuple[float, float]) -> None:
+    for sign, value in zip((1.0, -1.0), peaks_mm, strict=True):
+        label = "published peaks" if sign > 0 else None
+        axis.axhline(sign * value, color=PUBLISHED, lw=1.0, ls="--", label=label)
+
+
+def _described(channel: Channel) -> str:
+    on_table = channel.floor == 0 or channel.frame is None
+    place = "table" if on_table else f"{channel.frame}, floor {channel.floor}"
+    return f"{place}: {channel.quantity.replace('_', ' ')} ({channel.name})"
+
+
+def _shown_unit(quantity: str) -> tuple[float, str]:
+    if quantity.endswith("displacement"):
+        return 1e3, "mm"
+    if quantity.endswith("acceleration"):
+        return 1.0 / STANDARD_GRAVITY, "g"
+    return 1.0, "m/s" if quantity.endswith("velocity") else "N"
+
+
+def _figure(height: float) -> Figure:
+    # A figure without pyplot: nothing global is touched, and no display is needed.
+    return Figure(figsize=(9.0, height), layout="constrained")
+
+
+def _save(figure: Figure, path: str | Path) -> None:
+    with replacing(path) as part:
+        figure.savefig(part, dpi=110)

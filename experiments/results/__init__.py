@@ -1,0 +1,1 @@
+"""A run as a labelled dataset with its provenance."""

@@ -1,0 +1,127 @@
+"""Impacts in a contact's force, found as a laboratory does from a force sensor at 10,000 samples a second.
+
+An impact begins where a sample reaches `THRESHOLD_N`. Samples above the threshold that are less than
+`MERGING_S` apart belong to one impact: after the first touch two floors often touch again within
+milliseconds, while the collision is still going on. What an impact carried (peak, impulse, duration) is then
+read from the run's own interpolation between the engine's steps, not from the coarse samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pounding.experiments.rig.motion import ContactHistory, Motion
+
+Real = NDArray[np.floating]
+
+SAMPLE_RATE_HZ = 10_000.0
+THRESHOLD_N = 10.0
+"""About 0.05 % of the range of the thesis' sensor (22.24 kN), above the noise of such a channel [N]."""
+
+MERGING_S = 0.02
+"""A period of the fastest sways of these frames (about 50 Hz): touches that follow each other faster are the
+floors' rattle within one collision [s]. docs/validation/chapters-5-6.md shows the counts for other values."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """One impact.
+
+    Attributes:
+        time_s: First touch [s].
+        duration_ms: From the first touch to the last parting [ms].
+        peak_force_n: Largest force [N].
+        impulse_n_s: Integral of the force [N s].
+        approach_velocity_m_s: Velocity of approach at the first touch [m/s].
+        restitution: Velocity of parting after the last touch over that of approach; the frames' own motion
+            takes part, so it may pass the law's by a little, and by much in a slow impact. None if the floors
+            did not approach.
+        floor: Floor of the left frame.
+        touches: How often the floors touched in it.
+    """
+
+    time_s: float
+    duration_ms: float
+    peak_force_n: float
+    impulse_n_s: float
+    approach_velocity_m_s: float
+    restitution: float | None
+    floor: int
+    touches: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the impact as a dictionary, in the order above."""
+        return asdict(self)
+
+
+def impacts(
+    history: ContactHistory, *, threshold_n: float = THRESHOLD_N, merging_s: float = MERGING_S
+) -> list[Impact]:
+    """Return the impacts of one contact, in time.
+
+    Args:
+        history: The contact.
+        threshold_n: Force from which a sample counts [N].
+        merging_s: Samples closer than this belong to one impact [s].
+    """
+    times, force = history.sampled(SAMPLE_RATE_HZ)
+    sampled = times[force >= threshold_n]
+    above = np.union1d(sampled, _unseen(history, threshold_n))
+    return [_impact(history, start, end) for start, end in groups(above, merging_s)]
+
+
+def all_impacts(motion: Motion, **options: float) -> list[Impact]:
+    """Return the impacts of all contacts of a run, in time; options as for `impacts`."""
+    found = [impact for history in motion.contacts for impact in impacts(history, **options)]
+    return sorted(found, key=lambda impact: impact.time_s)
+
+
+def groups(above_s: Real, merging_s: float) -> list[tuple[float, float]]:
+    """Return (first, last) time [s] of each group of times (k,) [s] less than `merging_s` apart."""
+    if not above_s.size:
+        return []
+    breaks = np.flatnonzero(np.diff(above_s) >= merging_s)
+    starts = np.concatenate([above_s[:1], above_s[breaks + 1]])
+    ends = np.concatenate([above_s[breaks], above_s[-1:]])
+    return list(zip(starts.tolist(), ends.tolist(), strict=True))
+
+
+def _unseen(history: ContactHistory, threshold_n: float) -> Real:
+    """Return times [s] above the threshold in touches too short for the sample rate to be sure to see them.
+
+    A contact of 1e9 N/m lasts half a sample. The engine's steps resolve it, a laboratory would miss it.
+    """
+    found = []
+    for pulse in history.pulses:
+        times, _, _, force = history.pulse(*pulse)
+        if times[-1] - times[0] < 2.0 / SAMPLE_RATE_HZ:
+            found.append(times[force >= threshold_n])
+    return np.concatenate(found) if found else np.empty(0)
+
+
+def _impact(history: ContactHistory, start_s: float, end_s: float) -> Impact:
+    whisker = 1.0 / SAMPLE_RATE_HZ
+    inside = [
+        history.pulse(first, last)
+        for first, last in history.pulses
+        if last >= start_s - whisker and first <= end_s + whisker
+    ]
+    inside = [pulse for pulse in inside if pulse[3].max() > 0.0]
+    pressed = [pulse[0][pulse[3] > 0.0] for pulse in inside]
+    first, last = inside[0], inside[-1]
+    approach = float(first[2][0])
+    parting = -float(last[2][last[3] > 0.0][-1])
+    return Impact(
+        time_s=float(first[0][0]),
+        duration_ms=1e3 * float(pressed[-1][-1] - first[0][0]),
+        peak_force_n=max(float(pulse[3].max()) for pulse in inside),
+        impulse_n_s=sum(float(np.trapezoid(pulse[3], pulse[0])) for pulse in inside),
+        approach_velocity_m_s=approach,
+        restitution=parting / approach if approach > 0 else None,
+        floor=history.floor,
+        touches=len(inside),
+    )

@@ -1,0 +1,257 @@
+"""What a run of the rig leaves: the frames' motions, the contacts' forces, the energy and the cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from pounding.experiments.rig.motion import ContactHistory, FrameMotion
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicHermiteSpline
+
+from pounding.contact.laws import Law
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records.record import STANDARD_GRAVITY
+
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+Real = NDArray[np.floating]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameMotion:
+    """Motion of one frame relative to the table, at the integrator's own steps (closer while in contact).
+
+    Attributes:
+        reduced: The frame.
+        time_s: Times (m,) [s].
+        displacement_m: Coordinates of the reduced frame (m, n) [m].
+        velocity_m_s: Their rates (m, n) [m/s].
+        acceleration_m_s2: Their second derivatives (m, n) [m/s^2].
+        table_m_s2: The table's acceleration (m,) at the same times [m/s^2].
+    """
+
+    reduced: ReducedFrame
+    time_s: Real
+    displacement_m: Real
+    velocity_m_s: Real
+    acceleration_m_s2: Real
+    table_m_s2: Real
+
+    @property
+    def name(self) -> str:
+        """Name of the frame."""
+        return self.reduced.name
+
+    def floor(self, number: int) -> int:
+        """Return a floor's coordinate; `ExperimentError` if there is no such floor."""
+        return floor_coordinate(self.reduced, number)
+
+    def floor_displacement(self, number: int) -> Real:
+        """Return a floor's displacement relative to the table (m,) [m]."""
+        return self.displacement_m[:, self.floor(number)]
+
+    def floor_acceleration(self, number: int) -> Real:
+        """Return a floor's acceleration in the room (m,) [m/s^2]."""
+        return self.acceleration_m_s2[:, self.floor(number)] + self.table_m_s2
+
+    def sampled(self, times_s: ArrayLike) -> tuple[Real, Real]:
+        """Return displacement and velocity (k, n) at any times (k,) [s], by cubic Hermite interpolation."""
+        times = np.asarray(times_s, float)
+        return (
+            CubicHermiteSpline(self.time_s, self.displacement_m, self.velocity_m_s)(times),
+            CubicHermiteSpline(self.time_s, self.velocity_m_s, self.acceleration_m_s2)(times),
+        )
+
+    def peaks(self) -> list[dict[str, Any]]:
+        """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room)."""
+        found = []
+        for number in range(1, self.reduced.storeys + 1):
+            moved = self.floor_displacement(number)
+            found.append(
+                {
+                    "floor": number,
+                    "max_mm": 1e3 * max(0.0, float(moved.max())),
+                    "min_mm": 1e3 * max(0.0, -float(moved.min())),
+                    "max_acceleration_g": float(np.abs(self.floor_acceleration(number)).max())
+                    / STANDARD_GRAVITY,
+                }
+            )
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class ContactHistory:
+    """One contact through a run, at any moment: deformation, its rate, and the force of the law.
+
+    Attributes:
+        floor: Floor of the left frame.
+        left, right: Names of the frames.
+        gap_m: Gap at rest [m].
+        y_m: Place along the floors' edge [m].
+        law: The law.
+        time_s: The integrator's steps (m,) [s].
+        deformation_m: Overlap at the steps (m,) [m]; negative while apart.
+        rate_m_s: Its rate (m,) [m/s].
+        rate_change_m_s2: The rate's derivative (m,) [m/s^2].
+    """
+
+    floor: int
+    left: str
+    right: str
+    gap_m: float
+    y_m: float
+    law: Law
+    time_s: Real
+    deformation_m: Real
+    rate_m_s: Real
+    rate_change_m_s2: Real
+
+    @cached_property
+    def _splines(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
+        return (
+            CubicHermiteSpline(self.time_s, self.deformation_m, self.rate_m_s),
+            CubicHermiteSpline(self.time_s, self.rate_m_s, self.rate_change_m_s2),
+        )
+
+    @cached_property
+    def touches(self) -> tuple[Real, Real]:
+        """Times of first touch (k,) [s] and the approach velocities there (k,) [m/s]."""
+        steps = np.flatnonzero((self.deformation_m[:-1] <= 0.0) & (self.deformation_m[1:] > 0.0))
+        before, after = self.deformation_m[steps], self.deformation_m[steps + 1]
+        part = before / (before - after)
+        times = self.time_s[steps] + part * np.diff(self.time_s)[steps]
+        rates = self.rate_m_s[steps] + part * (self.rate_m_s[steps + 1] - self.rate_m_s[steps])
+        return times, rates
+
+    def at(self, times_s: ArrayLike) -> tuple[Real, Real, Real]:
+        """Return deformation [m], rate [m/s] and force [N] at any times (k,) [s]."""
+        times = np.asarray(times_s, float)
+        deformation, rate = (spline(times) for spline in self._splines)
+        return deformation, rate, np.asarray(self.law.force(deformation, rate, self._approach(times)), float)
+
+    def _approach(self, times: Real) -> Real:
+        touched, rates = self.touches
+        if not len(touched):
+            return np.zeros_like(times)
+        # A whisker early: the moment of touch on the curve and on the straight line differ a little.
+        latest = np.searchsorted(touched - 5e-6, times, side="right") - 1
+        return np.where(latest >= 0, rates[np.maximum(latest, 0)], 0.0)
+
+    def sampled(self, rate_hz: float = 10_000.0) -> tuple[Real, Real]:
+        """Return times (k,) [s] and forces (k,) [N] as a force sensor sampled at `rate_hz` gives them."""
+        times = np.arange(self.time_s[0], self.time_s[-1], 1.0 / rate_hz)
+        force = np.zeros(len(times))
+        touching = self._near(times, 1.0 / rate_hz)
+        if touching.any():
+            force[touching] = self.at(times[touching])[2]
+        return times, force
+
+    @cached_property
+    def pulses(self) -> list[tuple[float, float]]:
+        """First touch and parting [s] of each time in which the deformation is positive."""
+        return [(self._zero(a - 1), self._zero(b - 1)) for a, b in _runs(self.deformation_m > 0.0)]
+
+    def _zero(self, step: int) -> float:
+        """Time [s] at which the deformation passes zero in a step, on the straight line."""
+        if step < 0 or step + 1 >= len(self.time_s):
+            return float(self.time_s[0 if step < 0 else -1])
+        before, after = self.deformation_m[step], self.deformation_m[step + 1]
+        return float(
+            self.time_s[step] + before / (before - after) * (self.time_s[step + 1] - self.time_s[step])
+        )
+
+    def pulse(self, first_s: float, last_s: float) -> tuple[Real, Real, Real, Real]:
+        """Return times, deformation, rate and force of a touch, each of the engine's steps cut in eight."""
+        first, last = np.searchsorted(self.time_s, [first_s, last_s], side="right")
+        inner = self.time_s[first:last]
+        ends = np.concatenate([[first_s], inner[inner < last_s], [last_s]])
+        times = np.interp(np.arange(8 * (len(ends) - 1) + 1) / 8, np.arange(len(ends)), ends)
+        return times, *self.at(times)
+
+    def _near(self, times: Real, margin: float) -> NDArray[np.bool_]:
+        """Which times lie in or next to a step with contact: only there is the force worth computing."""
+        closed = self.deformation_m > 0.0
+        either = closed[:-1] | closed[1:]
+        place = np.clip(np.searchsorted(self.time_s, times, side="right") - 1, 0, len(either) - 1)
+        return either[place]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A run of the rig.
+
+    Attributes:
+        frames: Motion of each frame, from left to right.
+        contacts: History of each contact, in the rig's order.
+        energy: Its balance.
+        wall_s: Wall time of the integration [s].
+        processor_s: Its processor time [s], which a busy machine does not lengthen.
+        steps: Number of steps that the integrator took.
+    """
+
+    frames: tuple[FrameMotion, ...]
+    contacts: tuple[ContactHistory, ...]
+    energy: EnergyBalance
+    wall_s: float
+    processor_s: float
+    steps: int
+
+    @property
+    def time_s(self) -> Real:
+        """Times of the integrator's steps (m,) [s]."""
+        return self.frames[0].time_s
+
+    @property
+    def model_s(self) -> float:
+        """Time on the model's clock that the run covers [s]."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+
+def _runs(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return (first, one past the last) index of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
+    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
+
+
+def floor_coordinate(reduced: ReducedFrame, number: int) -> int:
+    """Return the coordinate that is a floor's displacement in x; `ExperimentError` without such a floor."""
+    if not (isinstance(number, int | np.integer) and 1 <= number <= reduced.storeys):
+        raise ExperimentError(f"{reduced.name} has no floor {number}: its floors are 1 to {reduced.storeys}")
+    return int(reduced.floor_x[number - 1])
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """Energies of the motion relative to the table, at the integrator's steps.
+
+    Attributes:
+        time_s: Times (m,) [s].
+        input_j: Work of the inertia forces that the table's acceleration causes (m,) [J].
+        kinetic_j, strain_j: Of all frames (m,) [J].
+        damping_j: Lost in the frames' damping (m,) [J].
+        contact_j: Work done on the contacts, stored and lost (m,) [J].
+    """
+
+    time_s: Real
+    input_j: Real
+    kinetic_j: Real
+    strain_j: Real
+    damping_j: Real
+    contact_j: Real
+
+    @property
+    def error(self) -> float:
+        """Largest imbalance at any time over the largest energy that was ever put in or held [-]."""
+        balance = self.input_j - self.kinetic_j - self.strain_j - self.damping_j - self.contact_j
+        scale = max(float(np.abs(part).max()) for part in (self.input_j, self.kinetic_j, self.strain_j))
+        return float(np.abs(balance).max()) / scale if scale > 0 else 0.0

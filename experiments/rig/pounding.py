@@ -1,0 +1,157 @@
+"""Two frames knocking against each other under a record: one law, one run, everything read from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+from pounding import frames
+from pounding.contact.laws import Law
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record, find
+from pounding.experiments.rig.impacts import Impact, all_impacts
+from pounding.experiments.rig.motion import Motion
+from pounding.experiments.rig.required_gap import contact_floors
+from pounding.experiments.rig.rig import Accuracy, Contact, Rig
+
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+
+@dataclass(frozen=True, eq=False)
+class Pounding:
+    """A run of two frames with contacts between them.
+
+    Attributes:
+        record: The shaking, at model scale.
+        motion: The run.
+        impacts: What a force sensor would have counted, in time.
+    """
+
+    record: Record
+    motion: Motion
+    impacts: list[Impact]
+
+    def result(self) -> dict[str, Any]:
+        """Return the run's numbers, units in the keys, as `pounding pound --json` prints them."""
+        contacts = self.motion.contacts
+        gaps = [1e3 * contact.gap_m for contact in contacts]
+        left, right = self.motion.frames
+        return {
+            "left": left.name,
+            "right": right.name,
+            "record": self.record.name,
+            "law": contacts[0].law.name,
+            "gap_mm": gaps[0] if len(set(gaps)) == 1 else gaps,
+            "floors": [contact.floor for contact in contacts],
+            "impacts": [impact.as_dict() for impact in self.impacts],
+            "peaks": {"left": left.peaks(), "right": right.peaks()},
+            "energy_error": self.motion.energy.error,
+            "wall_s": self.motion.wall_s,
+            "model_s": self.motion.model_s,
+        }
+
+
+def pound(
+    left: ReducedFrame,
+    right: ReducedFrame,
+    record: Record,
+    law: Law,
+    gap_m: float | Sequence[float],
+    *,
+    floors: Sequence[int] = (),
+    duration_s: float | None = None,
+    accuracy: Accuracy | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Pounding:
+    """Shake two frames side by side; the left one moves in +x towards the right one.
+
+    Args:
+        left, right: Reduced frames.
+        record: The shaking, at model scale.
+        law: Impact law of all contacts.
+        gap_m: Gap at rest [m], one for all floors or one a floor.
+        floors: Floors of the lower frame that can touch; default: its roof.
+        duration_s: End of the run [s]; default: the end of the record.
+        accuracy: Tolerances, see `Rig.run`.
+        progress: Called now and then with the model time [s].
+
+    Raises:
+        ExperimentError: A floor that one of the frames does not have, the wrong number of gaps, or a run
+            that grows without bound.
+        ContactError: A negative gap.
+    """
+    rig = rig_of(left, right, law, gap_m, floors)
+    motion = rig.run(record, duration_s=duration_s, accuracy=accuracy, progress=progress)
+    return Pounding(record, motion, all_impacts(motion))
+
+
+def rig_of(
+    left: ReducedFrame,
+    right: ReducedFrame,
+    law: Law,
+    gap_m: float | Sequence[float],
+    floors: Sequence[int] = (),
+) -> Rig:
+    """Return two frames side by side with a contact at each floor; arguments and errors as for `pound`."""
+    chosen: list[int | None] = list(floors) or [None]
+    gaps = _one_each(gap_m, chosen)
+    return Rig(
+        [left, right],
+        [
+            Contact(law, gap, contact_floors(left, right, floor))
+            for gap, floor in zip(gaps, chosen, strict=True)
+        ],
+    )
+
+
+def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[float, float]:
+    """Return the masses [kg] of the floors that meet, for the laws whose damping refers to them.
+
+    A floor carries its row of the mass matrix condensed to the floors, half of its columns included.
+
+    Args:
+        left, right: Reduced frames.
+        floor: Floor of the lower frame; its roof when None.
+
+    Raises:
+        ExperimentError: The floors cannot meet.
+    """
+    numbers = contact_floors(left, right, floor)
+    first, second = (
+        float(frame.storey_model()[0][number - 1].sum())
+        for frame, number in zip((left, right), numbers, strict=True)
+    )
+    return first, second
+
+
+@lru_cache(maxsize=32)
+def built(
+    name: str, joints: Any = "calibrated", p_delta: bool = True, damping: float | None = None
+) -> ReducedFrame:
+    """Return a reduced frame by name, built once a process."""
+    return frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
+
+
+@lru_cache(maxsize=16)
+def shaking(
+    name: str, folder: str | None = None, *, pga_g: float | None = None, flip: bool = False
+) -> Record:
+    """Return a record at model scale by name, with another peak [g] or the opposite sign if asked."""
+    record = find(name, folder).scaled(pga_g=pga_g)
+    return record.flipped() if flip else record
+
+
+def _one_each(gap_m: float | Sequence[float], floors: Sequence[int | None]) -> list[float]:
+    gaps = [float(gap_m)] if isinstance(gap_m, int | float) else [float(gap) for gap in gap_m]
+    if len(gaps) == 1:
+        gaps *= len(floors)
+    if len(gaps) != len(floors):
+        raise ExperimentError(
+            f"{len(gaps)} gaps for {len(floors)} floor(s): give one for all, or one a floor"
+        )
+    if len(set(floors)) != len(floors):
+        raise ExperimentError(f"floors {', '.join(map(str, floors))}: each can be given once")
+    return gaps

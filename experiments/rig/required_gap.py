@@ -1,0 +1,197 @@
+"""The gap that two frames on one table need: the largest closing motion of a run without pounding.
+
+Equation 4.1 of the thesis takes the largest magnitude of ``u_left - u_right``, which counts the frames moving
+*apart* as well. Only the closing motion can bring them together, so that is the required gap here; the other
+stands beside it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record
+from pounding.frames import ReducedFrame
+from pounding.frames.response.exact import Poles, poles, refine, run, select
+
+FINEST_STEP_S = 1e-3
+"""Longest step at which a motion is looked at [s]: a peak of a 7 Hz mode is missed by at most 0.03 %."""
+
+NEGLIGIBLE_MODE = 1e-6
+"""A mode with less than this share of the largest static part is left out: below any digit shown."""
+
+SAME_HEIGHT = 0.01
+"""Floors meet when their heights differ by at most this share of the lower floor's height."""
+
+
+@dataclass(frozen=True)
+class RequiredGap:
+    """What a run without pounding says of two frames at one floor, all relative to the table.
+
+    Attributes:
+        closing_m: Largest of ``u_left - u_right``, at least 0 [m]: the required gap.
+        time_s: When it is reached [s].
+        opening_m: Largest of ``u_right - u_left``, at least 0 [m]: the required gap of the frames on swapped
+            sides.
+        left_peak_m: Largest magnitude of the left frame's motion [m].
+        right_peak_m: Largest magnitude of the right frame's motion [m].
+    """
+
+    closing_m: float
+    time_s: float
+    opening_m: float
+    left_peak_m: float
+    right_peak_m: float
+
+    @property
+    def equation_4_1_m(self) -> float:
+        """Largest magnitude of ``u_left - u_right``, as equation 4.1 has it [m]."""
+        return max(self.closing_m, self.opening_m)
+
+
+def required_gap(
+    left_m: NDArray[np.floating[Any]], right_m: NDArray[np.floating[Any]], step_s: float
+) -> RequiredGap:
+    """Return the required gap of two motions.
+
+    Args:
+        left_m: Displacement of the left frame (m,) [m], positive towards the right one.
+        right_m: Displacement of the right frame at the same instants (m,) [m].
+        step_s: Time between the instants [s].
+
+    Raises:
+        ExperimentError: Motions of different length, or not finite.
+    """
+    if left_m.shape != right_m.shape or left_m.ndim != 1 or left_m.size == 0:
+        raise ExperimentError(
+            f"two motions of the same length are needed, not {left_m.shape} and {right_m.shape}"
+        )
+    difference = left_m - right_m
+    if not np.isfinite(difference).all():
+        raise ExperimentError("a motion is not finite: the run that made it failed")
+    first = int(difference.argmax())
+    return RequiredGap(
+        closing_m=max(float(difference[first]), 0.0),
+        time_s=first * step_s if difference[first] > 0.0 else 0.0,
+        opening_m=max(float(-difference.min()), 0.0),
+        left_peak_m=float(np.abs(left_m).max()),
+        right_peak_m=float(np.abs(right_m).max()),
+    )
+
+
+def shared_floors(left: ReducedFrame, right: ReducedFrame) -> list[tuple[int, int]]:
+    """Return the floors that lie at the same height, as pairs of floor numbers, from the table up."""
+    pairs = []
+    for number, height in enumerate(left.heights_m, start=1):
+        away = np.abs(np.asarray(right.heights_m) - height)
+        nearest = int(away.argmin())
+        if away[nearest] <= SAME_HEIGHT * height:
+            pairs.append((number, nearest + 1))
+    return pairs
+
+
+def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[int, int]:
+    """Return the numbers of the floors that would meet, of the left and the right frame.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        floor: Floor of the lower frame; its roof when None.
+
+    Raises:
+        ExperimentError: A floor that the lower frame does not have, or one that faces no floor of the other.
+    """
+    lower_is_left = left.heights_m[-1] < right.heights_m[-1]
+    lower, other = (left, right) if lower_is_left else (right, left)
+    wanted = lower.storeys if floor is None else floor
+    if not 1 <= wanted <= lower.storeys:
+        raise ExperimentError(
+            f"floor {wanted} cannot meet: frame {lower.name} has the floors 1 to {lower.storeys} "
+            f"beside {other.name}"
+        )
+    for pair in shared_floors(left, right):
+        if pair[0 if lower_is_left else 1] == wanted:
+            return pair
+    raise ExperimentError(
+        f"floor {wanted} of frame {lower.name} at {lower.heights_m[wanted - 1]:.4g} m faces no floor of "
+        f"{other.name}: a floor against a column is not modelled, name a floor at a shared height"
+    )
+
+
+def fine_step(step_s: float) -> int:
+    """Return the number of parts of a record's step, so that a part is at most `FINEST_STEP_S`."""
+    return max(1, math.ceil(step_s / FINEST_STEP_S - 1e-9))
+
+
+def motions(frame: ReducedFrame, record: Record, floors: list[int]) -> NDArray[np.floating[Any]]:
+    """Return the exact motion of floors without pounding.
+
+    Args:
+        frame: A linear frame.
+        record: Table motion at the frame's scale.
+        floors: Floor numbers, from 1.
+
+    Returns:
+        Displacement relative to the table (m, floors) [m], at steps of at most `FINEST_STEP_S`.
+    """
+    parts = fine_step(record.step_s)
+    history = refine(record.acceleration_m_s2, parts)
+    outputs = [int(frame.floor_x[floor - 1]) for floor in floors]
+    return floor_motions(poles(frame), outputs, history, record.step_s / parts)
+
+
+def floor_motions(
+    frame: Poles, coordinates: list[int], history: NDArray[np.floating[Any]], step_s: float
+) -> NDArray[np.floating[Any]]:
+    """Return the displacement of coordinates (m, k) [m] under a table acceleration (m,) [m/s^2].
+
+    `pounding.frames.response.exact.forced` without the velocities, and without the modes whose static part is below a
+    millionth of the largest.
+    """
+    weights = frame.load[:, None] * select(frame.output, coordinates)
+    static = np.abs(weights / frame.rates[:, None]).max(axis=1)
+    counted = static > NEGLIGIBLE_MODE * static.max()
+    states = run(frame.rates[counted], history, step_s)
+    weights = weights[counted]
+    return states.real.T @ weights.real - states.imag.T @ weights.imag
+
+
+def pair_gap(
+    left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None
+) -> RequiredGap:
+    """Return the required gap of two frames under a record, from an exact linear run without pounding.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        record: Table motion at the frames' scale, see `Record.scaled`.
+        floor: Floor of the lower frame; its roof when None.
+
+    Raises:
+        ExperimentError: See `contact_floors`.
+    """
+    at_left, at_right = contact_floors(left, right, floor)
+    step = record.step_s / fine_step(record.step_s)
+    return required_gap(
+        motions(left, record, [at_left])[:, 0], motions(right, record, [at_right])[:, 0], step
+    )
+
+
+def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> list[tuple[int, RequiredGap]]:
+    """Return the required gap at every shared floor, each with the floor's number in the lower frame."""
+    pairs = shared_floors(left, right)
+    if not pairs:
+        raise ExperimentError(f"frames {left.name} and {right.name} have no floor at a shared height")
+    step = record.step_s / fine_step(record.step_s)
+    moved_left = motions(left, record, [pair[0] for pair in pairs])
+    moved_right = motions(right, record, [pair[1] for pair in pairs])
+    of_lower = 0 if left.heights_m[-1] < right.heights_m[-1] else 1
+    return [
+        (pair[of_lower], required_gap(moved_left[:, index], moved_right[:, index], step))
+        for index, pair in enumerate(pairs)
+    ]

@@ -1,0 +1,1 @@
+"""Design equations of the thesis' chapter 7, their regressions and printed rows."""

@@ -1,0 +1,1 @@
+"""Gaps that pairs of frames need, beside the thesis' chapter 4."""

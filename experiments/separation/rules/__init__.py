@@ -1,0 +1,1 @@
+"""Code rules for the separation of adjacent buildings."""

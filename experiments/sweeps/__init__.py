@@ -1,0 +1,1 @@
+"""Many cases: a labelled grid goes in, a labelled dataset comes out."""

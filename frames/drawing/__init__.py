@@ -1,0 +1,1 @@
+"""Pictures and VTK files of frames."""

@@ -1,0 +1,291 @@
+"""Pictures of frames without a display: mesh, mode shapes, deformed frame.
+
+A machine may be unable to render (no OpenGL library): `pounding.frames.drawing.rendering.cannot_render` tells so in one
+sentence, and callers then go on without pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pounding.frames.drawing.rendering import cannot_render
+from pounding.frames.drawing.shapes import RIM, THICKNESS, Shape, box, plan, shape_of
+from pounding.frames.errors import FrameError
+from pounding.frames.files import replacing
+
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+Real = NDArray[np.floating[Any]]
+
+FLOOR, COLUMN, GHOST, TABLE, INK = "#dbe3ea", "#5b87b0", "#8d979f", "#e9e4da", "#30343a"
+"""Colours of floors, columns, the undeformed frame, the table and lines."""
+
+MAP, STRESS_MAP = "viridis", "YlOrRd"
+"""Colour maps of displacement and of stress; what is not stressed stays light."""
+
+LIGHT: dict[str, Any] = {"ambient": 0.55, "diffuse": 0.5, "specular": 0.0}
+"""Even light, so that colours can be compared with the colour bar."""
+
+VIEW = (0.42, -1.0, 0.30)
+"""Direction from the frame to the camera: x, the direction of shaking, lies across the picture."""
+
+
+class Margins(NamedTuple):
+    """Shares of a picture's width and height that are kept free for words and bars."""
+
+    left: float = 0.04
+    right: float = 0.04
+    top: float = 0.1
+    bottom: float = 0.03
+
+
+@contextmanager
+def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
+    """Give an off-screen pyvista plotter with a white background, and close it at the end.
+
+    Raises:
+        FrameError: The machine cannot render.
+    """
+    reason = cannot_render()
+    if reason:
+        raise FrameError(reason)
+    import pyvista  # only here: importing it takes half a second, and may fail where nothing can be drawn
+
+    pyvista.OFF_SCREEN = True
+    made = pyvista.Plotter(off_screen=True, window_size=list(size), **options)
+    made.set_background("white")
+    made.enable_anti_aliasing("ssaa")
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0) -> Any:
+    """Return a shape as a pyvista surface, displaced by ``factor`` times the displacement (nodes, 3) [m]."""
+    import pyvista
+
+    nodes: Real = shape.nodes if displacement is None else shape.nodes + factor * displacement
+    faces = np.column_stack([np.full(len(shape.quads), 4), shape.quads])
+    # A copy: pyvista would otherwise share the memory, and moving the picture would move the frame's mesh.
+    return pyvista.PolyData(np.array(nodes, float), faces.ravel())
+
+
+def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> Any:
+    """Add the outlines of floors and columns and return them; pale ones for a frame at rest."""
+    import pyvista
+
+    lines = np.column_stack([np.full(len(shape.outline), 2), shape.outline])
+    drawn = pyvista.PolyData(np.array(nodes, float), lines=lines.ravel())
+    style = {"color": GHOST, "line_width": 1.0} if ghost else {"color": INK, "line_width": 1.2}
+    scene.add_mesh(drawn, **style)
+    return drawn
+
+
+def add_surface(scene: Any, surface: Any, **style: Any) -> None:
+    """Add a surface evenly lit, a hair behind the lines that are drawn on it."""
+    actor = scene.add_mesh(surface, **(LIGHT | style))
+    actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
+
+
+def add_plain(scene: Any, shape: Shape, displacement: Real | None = None, **mesh: Any) -> Any:
+    """Add a frame in plain colours, floors lighter than columns, and return its surface."""
+    surface = grid(shape, displacement)
+    for members, colour in ((~shape.is_column, FLOOR), (shape.is_column, COLUMN)):
+        part = surface.extract_cells(np.flatnonzero(members))
+        add_surface(scene, part, color=colour, **mesh)
+    return surface
+
+
+def add_table(scene: Any, bounds: tuple[float, float, float, float]) -> None:
+    """Add the table under a plan (least x, largest x, least y, largest y) [m]."""
+    import pyvista
+
+    left, right, front, back = bounds
+    slab = pyvista.Box((left - RIM, right + RIM, front - RIM, back + RIM, -THICKNESS, 0.0))
+    add_surface(scene, slab, color=TABLE)
+    scene.add_mesh(slab.extract_feature_edges(), color=INK, line_width=1.0)
+
+
+def look(scene: Any, low: Real, high: Real, *, margins: Margins | None = None) -> None:
+    """Point the camera along `VIEW` at a box, without perspective, so that lengths can be compared.
+
+    Args:
+        scene: The plotter; the subplot that is active.
+        low: Least coordinates of the box (3,) [m].
+        high: Largest coordinates of the box (3,) [m].
+        margins: What to keep free of the picture; a little when None.
+    """
+    margins = margins or Margins()
+    back = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    corners = np.array(
+        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    )
+    across, upward = corners @ right, corners @ up
+    width, height = scene.renderer.GetSize()
+    used = 1.0 - margins.left - margins.right, 1.0 - margins.top - margins.bottom
+    scale = max(np.ptp(upward) / used[1], np.ptp(across) / used[0] * height / width)
+    middle = [
+        (across.max() + across.min()) / 2.0 + scale * width / height * (margins.right - margins.left) / 2.0,
+        (upward.max() + upward.min()) / 2.0 + scale * (margins.top - margins.bottom) / 2.0,
+    ]
+    focus = middle[0] * right + middle[1] * up
+    scene.camera_position = [tuple(focus + 10.0 * back), tuple(focus), (0.0, 0.0, 1.0)]
+    scene.enable_parallel_projection()
+    scene.camera.parallel_scale = scale / 2.0
+    scene.renderer.ResetCameraClippingRange()
+
+
+def letters(scene: Any, size: float) -> int:
+    """Return a font size for the picture at hand that is ``size`` in one of 640 by 800 pixels."""
+    width, height = scene.window_size
+    return max(5, round(size * min(width / 640.0, height / 800.0)))
+
+
+def caption(scene: Any, words: str, *, size: int = 11, place: tuple[float, float] = (0.02, 0.98)) -> Any:
+    """Write words whose upper left corner is at a place in the picture, as shares of its width and height."""
+    font = {"font_size": letters(scene, size), "font": "arial", "color": "black"}
+    actor = scene.add_text(words, position=place, viewport=True, **font)
+    actor.prop.justification_vertical = "top"
+    return actor
+
+
+def bar(scene: Any, title: str, **changes: Any) -> dict[str, Any]:
+    """Return pyvista's arguments for an upright colour bar at the right."""
+    fonts = {"title_font_size": letters(scene, 16), "label_font_size": letters(scene, 15)}
+    place = {"vertical": True, "position_x": 0.86, "position_y": 0.3, "height": 0.42, "width": 0.07}
+    return {"title": title, "color": "black", "n_labels": 5, "fmt": "%.3g"} | fonts | place | changes
+
+
+def save(scene: Any, path: str | Path) -> None:
+    """Write what a plotter shows; the file is there whole or not at all."""
+    with replacing(path) as part:
+        scene.screenshot(part)
+
+
+def mesh_picture(reduced: ReducedFrame, path: str | Path, *, size: tuple[int, int] = (640, 800)) -> None:
+    """Draw the mesh of a frame, floors and columns in two colours, with its elements.
+
+    Raises:
+        FrameError: The machine cannot render, or the file cannot be written.
+    """
+    shape = shape_of(reduced)
+    with plotter(size) as scene:
+        add_plain(scene, shape, show_edges=True, edge_color="#6a737c", line_width=0.6)
+        add_table(scene, plan(reduced))
+        caption(scene, f"Frame {reduced.name}: {len(shape.quads)} elements, {len(shape.nodes)} nodes")
+        scene.add_axes(color="black", line_width=3, viewport=(0.0, 0.0, 0.2, 0.16))
+        look(scene, *box(reduced), margins=Margins(left=0.1, bottom=0.08))
+        save(scene, path)
+
+
+def modes_picture(
+    reduced: ReducedFrame, path: str | Path, *, modes: int = 3, size: tuple[int, int] = (1100, 760)
+) -> None:
+    """Draw the lowest mode shapes side by side, coloured by displacement, the frame at rest as outline.
+
+    Raises:
+        FrameError: The machine cannot render, or the file cannot be written.
+    """
+    shape = shape_of(reduced)
+    count = min(modes, len(reduced.frequencies_hz))
+    # A third of the plan is seen well.
+    factor = 0.33 * reduced.plan_m[0]
+    low, high = box(reduced, factor)
+    with plotter(size, shape=(1, count), border=False) as scene:
+        for mode in range(count):
+            scene.subplot(0, mode)
+            moved = shape.moved(reduced.shapes[:, mode])
+            moved = moved / np.linalg.norm(moved, axis=1).max()
+            surface = grid(shape, factor * moved)
+            name = "displacement / largest displacement\n"
+            surface[name] = np.abs(moved[:, 0])
+            where = {"vertical": False, "height": 0.06, "width": 0.9, "position_x": 0.05, "position_y": 0.02}
+            place = bar(scene, name, **where)
+            middle = mode == count // 2
+            add_surface(scene, surface, cmap=MAP, clim=(0, 1), scalar_bar_args=place, show_scalar_bar=middle)
+            add_lines(scene, shape, surface.points)
+            add_lines(scene, shape, shape.nodes, ghost=True)
+            words = f"mode {mode + 1}: {reduced.frequencies_hz[mode]:.2f} Hz"
+            caption(scene, words, size=13, place=(0.2, 0.98))
+            look(scene, low, high, margins=Margins(bottom=0.14))
+        save(scene, path)
+
+
+def deformed_picture(
+    reduced: ReducedFrame,
+    q: Real,
+    path: str | Path,
+    *,
+    stress_pa: Real | None = None,
+    factor: float = 5.0,
+    title: str = "",
+    size: tuple[int, int] = (640, 800),
+) -> None:
+    """Draw a deformed frame, coloured by stress or, without, by displacement; at rest as outline.
+
+    Args:
+        reduced: The frame.
+        q: Its coordinates (n,) [m].
+        path: File to write.
+        stress_pa: Von Mises' stress of each element (elements,) [Pa].
+        factor: Enlargement of the displacement.
+        title: First line of the caption.
+        size: Width and height [pixels].
+
+    Raises:
+        FrameError: The machine cannot render, or the file cannot be written.
+    """
+    shape = shape_of(reduced)
+    moved = shape.moved(q)
+    with plotter(size) as scene:
+        add_deformed(scene, shape, moved, factor=factor, stress_pa=stress_pa)
+        add_lines(scene, shape, shape.nodes, ghost=True)
+        add_table(scene, plan(reduced))
+        caption(scene, f"{title or f'Frame {reduced.name}'}\ndisplacement enlarged {factor:g} times")
+        look(scene, *box(reduced, factor * float(np.abs(moved).max())), margins=Margins(right=0.18))
+        save(scene, path)
+
+
+def add_deformed(
+    scene: Any,
+    shape: Shape,
+    moved: Real,
+    *,
+    factor: float,
+    stress_pa: Real | None = None,
+    largest: float | None = None,
+) -> Any:
+    """Add a deformed frame coloured by stress [MPa] or displacement along x [mm], and return its surface.
+
+    Args:
+        scene: The plotter.
+        shape: The frame.
+        moved: Displacement of its nodes (nodes, 3) [m].
+        factor: Enlargement of the displacement.
+        stress_pa: Von Mises' stress of each element (elements,) [Pa].
+        largest: End of the colour bar [MPa or mm]; the largest value when None.
+    """
+    surface = grid(shape, moved, factor=factor)
+    if stress_pa is None:
+        name, values, colours = "displacement\n[mm]", 1e3 * np.abs(moved[:, 0]), MAP
+        surface.point_data[name] = values
+    else:
+        name, values, colours = "von Mises\n[MPa]", np.asarray(stress_pa, float) / 1e6, STRESS_MAP
+        surface.cell_data[name] = values
+    top = float(values.max()) if largest is None else largest
+    add_surface(
+        scene, surface, scalars=name, cmap=colours, clim=(0.0, top or 1.0), scalar_bar_args=bar(scene, name)
+    )
+    add_lines(scene, shape, surface.points)
+    return surface

@@ -1,0 +1,1 @@
+"""Shell finite elements: mesh, kinematics, stiffness and mass of a whole frame."""

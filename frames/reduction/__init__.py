@@ -1,0 +1,1 @@
+"""From thousands of coordinates to a few dozen, and back to the plates."""
