@@ -12,12 +12,12 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import (
-    Touched,
+    ContactFindings,
     cell_at_its_word,
     foretold,
     found_again,
+    judge_contact,
     prepare,
-    touch,
 )
 from pounding.diagnosis.decision.pair_decision import NAMED, claims_of, joined
 from pounding.diagnosis.decision.verdict import decide, report_of
@@ -27,8 +27,8 @@ from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, judged_on
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.first_frequencies import frequency_warnings
-from pounding.diagnosis.model.frames import believed_frames
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, observe
 from pounding.diagnosis.model.sensors import screened, usable
 from pounding.diagnosis.model.storeys import Structure
@@ -44,7 +44,7 @@ def diagnose_case(
     candidates_file: Path | str | None = None,
     calibrate: bool = False,
 ) -> dict[str, Any]:
-    """Diagnose a case: where it disagrees with the believed model, what is missing, and what that closes.
+    """Diagnose a case: where it disagrees with the baseline model, what is missing, and what that closes.
 
     Args:
         case_folder: Folder with `case.toml` and its runs.
@@ -71,12 +71,12 @@ def diagnose_case(
         return _modal(case, out, told)
     found = find(case, told, own)
     report = report_of(case, found)
-    touched = None
+    contact_findings = None
     if found.pair is not None:
         told("looking at the impacts", 0.9)
-        report, touched = report_on_pair(case, found, report)
+        report, contact_findings = report_on_pair(case, found, report)
     if calibrate:
-        report |= _calibrated(case, found, touched, report, own, told)
+        report |= _calibrated(case, found, contact_findings, report, own, told)
     if out is not None:
         from pounding.diagnosis.decision.pair_decision import CLAIM_NATS
         from pounding.diagnosis.design import contact_advice
@@ -84,36 +84,40 @@ def diagnose_case(
         from pounding.diagnosis.report.writing import write_report
 
         told("trying further measurements", 0.92)
-        report["advice"] = advice(found) if touched is None else contact_advice.advice(touched, CLAIM_NATS)
+        report["advice"] = (
+            advice(found) if contact_findings is None else contact_advice.advice(contact_findings, CLAIM_NATS)
+        )
         told("writing the report", 0.95)
         report = write_report(case, found, report, Path(out))
     told("done", 1.0)
     return report
 
 
-def report_on_pair(case: Case, found: Findings, report: dict[str, Any]) -> tuple[dict[str, Any], Touched]:
+def report_on_pair(
+    case: Case, found: Findings, report: dict[str, Any]
+) -> tuple[dict[str, Any], ContactFindings]:
     """Return the report on a pair, and what its impacts say, from the report on its frames.
 
     Where something between the frames is missing, effects of the frames are judged again as second ones.
     """
     assert found.pair is not None
-    touched = touch(case, found, report)
-    held_out = foretold(case, found, report, touched)
-    if report["verdict"] in NAMED and claims_of(case, found.pair, touched, report, held_out):
+    contact_findings = judge_contact(case, found, report)
+    held_out = foretold(case, found, report, contact_findings)
+    if report["verdict"] in NAMED and claims_of(case, found.pair, contact_findings, report, held_out):
         found.pair = replace(found.pair, contact_claimed=True)
         again = report_of(case, found)
         if again["verdict"] != report["verdict"]:
-            touched = touch(case, found, again)
-            held_out = foretold(case, found, again, touched)
+            contact_findings = judge_contact(case, found, again)
+            held_out = foretold(case, found, again, contact_findings)
         report = again
-    doubted = bool(decide(found).doubts)
-    return joined(case, found.pair, touched, report, held_out, doubted), touched
+    objections = bool(decide(found).model_checks)
+    return joined(case, found.pair, contact_findings, report, held_out, objections), contact_findings
 
 
 def _calibrated(
     case: Case,
     found: Findings,
-    touched: Touched | None,
+    contact_findings: ContactFindings | None,
     report: dict[str, Any],
     own: Sequence[type[Effect]],
     told: Progress,
@@ -121,13 +125,15 @@ def _calibrated(
     from pounding.diagnosis.decision import pair_calibration, rig_calibration
     from pounding.frames.cache import folder
 
-    if touched is None:
+    if contact_findings is None:
         names = [rig_calibration.name_of(one) for one in rig_calibration.hypotheses(found)]
         simulate = partial(rig_calibration.simulate_and_judge, found)
     else:
-        names = [one.label for one in pair_calibration.truths(found, touched)] + [repr(case.contacts)]
+        names = [one.label for one in pair_calibration.truths(found, contact_findings)] + [
+            repr(case.contacts)
+        ]
         judge = partial(_report_on_simulated, own)
-        simulate = partial(pair_calibration.simulate_and_judge, case, found, touched, judge)
+        simulate = partial(pair_calibration.simulate_and_judge, case, found, contact_findings, judge)
     outcomes = rig_calibration.calibrated(found, folder() / "diagnosis", simulate, names, told)
     return rig_calibration.stated(report, outcomes)
 
@@ -178,34 +184,34 @@ def _settle(found: Findings, measured: tuple[RunData, ...]) -> None:
 
     Where the forces that frames without it had put right were all that left it unexplained, it is judged by these.
     """
-    believed, decision = found.believed, decide(found)
+    model, decision = found.model, decide(found)
     chosen = decision.judged
-    known = bool(chosen.effects) and not any(effect.foil for effect in chosen.effects)
-    if found.pair is None or believed is not found.pair.slow or not known:
+    known = bool(chosen.effects) and not any(effect.rival for effect in chosen.effects)
+    if found.pair is None or model is not found.pair.slow or not known:
         return
-    as_measured = Believed(believed.structure, replace(believed.observed, runs=measured), believed.prior)
-    model, baseline = put_right_by(as_measured, believed, chosen.fit.baseline)
+    as_measured = Model(model.structure, replace(model.observed, runs=measured), model.prior)
+    corrected, filtered = put_right_by(as_measured, model, chosen.fit.filtered)
     if decision.verdict not in NAMED:
         before = found.judged
-        again = judged_on(chosen, model, baseline, found.training, found.held_out)
+        again = judged_on(chosen, corrected, filtered, found.training, found.held_out)
         found.judged = [again if one is chosen else one for one in before]
         decision, chosen = decide(found), again
         if decision.verdict not in NAMED or decision.judged is not again:
             found.judged = before
             return
-    found.settled = (chosen, model, baseline)
+    found.settled = (chosen, corrected, filtered)
 
 
 def _find(
     case: Case, progress: Progress, own: Sequence[type[Effect]], against_motion: bool = True
 ) -> Findings:
-    structure = Structure(believed_frames(case))
+    structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
-    believed = Believed(structure, observed, case.prior)
+    model = Model(structure, observed, case.prior)
     if not case.contacts:
         # Impacts fill the spectrum and change its first peak.
-        observed.warnings.extend(frequency_warnings(believed))
-    pair = prepare(case, believed, against_motion) if case.contacts else None
+        observed.warnings.extend(frequency_warnings(model))
+    pair = prepare(case, model, against_motion) if case.contacts else None
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}
     used = usable(observed, [numbers[run.file] for run in training])
@@ -215,17 +221,17 @@ def _find(
     start, measured = None, observed.runs
     if pair is not None:
         progress("putting contact forces right", 0.02)
-        pair = found_again(cell_at_its_word(case, believed, pair, used), used)
+        pair = found_again(cell_at_its_word(case, model, pair, used), used)
         measured = pair.slow.observed.runs
-        believed, start = put_right(pair.slow, used, not pair.blind)
-        pair = replace(pair, slow=believed)
+        model, start = put_right(pair.slow, used, not pair.blind)
+        pair = replace(pair, slow=model)
     effects = [
         effect
-        for effect in candidates(believed)
+        for effect in candidates(model)
         if effect.name != "joint_flexibility" or structure.frames[effect.index].joint_derivative is not None
     ]
-    effects += [effect for kind in own for effect in places(kind, believed)]
-    found = search(believed, effects, used, unseen, progress, start)
+    effects += [effect for kind in own for effect in places(kind, model)]
+    found = search(model, effects, used, unseen, progress, start)
     found.pair = pair
     if start is not None:
         _settle(found, measured)

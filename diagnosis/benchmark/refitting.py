@@ -18,10 +18,10 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import run_baseline
+from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.frames import believed_frames
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.storeys import Structure
 
@@ -44,10 +44,10 @@ def refit_each(folder: Path) -> dict[str, Any]:
         CaseError: The case cannot be read.
     """
     case = read_case(folder)
-    structure = Structure(believed_frames(case))
-    believed = Believed(structure, observe(case, structure), case.prior)
-    rivals = [effect for effect in candidates(believed) if not effect.foil]
-    refit = Refit(believed, _sizes(believed))
+    structure = Structure(baseline_frames(case))
+    model = Model(structure, observe(case, structure), case.prior)
+    rivals = [effect for effect in candidates(model) if not effect.rival]
+    refit = Refit(model, _sizes(model))
     plain = refit.best(None)[0]
     fits = sorted(((*refit.best(effect), effect) for effect in rivals), key=lambda fit: fit[0])
     claims = [_claim(effect, values, plain / residual) for residual, values, effect in fits]
@@ -64,27 +64,27 @@ def refit_each(folder: Path) -> dict[str, Any]:
     }
 
 
-def _sizes(believed: Believed) -> Scales:
-    start = run_baseline(believed, np.zeros(len(believed.std)), starting_noise(believed, [0]), [0])
-    return scales(believed, start)
+def _sizes(model: Model) -> Scales:
+    start = run_filter(model, np.zeros(len(model.std)), starting_noise(model, [0]), [0])
+    return scales(model, start)
 
 
 class Refit:
     """Least squares on the first run, channel by channel relative to what was measured."""
 
-    def __init__(self, believed: Believed, sizes: Scales) -> None:
-        self.believed, self.sizes = believed, sizes
-        self.free = [i for i, parameter in enumerate(believed.parameters) if parameter.kind in ORDINARY]
-        measured = believed.observed.runs[0].measured
+    def __init__(self, model: Model, sizes: Scales) -> None:
+        self.model, self.sizes = model, sizes
+        self.free = [i for i, parameter in enumerate(model.parameters) if parameter.kind in ORDINARY]
+        measured = model.observed.runs[0].measured
         self.good = np.isfinite(measured)
         self.rms = np.sqrt(np.nanmean(measured**2, axis=0))
 
-    def residual(self, ordinary: np.ndarray, effects: Sequence[tuple[Effect, np.ndarray]]) -> np.ndarray:
+    def residual(self, nuisance: np.ndarray, effects: Sequence[tuple[Effect, np.ndarray]]) -> np.ndarray:
         """Return the relative residuals of all samples, shape (good samples,), scaled to a mean square."""
-        values = np.zeros(len(self.believed.std))
-        values[self.free] = ordinary * self.believed.std[self.free]
+        values = np.zeros(len(self.model.std))
+        values[self.free] = nuisance * self.model.std[self.free]
         with np.errstate(all="ignore"):
-            left = self.believed.predict(values, None, effects, [0]).innovations[0] / self.rms
+            left = self.model.predict(values, None, effects, [0]).innovations[0] / self.rms
         left = np.clip(np.nan_to_num(left[self.good], nan=RUNAWAY), -RUNAWAY, RUNAWAY)
         return left / np.sqrt(left.size)
 
@@ -101,7 +101,7 @@ class Refit:
         chosen = [shapes[i] for i in np.unique(np.linspace(0, len(shapes) - 1, STARTS).astype(int))]
         signs = (effect.sign,) if effect.sign else (1, -1)
         return [
-            effect.values(sign * part * effect.size(self.believed, self.sizes, shape), shape)
+            effect.values(sign * part * effect.size(self.model, self.sizes, shape), shape)
             for shape in chosen
             for sign in signs
             for part in (0.1, 0.5)

@@ -17,7 +17,7 @@ from pounding.diagnosis.case.quantities import OF_THE_TABLE, UNITS
 
 
 class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Standard deviations of what is believed of the ordinary parameters, as fractions; the delay in ms."""
+    """Standard deviations of what is believed of the nuisance parameters, as fractions; the delay in ms."""
 
     storey_stiffness: float = 0.03
     frame_stiffness: float = 0.08
@@ -48,7 +48,7 @@ class CaseFrame:
 
     @property
     def kind(self) -> str:
-        """``thesis``, ``file`` or ``believed``."""
+        """``thesis``, ``file`` or ``model``."""
         if self.floor_mass_kg:
             return "believed"
         return "file" if self.file else "thesis"

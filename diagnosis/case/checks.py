@@ -99,7 +99,7 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
     for key in ("joints", "p_delta"):
         if getattr(table, key) is not None:
             raise error(f"`{key}` belongs to a frame of plates and columns, not beside {given[0]!r}", key)
-    return _believed(table, given, error)
+    return _baseline_frame(table, given, error)
 
 
 def _options(table: FrameTable, error: Callable[..., CaseError]) -> dict[str, Any]:
@@ -121,7 +121,7 @@ def _load(frame: str | Path, error: Callable[..., CaseError]) -> Frame:
         raise error(f"{wrong}{own}", key) from None
 
 
-def _believed(table: FrameTable, given: list[str], error: Callable[..., CaseError]) -> CaseFrame:
+def _baseline_frame(table: FrameTable, given: list[str], error: Callable[..., CaseError]) -> CaseFrame:
     for key in OWN:
         if key not in given:
             raise error(f"the key {key!r} is missing; a frame of one's own needs it beside {given[0]!r}")

@@ -12,7 +12,7 @@ import numpy as np
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import impacts, pairs
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.pair import TURNED_ROUND, Cell
 
@@ -28,16 +28,16 @@ LEAST = 4
 
 
 def checked(
-    case: Case, believed: Believed, touching: tuple[int, int], against_motion: bool = True
+    case: Case, model: Model, touching: tuple[int, int], against_motion: bool = True
 ) -> tuple[Observations, Cell | None, list[str]]:
     """Return the observations with the cell's faults taken out, the cell, and warnings; without a good cell None.
 
     Args:
-        case: The case. believed: The believed model. touching: The floors between which the cell is.
+        case: The case. model: The baseline model. touching: The floors between which the cell is.
         against_motion: Whether gain and delay are judged by the forces that the motion asks for: not where another contact
             pushes the same frames.
     """
-    observed = believed.observed
+    observed = model.observed
     if touching not in observed.contact_floors:
         return observed, None, []
     column = observed.contact_floors.index(touching)
@@ -71,7 +71,7 @@ def checked(
         faults.append(("sensor_gain", TURNED_ROUND, GAIN_ERROR, 1000.0))
         warnings.append(f"channel {name} pulls where floors push: its polarity is reversed")
         series = [-force for force in series]
-    elif against_motion and (seen := _against_motion(believed, touching, series)) is not None:
+    elif against_motion and (seen := _against_motion(model, touching, series)) is not None:
         (gain, gain_std), (delay, delay_std) = seen
         if (nats := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
             faults.append(("sensor_gain", gain, gain_std, float(nats)))
@@ -103,15 +103,15 @@ def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:
 
 
 def _against_motion(
-    believed: Believed, touching: tuple[int, int], series: list[np.ndarray]
+    model: Model, touching: tuple[int, int], series: list[np.ndarray]
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return the cell's relative gain and its delay [s] against the forces that the motion asks for, with errors."""
-    observed, without = believed.observed, pairs.without_forces(believed)
+    observed, without = model.observed, pairs.without_forces(model)
     runs = range(len(observed.runs))
-    baseline = pairs.quick_baseline(without, runs)
+    filtered = pairs.quick_filter(without, runs)
     ratio, late = [], []
     for run, force, pushed in zip(
-        observed.runs, series, pairs.pushes(without, baseline, touching), strict=True
+        observed.runs, series, pairs.pushes(without, filtered, touching), strict=True
     ):
         noise = impacts.force_noise(force)
         for first, last in impacts.groups(force, noise, run.step_s):

@@ -16,11 +16,11 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
 from pounding.diagnosis.contact_force import pairs
-from pounding.diagnosis.inference.filtering import Baseline, descend, matched_noise, run_baseline
+from pounding.diagnosis.inference.filtering import Filtered, descend, matched_noise, run_filter
 from pounding.diagnosis.inference.misfit import expected_noise
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import calibrated
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 
 SHARES = (0.003, 0.01, 0.03, 0.1)
@@ -62,90 +62,88 @@ class _Touching:
         return width * found, nats
 
 
-def put_right(
-    believed: Believed, training: Sequence[int], measured: bool = True
-) -> tuple[Believed, Baseline | None]:
+def put_right(model: Model, training: Sequence[int], measured: bool = True) -> tuple[Model, Filtered | None]:
     """Return the model with contact forces in all runs as the motion of calibrated frames corrects them, and these frames.
 
     Args:
-        believed: The believed model below `pairs.RATE_HZ`.
+        model: The baseline model below `pairs.RATE_HZ`.
         training: The runs that the frames are calibrated to.
         measured: Whether cells measured the forces, none of which is missed then: what the motion tells of those in the
             other runs, to which nothing is fitted, is not uncertain any more.
     """
-    observed = believed.observed
+    observed = model.observed
     if not any(np.any(run.contact) for run in observed.runs):
-        return believed, None
+        return model, None
     if measured:
-        touches = tuple(touch for touch in observed.touches if touch.run in training)
-        believed = Believed(believed.structure, replace(observed, touches=touches), believed.prior)
-    baseline = calibrated(believed, training)
-    better, baseline = _told(believed, believed, baseline, training, ROUNDS - 1)
+        contact_events = tuple(event for event in observed.contact_events if event.run in training)
+        model = Model(model.structure, replace(observed, contact_events=contact_events), model.prior)
+    filtered = calibrated(model, training)
+    better, filtered = _told(model, model, filtered, training, ROUNDS - 1)
     # What wrong forces needed to be explained holds a calibration back that begins with it.
-    fits = [refine(better, start, (), (), ()) for start in (baseline, calibrated(better, training))]
-    baseline = max(fits, key=lambda fit: fit.log_posterior).baseline
-    return _told(believed, better, baseline, training, 1)
+    fits = [refine(better, start, (), (), ()) for start in (filtered, calibrated(better, training))]
+    filtered = max(fits, key=lambda fit: fit.log_posterior).filtered
+    return _told(model, better, filtered, training, 1)
 
 
-def put_right_by(believed: Believed, corrected: Believed, baseline: Baseline) -> tuple[Believed, Baseline]:
+def put_right_by(model: Model, corrected: Model, filtered: Filtered) -> tuple[Model, Filtered]:
     """Return the model with contact forces as frames with effects correct them, and these frames.
 
     Forces that frames without an effect have put right keep a part of it.
 
     Args:
-        believed: The model with the forces as they were measured or found.
+        model: The model with the forces as they were measured or found.
         corrected: The same with those about which the effects were fitted.
-        baseline: The fit, with its effects.
+        filtered: The fit, with its effects.
     """
-    return _told(believed, corrected, baseline, baseline.runs, ROUNDS)
+    return _told(model, corrected, filtered, filtered.runs, ROUNDS)
 
 
 def _told(
-    believed: Believed, better: Believed, baseline: Baseline, training: Sequence[int], rounds: int
-) -> tuple[Believed, Baseline]:
+    model: Model, better: Model, filtered: Filtered, training: Sequence[int], rounds: int
+) -> tuple[Model, Filtered]:
     """Return the model with errors of its forces as a baseline tells them that works with those of `better`."""
-    pairs_of_runs = zip(better.observed.runs, believed.observed.runs, strict=True)
+    pairs_of_runs = zip(better.observed.runs, model.observed.runs, strict=True)
     errors = [one.contact - run.contact for one, run in pairs_of_runs]
     for _ in range(rounds):
-        for column in range(len(believed.observed.contact_floors)):
-            _estimate(believed, (better, _of_all_runs(better, baseline)), column, training, errors)
-            better = _with_errors(believed, errors)
-        baseline = _quieter(better, baseline)
-    return better, baseline
+        for column in range(len(model.observed.contact_floors)):
+            _estimate(model, (better, _of_all_runs(better, filtered)), column, training, errors)
+            better = _with_errors(model, errors)
+        filtered = _quieter(better, filtered)
+    return better, filtered
 
 
-def _quieter(believed: Believed, baseline: Baseline) -> Baseline:
+def _quieter(model: Model, filtered: Filtered) -> Filtered:
     """Return frames and noise of each channel as they are with better forces."""
-    start = run_baseline(believed, baseline.values, baseline.noise, baseline.runs, baseline.effects)
-    noise = matched_noise(believed, start)
-    start = run_baseline(believed, start.values, noise, start.runs, start.effects)
-    return descend(believed, start, 2)
+    start = run_filter(model, filtered.values, filtered.noise, filtered.runs, filtered.effects)
+    noise = matched_noise(model, start)
+    start = run_filter(model, start.values, noise, start.runs, start.effects)
+    return descend(model, start, 2)
 
 
-def _of_all_runs(believed: Believed, baseline: Baseline) -> Baseline:
+def _of_all_runs(model: Model, filtered: Filtered) -> Filtered:
     """Return a baseline with the runs that it was not fitted to, whose noise is as large a share of their channels."""
-    runs = range(len(believed.observed.runs))
-    known = dict(zip(baseline.runs, baseline.noise, strict=True))
+    runs = range(len(model.observed.runs))
+    known = dict(zip(filtered.runs, filtered.noise, strict=True))
     noise = [
-        known.get(run) or one for run, one in zip(runs, expected_noise(believed, baseline, runs), strict=True)
+        known.get(run) or one for run, one in zip(runs, expected_noise(model, filtered, runs), strict=True)
     ]
-    return run_baseline(believed, baseline.values, noise, runs, baseline.effects)
+    return run_filter(model, filtered.values, noise, runs, filtered.effects)
 
 
 def _estimate(
-    believed: Believed,
-    better: tuple[Believed, Baseline],
+    model: Model,
+    better: tuple[Model, Filtered],
     column: int,
     training: Sequence[int],
     errors: list[np.ndarray],
 ) -> None:
     """Put a column of `errors`, (samples, contacts) of each run, to what a filter says that works with those so far."""
-    corrected, baseline = better
-    left, right = believed.observed.contact_floors[column]
-    told = pairs.answers(corrected, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
+    corrected, filtered = better
+    left, right = model.observed.contact_floors[column]
+    told = pairs.answers(corrected, filtered, filtered.modes.floors[right] - filtered.modes.floors[left])
     each = [
         _touching(run.contact[:, column], error[:, column], *answer)
-        for run, error, answer in zip(believed.observed.runs, errors, told, strict=True)
+        for run, error, answer in zip(model.observed.runs, errors, told, strict=True)
     ]
     nats = {share: sum(each[run].within(share)[1] for run in training) for share in SHARES}
     share = max(nats, key=lambda one: nats[one])
@@ -163,10 +161,10 @@ def _touching(force: np.ndarray, error: np.ndarray, matched: np.ndarray, own: np
     return _Touching(samples, size[samples], matched[samples] + curvature @ error[samples], curvature)
 
 
-def _with_errors(believed: Believed, errors: Sequence[np.ndarray]) -> Believed:
+def _with_errors(model: Model, errors: Sequence[np.ndarray]) -> Model:
     """Return the model with errors (samples, contacts) of each run added to its contact forces."""
-    runs = [_added(run, error) for run, error in zip(believed.observed.runs, errors, strict=True)]
-    return Believed(believed.structure, replace(believed.observed, runs=tuple(runs)), believed.prior)
+    runs = [_added(run, error) for run, error in zip(model.observed.runs, errors, strict=True)]
+    return Model(model.structure, replace(model.observed, runs=tuple(runs)), model.prior)
 
 
 def _added(run: RunData, error: np.ndarray) -> RunData:

@@ -12,7 +12,7 @@ from pounding.diagnosis.contact_force.impacts import DAMPED, LAWS, Law
 
 GAP_M, GAP_SHARE = 3e-5, 0.003
 STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01
-"""How well a contact is known that is as believed: its gap [m] and as a share, stiffness, damping, restitution."""
+"""How well a contact is known that is as model: its gap [m] and as a share, stiffness, damping, restitution."""
 WIDE_GAP, WIDE_STIFFNESS, WIDE_DAMPING, WIDE_RESTITUTION = 0.4, 1.0, 1.0, 0.2
 """The same where it is what is missing; the first a share of the gap, the next two of logarithms."""
 USUAL_RESTITUTION, USUAL_SPREAD = 0.75, 0.12
@@ -29,7 +29,7 @@ class Hypothesis:
     loss: float
 
 
-def believed_law(contact: Contact, mass: float) -> Law:
+def baseline_law(contact: Contact, mass: float) -> Law:
     """Return a case's contact as a law."""
     nan = float("nan")
     return Law(

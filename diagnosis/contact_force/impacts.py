@@ -15,9 +15,9 @@ import numpy as np
 from numba import njit
 
 from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.storeys import Modes
 
@@ -199,32 +199,32 @@ def force_noise(force: np.ndarray) -> float:
 
 
 def bodies(
-    believed: Believed, baseline: Baseline, column: int, noise: Sequence[float], known_mass: float
+    model: Model, filtered: Filtered, column: int, noise: Sequence[float], known_mass: float
 ) -> Bodies:
     """Return the impacts of a measured or found contact force.
 
     Args:
-        believed: The believed model at the rate of the logger.
-        baseline: The filter with all forces as known inputs.
+        model: The baseline model at the rate of the logger.
+        filtered: The filter with all forces as known inputs.
         column: Which of the contact forces.
         noise: Standard deviation of the force in each run of the baseline [N].
         known_mass: Reduced mass of the two floors [kg].
     """
-    left, right = believed.observed.contact_floors[column]
-    modes = baseline.modes
+    left, right = model.observed.contact_floors[column]
+    modes = filtered.modes
     row = modes.floors[left] - modes.floors[right]
     found: list[Impact] = []
     longest = 1
-    for number, run in enumerate(baseline.runs):
-        data = believed.observed.runs[run]
+    for number, run in enumerate(filtered.runs):
+        data = model.observed.runs[run]
         system = linear_system(
             modes,
-            believed.structure.drift @ modes.floors,
-            believed.observed.quantity,
-            believed.observed.floor,
+            model.structure.drift @ modes.floors,
+            model.observed.quantity,
+            model.observed.floor,
         )
         n = len(modes.omega)
-        covariance = filtered_covariance(system, baseline.noise[number], data.step_s)
+        covariance = filtered_covariance(system, filtered.noise[number], data.step_s)
         spread = (
             float(np.sqrt(max(row @ covariance[:n, :n] @ row, 0.0))),
             float(np.sqrt(max(row @ covariance[n : 2 * n, n : 2 * n] @ row, 0.0))),
@@ -239,7 +239,7 @@ def bodies(
             if begin < 1 or end <= last or (end - begin) * data.step_s > LONGEST_S:
                 continue
             one = _impact(
-                believed, baseline, number, data, row, spread, series, (begin, first, end), noise[number]
+                model, filtered, number, data, row, spread, series, (begin, first, end), noise[number]
             )
             if one is not None:
                 found.append(one)
@@ -255,8 +255,8 @@ def sharper(met: Bodies, share: float) -> Bodies:
 
 
 def _impact(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     number: int,
     data: RunData,
     row: np.ndarray,
@@ -268,7 +268,7 @@ def _impact(
     begin, first, end = span
     step = data.step_s
     steps = round((end - begin) * step / STEP_S)
-    free, rate = _free(believed, baseline, number, data, row, begin, end, steps)
+    free, rate = _free(model, filtered, number, data, row, begin, end, steps)
     force = series[begin : end + 1]
     hertz = np.minimum(np.array(SHARES) / step, np.array(SHARES) / SHARES[-1] * HIGHEST_HZ)
     coarse = step * np.exp(-2j * np.pi * np.outer(hertz, np.arange(len(force)) * step))
@@ -290,7 +290,7 @@ def _impact(
         float(np.hypot(INFLATED * spread[1], STATE_FLOOR[1] * speed)),
     )
     return Impact(
-        run=baseline.runs[number],
+        run=filtered.runs[number],
         time_s=first * step,
         free=free,
         free_rate=rate,
@@ -304,8 +304,8 @@ def _impact(
 
 
 def _free(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     number: int,
     data: RunData,
     row: np.ndarray,
@@ -314,11 +314,11 @@ def _free(
     steps: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return relative displacement and velocity from the filtered state at `begin` on, without contact."""
-    modes = baseline.modes
-    n, storeys = len(modes.omega), believed.structure.floors
-    state = baseline.prediction.after[number][begin]
+    modes = filtered.modes
+    n, storeys = len(modes.omega), model.structure.floors
+    state = filtered.prediction.after[number][begin]
     table = float(data.table[begin : end + 1].mean()) - state[-3]
-    push = state[2 * n : 2 * n + storeys] @ (believed.structure.drift @ modes.floors)
+    push = state[2 * n : 2 * n + storeys] @ (model.structure.drift @ modes.floors)
     push = push - modes.participation * table
     at = np.arange(steps) * STEP_S
     decay = np.exp(-np.outer(at, modes.omega * modes.ratio))

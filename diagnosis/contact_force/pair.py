@@ -17,7 +17,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.force_cell import checked
-from pounding.diagnosis.contact_force.hypotheses import GAP_M, believed_law, hypotheses, null
+from pounding.diagnosis.contact_force.hypotheses import GAP_M, baseline_law, hypotheses, null
 from pounding.diagnosis.contact_force.impacts import Bodies, Law
 from pounding.diagnosis.contact_force.second_contact import (
     second_contact,
@@ -25,11 +25,11 @@ from pounding.diagnosis.contact_force.second_contact import (
     with_pushes,
     without_last,
 )
-from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
-from pounding.diagnosis.model.model import Acting, Believed
-from pounding.diagnosis.model.observations import Observations, Touch
+from pounding.diagnosis.model.model import Acting, Model
+from pounding.diagnosis.model.observations import ContactEvent, Observations
 from pounding.diagnosis.model.pair import Pair
 
 LEVEL = 0.01
@@ -48,7 +48,7 @@ must like it better that a cell is put right; how far a touch reaches beyond its
 
 
 @dataclass(frozen=True)
-class Touched:
+class ContactFindings:
     """What the impacts say: the believed contact, and each other hypothesis with its nats against it, best first."""
 
     null: Fitted | None
@@ -66,39 +66,39 @@ class Foretold:
 
     Attributes:
         impacts: How many impacts.
-        believed: With the contact as believed.
+        model: With the contact as believed.
         likeliest: With the likeliest other contact, as fitted to the training runs.
         gained: What the second says for itself against the believed contact with its ordinary scatter, as fitted to the
             training runs too [nats].
     """
 
     impacts: int
-    believed: float
+    model: float
     likeliest: float
     gained: float
 
 
-def prepare(case: Case, believed: Believed, against_motion: bool = True) -> Pair:
+def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
     """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them.
 
     Args:
-        case: The case. believed: The believed model.
+        case: The case. model: The baseline model.
         against_motion: Whether a force cell's gain and delay are judged by what the frames' sensors say.
     """
     contact = case.contacts[0]
-    structure = believed.structure
+    structure = model.structure
     left, right = structure.index(contact.left), structure.index(contact.right)
     floors = pairs.shared_floors(structure, left, right)
     touching = floors[contact.floor - 1]
-    runs = range(len(believed.observed.runs))
-    observed, cell, warnings = checked(case, believed, touching, against_motion)
-    full = Believed(structure, observed, case.prior)
+    runs = range(len(model.observed.runs))
+    observed, cell, warnings = checked(case, model, touching, against_motion)
+    full = Model(structure, observed, case.prior)
     found = touching in observed.contact_floors
     if found:
         column = observed.contact_floors.index(touching)
         noise = [impacts.force_noise(run.contact[:, column]) for run in observed.runs]
     else:
-        full, noise = found_force(full, touching, pairs.quick_baseline(full, runs))
+        full, noise = found_force(full, touching, pairs.quick_filter(full, runs))
         column = len(full.observed.contact_floors) - 1
         count = sum(
             len(impacts.groups(run.contact[:, column], level, run.step_s))
@@ -113,8 +113,8 @@ def prepare(case: Case, believed: Believed, against_motion: bool = True) -> Pair
         full, second = second_contact(full, floors, touching, column, noise, runs)
     if second is not None and cell is not None and cell.corrected:
         # What the motion says of the cell was said without the other contact, whose pushes come at the same times.
-        plainly = checked(case, believed, touching, against_motion=False)
-        plain = Believed(structure, plainly[0], case.prior)
+        plainly = checked(case, model, touching, against_motion=False)
+        plain = Model(structure, plainly[0], case.prior)
         again, once_more = second_contact(plain, floors, touching, column, noise, runs)
         if once_more is not None:
             full, second, (_, cell, warnings) = again, once_more, plainly
@@ -122,26 +122,26 @@ def prepare(case: Case, believed: Believed, against_motion: bool = True) -> Pair
     return replace(pair, slow=_slow(pair))
 
 
-def cell_at_its_word(case: Case, believed: Believed, pair: Pair, training: Sequence[int]) -> Pair:
+def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[int]) -> Pair:
     """Return a pair whose force cell is put right only if calibrated frames like that better than the cell's own word.
 
     Its gain and delay were told by frames as believed, which may be wrong by more than the cell.
 
     Args:
-        case: The case. believed: The believed model. pair: The pair, as `prepare` gives it.
+        case: The case. model: The baseline model. pair: The pair, as `prepare` gives it.
         training: The runs that the frames are calibrated to.
     """
     if pair.cell is None or not pair.cell.corrected:
         return pair
-    plain = prepare(case, believed, against_motion=False)
+    plain = prepare(case, model, against_motion=False)
     gained = _likely(pair.slow, training) - _likely(plain.slow, training)
     return pair if gained > CELL_NATS else plain
 
 
-def _likely(believed: Believed, training: Sequence[int]) -> float:
+def _likely(model: Model, training: Sequence[int]) -> float:
     """Return the log posterior of calibrated frames [nats]."""
-    baseline = calibrated(believed, training)
-    return baseline.log_likelihood - 0.5 * float(np.sum((baseline.values / believed.std) ** 2))
+    filtered = calibrated(model, training)
+    return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
 
 
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:
@@ -158,16 +158,16 @@ def found_again(pair: Pair, training: Sequence[int]) -> Pair:
         again = replace(pair, full=full, noise=noise)
     else:
         stated = without_last(pair.full)
-        baseline = run_baseline(stated, values, starting_noise(stated, runs, LEVEL), runs)
+        filtered = run_filter(stated, values, starting_noise(stated, runs, LEVEL), runs)
         touching = pair.full.observed.contact_floors[pair.second[2]]
-        again = replace(pair, full=with_pushes(stated, baseline, touching))
+        again = replace(pair, full=with_pushes(stated, filtered, touching))
     return replace(again, slow=_slow(again))
 
 
-def _slow(pair: Pair) -> Believed:
+def _slow(pair: Pair) -> Model:
     full = pair.full
-    observed = _with_touches(full.observed, _contacts(pair))
-    return Believed(full.structure, pairs.slowed(observed), full.prior)
+    observed = _with_contact_events(full.observed, _contacts(pair))
+    return Model(full.structure, pairs.slowed(observed), full.prior)
 
 
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
@@ -183,37 +183,39 @@ def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
 
 def _found_by(
     pair: Pair, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
-) -> tuple[Believed, list[float]]:
+) -> tuple[Model, list[float]]:
     """Return the model with the force that frames with these parameters and effects ask for, and its noise [N]."""
     full = pair.full
     without = pairs.without_forces(full)
-    again = run_baseline(without, values, starting_noise(full, runs, LEVEL), runs, effects)
+    again = run_filter(without, values, starting_noise(full, runs, LEVEL), runs, effects)
     return found_force(without, full.observed.contact_floors[pair.column], again)
 
 
-def _with_touches(
+def _with_contact_events(
     observed: Observations, contacts: Sequence[tuple[int, Sequence[float], float]]
 ) -> Observations:
     """Return the observations with their touches: what a cell reads between them is noise and shakes no frame.
 
     The sizes of the largest touches are as well known as their source lets them.
     """
-    touches: list[tuple[float, Touch]] = []
+    contact_events: list[tuple[float, ContactEvent]] = []
     runs = []
     for number, run in enumerate(observed.runs):
         times, contact = np.arange(len(run.table)) * run.step_s, run.contact.copy()
         for column, least, std in contacts:
             force, closed = run.contact[:, column], np.zeros(len(times), bool)
             for first, last in _merged(impacts.above(force, least[number], run.step_s), run.step_s):
-                touch = Touch(
+                event = ContactEvent(
                     number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std
                 )
-                closed |= touch.within(times)
-                touches.append((float(force[first : last + 1].sum()) * run.step_s, touch))
+                closed |= event.within(times)
+                contact_events.append((float(force[first : last + 1].sum()) * run.step_s, event))
             contact[~closed, column] = 0.0
         runs.append(replace(run, contact=contact))
-    touches.sort(key=lambda one: -one[0])
-    return replace(observed, runs=tuple(runs), touches=tuple(touch for _, touch in touches[:MOST_TOUCHES]))
+    contact_events.sort(key=lambda one: -one[0])
+    return replace(
+        observed, runs=tuple(runs), contact_events=tuple(event for _, event in contact_events[:MOST_TOUCHES])
+    )
 
 
 def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int, int]]:
@@ -232,36 +234,34 @@ def found_noise(force: np.ndarray) -> float:
     return impacts.force_noise(force[force != 0]) if np.any(force) else 1.0
 
 
-def found_force(
-    believed: Believed, floors: tuple[int, int], baseline: Baseline
-) -> tuple[Believed, list[float]]:
+def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tuple[Model, list[float]]:
     """Return the model with a contact's force as the motion shows it, and the standard deviation of that [N]."""
-    pushed = pairs.pushes(believed, baseline, floors)
-    forces = {run: one.force for run, one in zip(baseline.runs, pushed, strict=True)}
+    pushed = pairs.pushes(model, filtered, floors)
+    forces = {run: one.force for run, one in zip(filtered.runs, pushed, strict=True)}
     noise = [found_noise(one.force) for one in pushed]
-    observed = pairs.with_force(believed.observed, floors, forces)
-    return Believed(believed.structure, observed, believed.prior), noise
+    observed = pairs.with_force(model.observed, floors, forces)
+    return Model(model.structure, observed, model.prior), noise
 
 
-def touch(case: Case, found: Findings, report: dict[str, Any]) -> Touched:
+def judge_contact(case: Case, found: Findings, report: dict[str, Any]) -> ContactFindings:
     """Return what the training runs' impacts say of the contact, the frames being as the report has them."""
     assert found.pair is not None
-    baseline = _baseline(found, report)
-    return touched(case, found.pair, baseline.values, baseline.effects, found.training)
+    filtered = _baseline(found, report)
+    return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
 
 
-def _baseline(found: Findings, report: dict[str, Any]) -> Baseline:
+def _baseline(found: Findings, report: dict[str, Any]) -> Filtered:
     named = report["verdict"] != "nothing_missing" and bool(found.judged)
-    return (found.judged[0] if named else found.null).fit.baseline
+    return (found.judged[0] if named else found.null).fit.filtered
 
 
-def touched(
+def contact_findings(
     case: Case,
     pair: Pair,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
-) -> Touched:
+) -> ContactFindings:
     """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
     full, start, met = _met(pair, values, effects, runs)
     left, right = full.observed.contact_floors[pair.column]
@@ -270,12 +270,14 @@ def touched(
     if pair.second is not None:
         second = second_fit(full, start, pair.second[2], met.mass)
     if len(met.impacts) < LEAST_IMPACTS:
-        return Touched(None, (), second, len(met.impacts), nearest, spread)
-    law = believed_law(case.contacts[0], met.mass)
+        return ContactFindings(None, (), second, len(met.impacts), nearest, spread)
+    law = baseline_law(case.contacts[0], met.mass)
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
-    met, temper, (believed, *fits) = _fitted(met, law, max(speed, 1e-2))
-    against = [(one.log_evidence - believed.log_evidence) / temper for one in fits]
-    return Touched(believed, contacts.ranked(against, fits), second, len(met.impacts), nearest, spread, met)
+    met, temper, (model, *fits) = _fitted(met, law, max(speed, 1e-2))
+    against = [(one.log_evidence - model.log_evidence) / temper for one in fits]
+    return ContactFindings(
+        model, contacts.ranked(against, fits), second, len(met.impacts), nearest, spread, met
+    )
 
 
 def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
@@ -301,7 +303,7 @@ def _level(met: Bodies, fits: Sequence[Fitted]) -> float:
 
 def _met(
     pair: Pair, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
-) -> tuple[Believed, Baseline, Bodies]:
+) -> tuple[Model, Filtered, Bodies]:
     """Return the model at the logger's rate, its filter with the contact's force, and the impacts of `runs`."""
     full, noise = pair.full, [pair.noise[run] for run in runs]
     # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
@@ -309,35 +311,39 @@ def _met(
     if pair.cell is None and pair.second is None:
         # The force was found with the frames as believed; once more with the frames as they are.
         full, noise = _found_by(pair, values, effects, runs)
-    start = run_baseline(full, values, starting_noise(full, runs, LEVEL), runs, effects)
+    start = run_filter(full, values, starting_noise(full, runs, LEVEL), runs, effects)
     left, right = full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
     reduced = reduced_mass(float(mass[left]), float(mass[right]))
     return full, start, impacts.bodies(full, start, pair.column, noise, reduced)
 
 
-def foretold(case: Case, found: Findings, report: dict[str, Any], touched: Touched) -> Foretold | None:
+def foretold(
+    case: Case, found: Findings, report: dict[str, Any], contact_findings: ContactFindings
+) -> Foretold | None:
     """Return how well the believed contact and the likeliest one foretell the held-out impacts; None without any.
 
     Impact by impact from the measured motion before each: a run through several impacts departs from the measured one
     after the first few whatever the contact.
     """
-    if found.pair is None or touched.null is None or not found.held_out:
+    if found.pair is None or contact_findings.null is None or not found.held_out:
         return None
-    baseline = _baseline(found, report)
-    _, _, met = _met(found.pair, baseline.values, baseline.effects, found.held_out)
+    filtered = _baseline(found, report)
+    _, _, met = _met(found.pair, filtered.values, filtered.effects, found.held_out)
     if len(met.impacts) < LEAST_IMPACTS:
         return None
-    believed = contacts.held(met, believed_law(case.contacts[0], met.mass))
-    ordinary, likeliest = (contacts.held(met, one.law) for one in (touched.null, touched.ranked[0][1]))
-    gained = ordinary.cost - likeliest.cost
-    return Foretold(len(met.impacts), believed.misfit, likeliest.misfit, gained)
+    model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
+    nuisance, likeliest = (
+        contacts.held(met, one.law) for one in (contact_findings.null, contact_findings.ranked[0][1])
+    )
+    gained = nuisance.cost - likeliest.cost
+    return Foretold(len(met.impacts), model.misfit, likeliest.misfit, gained)
 
 
-def _nearest(full: Believed, baseline: Baseline, left: int, right: int, gap: float) -> tuple[float, float]:
+def _nearest(full: Model, filtered: Filtered, left: int, right: int, gap: float) -> tuple[float, float]:
     """Return how near the floors come to each other [m] and how well that is known."""
-    row = baseline.modes.floors[left] - baseline.modes.floors[right]
-    n = len(baseline.modes.omega)
-    top = max(float((states[:, :n] @ row).max()) for states in baseline.prediction.after)
-    spread = float(np.sqrt(np.sum((row * baseline.filters[0].spread[:n]) ** 2)))
+    row = filtered.modes.floors[left] - filtered.modes.floors[right]
+    n = len(filtered.modes.omega)
+    top = max(float((states[:, :n] @ row).max()) for states in filtered.prediction.after)
+    spread = float(np.sqrt(np.sum((row * filtered.filters[0].spread[:n]) ** 2)))
     return top, float(np.hypot(np.hypot(spread, GAP_M), 0.01 * gap))

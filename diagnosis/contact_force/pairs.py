@@ -17,9 +17,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import correlate, fftconvolve, firwin, resample_poly
 
-from pounding.diagnosis.inference.filtering import Baseline, run_baseline, whitened_innovations
+from pounding.diagnosis.inference.filtering import Filtered, run_filter, whitened_innovations
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Structure
@@ -107,18 +107,16 @@ def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int
     return [(structure.first(left) + i, structure.first(right) + i) for i in range(count)]
 
 
-def quick_baseline(believed: Believed, runs: Sequence[int]) -> Baseline:
-    """Return the believed model as it is, its latent forces large enough for what is not calibrated."""
-    noise = starting_noise(believed, runs, LEVEL)
-    return run_baseline(believed, np.zeros(len(believed.std)), noise, runs)
+def quick_filter(model: Model, runs: Sequence[int]) -> Filtered:
+    """Return the baseline model as it is, its latent forces large enough for what is not calibrated."""
+    noise = starting_noise(model, runs, LEVEL)
+    return run_filter(model, np.zeros(len(model.std)), noise, runs)
 
 
-def without_forces(believed: Believed) -> Believed:
+def without_forces(model: Model) -> Model:
     """Return the model as if no contact force were known."""
-    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in believed.observed.runs)
-    return Believed(
-        believed.structure, replace(believed.observed, runs=runs, contact_floors=()), believed.prior
-    )
+    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in model.observed.runs)
+    return Model(model.structure, replace(model.observed, runs=runs, contact_floors=()), model.prior)
 
 
 def with_force(
@@ -133,8 +131,8 @@ def with_force(
 
 
 def pushes(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     floors: tuple[int, int],
     closed: Sequence[np.ndarray] | None = None,
     sides: tuple[float, float] = (1.0, 1.0),
@@ -142,28 +140,26 @@ def pushes(
     """Return the forces between two floors that the innovations of each run of a baseline show.
 
     Args:
-        believed: The believed model.
-        baseline: The filter, with the forces that are known already.
+        model: The baseline model.
+        filtered: The filter, with the forces that are known already.
         floors: Left and right floor.
         closed: For each run where no push is looked for, shape (samples,).
         sides: Share of the force that acts on the left and on the right floor; a contact pushes both alike.
     """
-    direction = sides[1] * baseline.modes.floors[floors[1]] - sides[0] * baseline.modes.floors[floors[0]]
+    direction = sides[1] * filtered.modes.floors[floors[1]] - sides[0] * filtered.modes.floors[floors[0]]
     found = []
-    for number, (matched, own) in enumerate(answers(believed, baseline, direction)):
-        step = believed.observed.runs[baseline.runs[number]].step_s
+    for number, (matched, own) in enumerate(answers(model, filtered, direction)):
+        step = model.observed.runs[filtered.runs[number]].step_s
         found.append(_solved(matched, own, step, None if closed is None else closed[number]))
     return found
 
 
-def answers(
-    believed: Believed, baseline: Baseline, direction: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray]]:
+def answers(model: Model, filtered: Filtered, direction: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return what each run answers to whether a force of this modal direction acted at a sample.
 
     Args:
-        believed: The believed model.
-        baseline: The filter, with the forces that are known already.
+        model: The baseline model.
+        filtered: The filter, with the forces that are known already.
         direction: Modal force of a unit force [N], shape (modes,).
 
     Returns:
@@ -171,11 +167,11 @@ def answers(
         response's own product with itself so many samples later, whose first is the variance of the answer.
     """
     found = []
-    residuals = whitened_innovations(believed, baseline)
-    for number, run in enumerate(baseline.runs):
-        step = believed.observed.runs[run].step_s
+    residuals = whitened_innovations(model, filtered)
+    for number, run in enumerate(filtered.runs):
+        step = model.observed.runs[run].step_s
         length = max(16, int(MEMORY_S / step))
-        steady = baseline.filters[number]
+        steady = filtered.filters[number]
         impulse = np.zeros(length + 1)
         impulse[1] = 1.0
         whiten = np.linalg.inv(np.linalg.cholesky(steady.covariance))

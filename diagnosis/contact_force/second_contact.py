@@ -10,8 +10,8 @@ import numpy as np
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.hypotheses import Hypothesis
-from pounding.diagnosis.inference.filtering import Baseline
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.model.model import Model
 
 LONG_S = 8e-3
 SECOND_NATS = 300.0
@@ -25,15 +25,15 @@ soft joints make distances wrong, where pushes on both frames are so much likeli
 
 
 def second_contact(
-    full: Believed,
+    full: Model,
     floors: Sequence[tuple[int, int]],
     touching: tuple[int, int],
     column: int,
     noise: Sequence[float],
     runs: Sequence[int],
-) -> tuple[Believed, tuple[int, float, int] | None]:
+) -> tuple[Model, tuple[int, float, int] | None]:
     """Look for pushes at another floor while the stated contact is open."""
-    baseline = pairs.quick_baseline(full, runs)
+    filtered = pairs.quick_filter(full, runs)
     closed = [
         _closed(run.contact[:, column], level, run.step_s)
         for run, level in zip(full.observed.runs, noise, strict=True)
@@ -41,33 +41,33 @@ def second_contact(
     tried = []
     for number, pair in enumerate(floors):
         if pair != touching:
-            found = pairs.pushes(full, baseline, pair, closed)
+            found = pairs.pushes(full, filtered, pair, closed)
             if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
                 tried.append((sum(one.nats for one in found), number + 1))
     if not tried or max(tried)[0] < SECOND_NATS:
         return full, None
     nats, floor = max(tried)
     pair = floors[floor - 1]
-    if not _of_a_contact(full, baseline, pair, closed):
+    if not _of_a_contact(full, filtered, pair, closed):
         return full, None
     # Now with its pushes during impacts of the stated contact too.
-    both = with_pushes(full, baseline, pair)
+    both = with_pushes(full, filtered, pair)
     return both, (floor, nats, len(both.observed.contact_floors) - 1)
 
 
-def with_pushes(full: Believed, baseline: Baseline, floors: tuple[int, int]) -> Believed:
+def with_pushes(full: Model, filtered: Filtered, floors: tuple[int, int]) -> Model:
     """Return the model with the force between two floors that a baseline's innovations show, beside the forces it has."""
-    found = pairs.pushes(full, baseline, floors)
-    forces = {run: one.force for run, one in zip(baseline.runs, found, strict=True)}
-    return Believed(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
+    found = pairs.pushes(full, filtered, floors)
+    forces = {run: one.force for run, one in zip(filtered.runs, found, strict=True)}
+    return Model(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
 
 
-def without_last(full: Believed) -> Believed:
+def without_last(full: Model) -> Model:
     """Return the model without its last contact force."""
     observed = full.observed
     runs = tuple(replace(run, contact=run.contact[:, :-1]) for run in observed.runs)
     fewer = replace(observed, runs=runs, contact_floors=observed.contact_floors[:-1])
-    return Believed(full.structure, fewer, full.prior)
+    return Model(full.structure, fewer, full.prior)
 
 
 def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
@@ -78,22 +78,22 @@ def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
 
 
 def _of_a_contact(
-    full: Believed, baseline: Baseline, pair: tuple[int, int], closed: Sequence[np.ndarray]
+    full: Model, filtered: Filtered, pair: tuple[int, int], closed: Sequence[np.ndarray]
 ) -> bool:
     """Return whether pushes come as the floors come near, or at least push both frames, which no part of one does."""
-    pushed = pairs.pushes(full, baseline, pair, closed)
-    share = _opposed(full, baseline, pair, pushed, closed)
+    pushed = pairs.pushes(full, filtered, pair, closed)
+    share = _opposed(full, filtered, pair, pushed, closed)
     if share >= SECOND_SHARE or share < SECOND_LEAST_SHARE:
         return share >= SECOND_SHARE
     alone = [
-        sum(one.nats for one in pairs.pushes(full, baseline, pair, closed, sides)) for sides in ONE_SIDED
+        sum(one.nats for one in pairs.pushes(full, filtered, pair, closed, sides)) for sides in ONE_SIDED
     ]
     return sum(one.nats for one in pushed) > max(alone) + BOTH_NATS
 
 
 def _opposed(
-    full: Believed,
-    baseline: Baseline,
+    full: Model,
+    filtered: Filtered,
     pair: tuple[int, int],
     pushed: Sequence[pairs.Pushes],
     closed: Sequence[np.ndarray],
@@ -102,13 +102,13 @@ def _opposed(
 
     Approaches while the stated contact is `closed` do not count: no push is looked for then.
     """
-    row = baseline.modes.floors[pair[0]] - baseline.modes.floors[pair[1]]
-    n = len(baseline.modes.omega)
+    row = filtered.modes.floors[pair[0]] - filtered.modes.floors[pair[1]]
+    n = len(filtered.modes.omega)
     begun, tops = [], []
     for number, one in enumerate(pushed):
-        distance = baseline.prediction.after[number][:, :n] @ row
+        distance = filtered.prediction.after[number][:, :n] @ row
         peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
-        step = full.observed.runs[baseline.runs[number]].step_s
+        step = full.observed.runs[filtered.runs[number]].step_s
         near = np.zeros(len(distance), bool)
         for first, last in one.windows:
             begun.append(float(distance[min(first + int(1e-3 / step), last)]))
@@ -121,13 +121,13 @@ def _opposed(
     return float(np.mean(beyond)) if beyond else 0.0
 
 
-def second_fit(full: Believed, baseline: Baseline, column: int, mass: float) -> Fitted | None:
+def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fitted | None:
     """Return the unlisted contact with everything about it free."""
     noise = []
-    for run in baseline.runs:
+    for run in filtered.runs:
         force = full.observed.runs[run].contact[:, column]
         noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
-    met = impacts.bodies(full, baseline, column, noise, mass)
+    met = impacts.bodies(full, filtered, column, noise, mass)
     if not met.impacts:
         return None
     onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))

@@ -14,4 +14,4 @@ class Decision:
     verdict: str
     judged: Judged
     alike: tuple[Judged, ...]
-    doubts: tuple[str, ...] = ()
+    model_checks: tuple[str, ...] = ()

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from pounding.diagnosis.contact_force.pairs import answers
-from pounding.diagnosis.inference.filtering import Baseline
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.model.model import Model
 
 PLAIN = 10.0
 """Answer, in its usual standard deviations, from which a push is plain; noise alone reaches five."""
@@ -34,7 +34,7 @@ BESIDE_TOUCH_S = 0.05
 
 
 @dataclass(frozen=True)
-class Knocks:
+class Impulses:
     """The pushes on the floor on which they are strongest.
 
     Attributes:
@@ -58,39 +58,39 @@ class Knocks:
         )
 
 
-def knocks(believed: Believed, baseline: Baseline) -> Knocks | None:
+def impulses(model: Model, filtered: Filtered) -> Impulses | None:
     """Return the pushes that a baseline leaves unexplained, or None if there are too few."""
-    touches = [
-        answers(believed, baseline, baseline.modes.floors[right] - baseline.modes.floors[left])
-        for left, right in believed.observed.contact_floors
+    contact_events = [
+        answers(model, filtered, filtered.modes.floors[right] - filtered.modes.floors[left])
+        for left, right in model.observed.contact_floors
     ]
-    best: Knocks | None = None
-    for floor in range(believed.structure.floors):
+    best: Impulses | None = None
+    for floor in range(model.structure.floors):
         times, strength = [], 0.0
-        for name, step_s, answer in _answers(believed, baseline, floor, touches):
+        for name, step_s, answer in _answers(model, filtered, floor, contact_events):
             for k in _peaks(answer, max(1, round(APART_S / step_s))):
                 times.append((name, k * step_s))
                 strength += float(answer[k])
         if len(times) >= LEAST and (best is None or strength > best.strength):
-            best = Knocks(believed.structure.place(floor), tuple(times), strength)
+            best = Impulses(model.structure.place(floor), tuple(times), strength)
     return best
 
 
 def _answers(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     floor: int,
-    touches: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]],
+    contact_events: Sequence[Sequence[tuple[np.ndarray, np.ndarray]]],
 ) -> Iterator[tuple[str, float, np.ndarray]]:
     """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor.
 
     Args:
-        believed, baseline: The model and its filter.
+        believed, filtered: The model and its filter.
         floor: The floor among all.
         touches: The answers to pushes on both floors of each contact, which are told apart from knocks.
     """
-    for number, (matched, own) in enumerate(answers(believed, baseline, baseline.modes.floors[floor])):
-        run = believed.observed.runs[baseline.runs[number]]
+    for number, (matched, own) in enumerate(answers(model, filtered, filtered.modes.floors[floor])):
+        run = model.observed.runs[filtered.runs[number]]
         answer = np.abs(matched) / np.sqrt(own[0])
         apart = max(1, round(APART_S / run.step_s))
         highest = maximum_filter1d(answer, 2 * apart + 1)
@@ -98,9 +98,9 @@ def _answers(
         # A filter begins from rest, and a low-pass knows nothing beyond a run's ends.
         answer[:apart] = answer[-apart:] = 0.0
         usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
-        for touch in touches:
+        for event in contact_events:
             # What pushes both frames is a touch that the force cell did not show.
-            other = touch[number][0] / np.sqrt(touch[number][1][0])
+            other = event[number][0] / np.sqrt(event[number][1][0])
             answer[answer**2 < other**2 + 2 * ALONE_NATS] = 0.0
         # The force of a touch is never quite right: what rises toward it is its flank.
         answer[answer < highest] = 0.0

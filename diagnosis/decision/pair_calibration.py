@@ -17,9 +17,9 @@ from pounding.contact.errors import ContactError
 from pounding.contact.parameters import make_law
 from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.hypotheses import at, believed_law, null
+from pounding.diagnosis.contact_force.hypotheses import at, baseline_law, null
 from pounding.diagnosis.contact_force.impacts import Law
-from pounding.diagnosis.contact_force.pair import Touched
+from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.contact_force.pairs import without_forces
 from pounding.diagnosis.decision.confidence import behind
 from pounding.diagnosis.decision.pair_decision import place
@@ -34,7 +34,7 @@ from pounding.diagnosis.decision.rig_calibration import (
 )
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import Between, simulate_touching
@@ -55,12 +55,12 @@ class Truth:
     contact: Fitted | None = None
 
 
-def truths(found: Findings, touched: Touched) -> list[Truth]:
+def truths(found: Findings, contact_findings: ContactFindings) -> list[Truth]:
     """Return nothing missing and the best single candidates of the frames and of the contact."""
-    single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].foil]
+    single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].rival]
     rivals = [Truth(name_of(one), place(one.effects[0].place()), frames=one) for one in single[:RIVALS]]
     seen: set[str] = set()
-    for _, fit in touched.ranked:
+    for _, fit in contact_findings.ranked:
         effect = fit.hypothesis.effect
         if effect not in seen and len(seen) < RIVALS:
             seen.add(effect)
@@ -70,7 +70,7 @@ def truths(found: Findings, touched: Touched) -> list[Truth]:
 
 
 def simulate_and_judge(
-    case: Case, found: Findings, touched: Touched, diagnose: Diagnose, number: int
+    case: Case, found: Findings, contact_findings: ContactFindings, diagnose: Diagnose, number: int
 ) -> Outcome:
     """Return the outcome of the case of a number, the same whenever it is asked for.
 
@@ -80,7 +80,7 @@ def simulate_and_judge(
         diagnose: Returns the report on a case.
         number: Number of the simulated case.
     """
-    tried = truths(found, touched)
+    tried = truths(found, contact_findings)
     truth = tried[turn(number, len(tried) - 1)]
     report = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
     # Of claims on both, that on the frames.
@@ -119,7 +119,7 @@ def _between(case: Case, pair: Pair, truth: Truth, rng: np.random.Generator) -> 
     left, right = pair.full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in pair.full.structure.frames])
     masses = float(mass[left]), float(mass[right])
-    stated = believed_law(case.contacts[0], reduced_mass(*masses))
+    stated = baseline_law(case.contacts[0], reduced_mass(*masses))
     law = stated if truth.contact is None else _of_size(stated, truth.contact, rng)
     built = at(null(law), rng.standard_normal(3))
     try:
@@ -160,7 +160,7 @@ def _of_size(stated: Law, fitted: Fitted, rng: np.random.Generator) -> Law:
 def _run(
     case: Case,
     found: Findings,
-    bare: Believed,
+    bare: Model,
     model: tuple[np.ndarray, Sequence[tuple[Acting, np.ndarray]]],
     number: int,
     between: Between,
@@ -171,7 +171,7 @@ def _run(
     clean, force = simulate_touching(bare, *model, number, between)
     channel, table = noise_shares(found)
     # White noise loses so much of its power where a run is slowed.
-    more = float(np.sqrt(found.believed.observed.slower))
+    more = float(np.sqrt(found.model.observed.slower))
     values = measured.values.copy()
     for column, one in enumerate(case.channels):
         missing = ~np.isfinite(measured.values[:, column])

@@ -10,7 +10,7 @@ import numpy as np
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.impacts import DAMPED
-from pounding.diagnosis.contact_force.pair import Foretold, Touched
+from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold
 from pounding.diagnosis.decision.confidence import CONTACT, Features, basis, confidence
 from pounding.diagnosis.decision.verdict import CLASS_NATS
 from pounding.diagnosis.inference.findings import BLIND_FACTOR
@@ -29,15 +29,23 @@ noise left from which forces that no cell measured are said to be poor."""
 
 
 def claims_of(
-    case: Case, pair: Pair, touched: Touched, report: dict[str, Any], foretold: Foretold | None = None
+    case: Case,
+    pair: Pair,
+    contact_findings: ContactFindings,
+    report: dict[str, Any],
+    foretold: Foretold | None = None,
 ) -> list[dict[str, Any]]:
     """Return what is claimed of the contact, of a second one and of the force cell beside a report on the frames."""
-    claims = [*_cell(case, pair), *_second(case, pair, touched)]
-    found = candidates(case, touched)
+    claims = [*_cell(case, pair), *_second(case, pair, contact_findings)]
+    found = candidates(case, contact_findings)
     needed = CLAIM_BESIDE_NATS if report["verdict"] in NAMED or claims else CLAIM_NATS
     if pair.cell is None:
         needed *= BLIND_FACTOR
-    if found and found[0]["log_evidence"] > needed and _holds(pair, found[0], needed, touched, foretold):
+    if (
+        found
+        and found[0]["log_evidence"] > needed
+        and _holds(pair, found[0], needed, contact_findings, foretold)
+    ):
         best = found[0]
         alike = [one for one in found[1:] if one["log_evidence"] > best["log_evidence"] - CLASS_NATS]
         claims.append(best | {"class": [place(one) for one in (best, *alike)]})
@@ -47,10 +55,10 @@ def claims_of(
 def joined(
     case: Case,
     pair: Pair,
-    touched: Touched,
+    contact_findings: ContactFindings,
     report: dict[str, Any],
     foretold: Foretold | None = None,
-    doubted: bool = False,
+    objections: bool = False,
 ) -> dict[str, Any]:
     """Return a report on the frames with what the contact and its force cell add to it.
 
@@ -61,18 +69,18 @@ def joined(
         foretold: How well held-out impacts are foretold.
         doubted: Whether the frames' own parameters, or a tone, speak against the model.
     """
-    found = candidates(case, touched)
-    second = _second(case, pair, touched)
+    found = candidates(case, contact_findings)
+    second = _second(case, pair, contact_findings)
     unknown = report["verdict"] == "unknown_effect"
     # The force of a contact that nobody listed is what the motion asks for: it may leave more than noise.
-    poor = unknown and bool(second) and not doubted
-    claims = [] if unknown else claims_of(case, pair, touched, report, foretold)
+    poor = unknown and bool(second) and not objections
+    claims = [] if unknown else claims_of(case, pair, contact_findings, report, foretold)
     if poor:
         claims = second
     shown = [
         place(one) | {"log_evidence": one["log_evidence"]} for one in (*_cell(case, pair), *second, *found)
     ]
-    warnings = [*pair.warnings, *_odd(case, touched), *([] if poor else _two_loggers(report))]
+    warnings = [*pair.warnings, *_odd(case, contact_findings), *([] if poor else _two_loggers(report))]
     report = report | {
         "candidates": sorted([*report["candidates"], *shown], key=lambda one: -one["log_evidence"]),
         "warnings": [*report["warnings"], *warnings, *_blind(pair, report)],
@@ -110,26 +118,30 @@ def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Feat
 
 
 def _holds(
-    pair: Pair, best: dict[str, Any], needed: float, touched: Touched, foretold: Foretold | None
+    pair: Pair,
+    best: dict[str, Any],
+    needed: float,
+    contact_findings: ContactFindings,
+    foretold: Foretold | None,
 ) -> bool:
     """Return whether the held-out impacts like an effect too that was fitted to the others.
 
     Without any of them a force cell's word is taken, and that of forces which the motion asks for if it says much more than
     is needed.
     """
-    if not touched.ranked or best["effect"] != touched.ranked[0][1].hypothesis.effect:
+    if not contact_findings.ranked or best["effect"] != contact_findings.ranked[0][1].hypothesis.effect:
         return True
     nats = float(best["log_evidence"])
     if foretold is None:
         return pair.cell is not None or nats > UNHEARD_FACTOR * needed
-    asked = FORETOLD * nats * foretold.impacts / touched.impacts
+    asked = FORETOLD * nats * foretold.impacts / contact_findings.impacts
     return foretold.gained > min(asked, FORETOLD_MOST) - FORETOLD_LEAST
 
 
 def _contact_gap(foretold: Foretold, claimed: bool) -> dict[str, Any]:
     """Return what held-out impacts are left with before and after [standard deviations]; after only what is claimed."""
-    after = foretold.likeliest if claimed else foretold.believed
-    return {"impacts": foretold.impacts, "before": foretold.believed, "after": after}
+    after = foretold.likeliest if claimed else foretold.model
+    return {"impacts": foretold.impacts, "before": foretold.model, "after": after}
 
 
 def place(entry: dict[str, Any]) -> dict[str, Any]:
@@ -147,19 +159,23 @@ def _parameter(name: str, value: float | str, std: float | None, unit: str) -> d
     return {"name": name, "value": value, "std": std, "unit": unit}
 
 
-def candidates(case: Case, touched: Touched) -> list[dict[str, Any]]:
+def candidates(case: Case, contact_findings: ContactFindings) -> list[dict[str, Any]]:
     """Return the contact's effects with parameters and nats, best first, the law once."""
     found: list[dict[str, Any]] = []
-    for nats, fit in touched.ranked:
+    for nats, fit in contact_findings.ranked:
         if fit.hypothesis.effect == "contact_law" and any(one["effect"] == "contact_law" for one in found):
             continue
         found.append(_entry(fit.hypothesis.effect, _parameters(case, fit), float(nats), contact=1))
     contact = case.contacts[0]
-    beyond = (touched.nearest_m - contact.gap_m) / touched.spread_m if touched.null is None else 0.0
+    beyond = (
+        (contact_findings.nearest_m - contact.gap_m) / contact_findings.spread_m
+        if contact_findings.null is None
+        else 0.0
+    )
     if beyond > 0:
         nats = float(0.5 * beyond**2 - 3.0)
-        offset = 1e3 * (touched.nearest_m - contact.gap_m)
-        parameters = [_parameter("offset", offset, 1e3 * touched.spread_m, "mm")]
+        offset = 1e3 * (contact_findings.nearest_m - contact.gap_m)
+        parameters = [_parameter("offset", offset, 1e3 * contact_findings.spread_m, "mm")]
         found.append(_entry("gap_offset", parameters, nats, contact=1))
     return found
 
@@ -200,22 +216,24 @@ def _cell(case: Case, pair: Pair) -> list[dict[str, Any]]:
     return shown
 
 
-def _second(case: Case, pair: Pair, touched: Touched) -> list[dict[str, Any]]:
+def _second(case: Case, pair: Pair, contact_findings: ContactFindings) -> list[dict[str, Any]]:
     if pair.second is None:
         return []
     floor, nats, _ = pair.second
     contact, parameters = case.contacts[0], []
-    if touched.second is not None:
-        gap = _parameter("gap", 1e3 * touched.second.law.gap_m, 1e3 * touched.second.std[0], "mm")
+    if contact_findings.second is not None:
+        gap = _parameter(
+            "gap", 1e3 * contact_findings.second.law.gap_m, 1e3 * contact_findings.second.std[0], "mm"
+        )
         parameters = [gap]
     where = {"left": contact.left, "right": contact.right, "floor": floor}
     return [_entry("second_contact", parameters, nats, **where)]
 
 
-def _odd(case: Case, touched: Touched) -> list[str]:
-    if touched.impacts:
+def _odd(case: Case, contact_findings: ContactFindings) -> list[str]:
+    if contact_findings.impacts:
         return []
-    left = 1e3 * (case.contacts[0].gap_m - touched.nearest_m)
+    left = 1e3 * (case.contacts[0].gap_m - contact_findings.nearest_m)
     return [
         f"contact 1 never closes in these runs: by the believed gap the floors stay {left:.2f} mm apart; "
         "stiffness, loss and law cannot be judged"

@@ -1,6 +1,6 @@
 """`--calibrate`: how often verdicts are right on this very rig under these very records, by simulating both.
 
-Null and rivals take turns at being the truth. Each case has ordinary parameters drawn from their priors, the effect at about
+Null and rivals take turns at being the truth. Each case has nuisance parameters drawn from their priors, the effect at about
 its fitted size, the noise as estimated, and is diagnosed by the same search. What was found and whether it was right is
 kept line by line in a file, so that an interrupted calibration goes on and a finished one costs nothing.
 """
@@ -23,7 +23,7 @@ from pounding.diagnosis.decision.verdict import decide, features
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.search import search
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.experiments.results.provenance import software_version
 
@@ -34,7 +34,7 @@ MINUTES = 15.0
 RIVALS = 4
 """Candidates that take turns at being the truth, beside the null model in every third case."""
 WITHIN = 2.5
-"""Prior standard deviations within which ordinary parameters are drawn."""
+"""Prior standard deviations within which nuisance parameters are drawn."""
 SIZE_SCATTER = 0.5
 """Standard deviation of the logarithm of an effect's size over its fitted one."""
 WORKERS = 2
@@ -111,16 +111,16 @@ def calibrated(
 def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
     """Return a hash of rig, records, candidates, what was found and software."""
     digest = hashlib.sha256(software_version().encode())
-    for frame in found.believed.structure.frames:
+    for frame in found.model.structure.frames:
         digest.update(
             np.ascontiguousarray(frame.mass).tobytes() + np.ascontiguousarray(frame.stiffness).tobytes()
         )
-    for run in found.believed.observed.runs:
+    for run in found.model.observed.runs:
         for series in (run.table, run.measured, run.contact):
             digest.update(np.ascontiguousarray(series).tobytes())
     digest.update(" ".join(sorted(one.effect.label() for one in found.scores.ranked)).encode())
     digest.update(" ".join(drawn_from).encode())
-    digest.update(repr(found.believed.prior).encode())
+    digest.update(repr(found.model.prior).encode())
     return digest.hexdigest()[:12]
 
 
@@ -140,7 +140,7 @@ def read_outcomes(path: Path) -> list[Outcome]:
 
 def hypotheses(found: Findings) -> list[Judged]:
     """Return the null model and the best single candidates that are no foils."""
-    single = [one for one in found.judged if len(one.effects) == 1 and not one.effects[0].foil]
+    single = [one for one in found.judged if len(one.effects) == 1 and not one.effects[0].rival]
     return [found.null, *single[:RIVALS]]
 
 
@@ -153,9 +153,9 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     """Return the outcome of the case of a number, the same whenever it is asked for."""
     tried = hypotheses(found)
     truth = tried[turn(number, len(tried) - 1)]
-    believed = simulated(found, truth, np.random.default_rng([number, 20261121]))
+    model = simulated(found, truth, np.random.default_rng([number, 20261121]))
     effects = [one.effect for one in found.scores.ranked]
-    again = search(believed, effects, found.training, found.held_out, lambda what, share: None)
+    again = search(model, effects, found.training, found.held_out, lambda what, share: None)
     decision = decide(again)
     claimed = [{_key(e) for e in one.effects} for one in (decision.judged, *decision.alike)]
     hidden = {_key(effect) for effect in truth.effects}
@@ -174,15 +174,15 @@ def name_of(judged: Judged) -> str:
     return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
 
 
-def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Believed:
+def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:
     """Return the rig with data that it makes itself, parameters drawn, noise as estimated, dropouts where they were."""
-    believed = found.believed
-    ordinary = drawn(believed, rng)
+    model = found.model
+    nuisance = drawn(model, rng)
     acting = scattered(truth, rng)
     share, table_share = noise_shares(found)
     runs: list[RunData] = []
-    outputs = believed.predict(ordinary, None, acting).outputs
-    for run, clean in zip(believed.observed.runs, outputs, strict=True):
+    outputs = model.predict(nuisance, None, acting).outputs
+    for run, clean in zip(model.observed.runs, outputs, strict=True):
         size = share * root_mean_square(clean)
         noisy = clean + size * rng.standard_normal(clean.shape)
         noisy[~np.isfinite(run.measured)] = np.nan
@@ -190,23 +190,23 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Belie
             len(run.table)
         )
         runs.append(replace(run, measured=noisy, table=table))
-    observed = replace(believed.observed, runs=tuple(runs), warnings=[])
-    return Believed(believed.structure, observed, believed.prior)
+    observed = replace(model.observed, runs=tuple(runs), warnings=[])
+    return Model(model.structure, observed, model.prior)
 
 
 def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
     """Return the noise over the root mean square of each channel, shape (channels,), and of the table, as estimated."""
-    baseline = best(found).fit.baseline
-    noise, first = baseline.noise[0], found.believed.observed.runs[baseline.runs[0]]
+    filtered = best(found).fit.filtered
+    noise, first = filtered.noise[0], found.model.observed.runs[filtered.runs[0]]
     rms = root_mean_square(first.measured)
     known = np.isfinite(noise.channel) & (rms > 0)
     share = np.where(known, noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
     return share, noise.table / float(root_mean_square(first.table))
 
 
-def drawn(believed: Believed, rng: np.random.Generator) -> np.ndarray:
-    """Return ordinary parameters drawn from their priors."""
-    return np.asarray(believed.std * np.clip(rng.standard_normal(len(believed.std)), -WITHIN, WITHIN))
+def drawn(model: Model, rng: np.random.Generator) -> np.ndarray:
+    """Return nuisance parameters drawn from their priors."""
+    return np.asarray(model.std * np.clip(rng.standard_normal(len(model.std)), -WITHIN, WITHIN))
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:

@@ -9,12 +9,12 @@ import numpy as np
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.confidence import Features, basis, confidence, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.impulses import knocks
+from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import by_frame, gap, over_floor
 from pounding.diagnosis.inference.misfit_map import where
-from pounding.diagnosis.inference.model_checks import doubts
+from pounding.diagnosis.inference.model_checks import model_checks
 from pounding.diagnosis.model.twin import simulate_engine
 
 CLASS_NATS = 12.0
@@ -44,28 +44,28 @@ def decide(found: Findings) -> Decision:
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not found.plain(single[0], visible(found, single[0])):
-        doubted = _doubts(found, found.null)
-        if doubted or leftover(found, found.null) > _unexplained(found):
-            return Decision("unknown_effect", single[0] if single else found.null, (), doubted)
+        objections = _model_checks(found, found.null)
+        if objections or remaining(found, found.null) > _unexplained(found):
+            return Decision("unknown_effect", single[0] if single else found.null, (), objections)
         return Decision("nothing_missing", found.null, ())
     chosen = _listed(single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
-    doubted = _doubts(found, chosen)
+    objections = _model_checks(found, chosen)
     if (
-        any(effect.foil for effect in chosen.effects)
-        or doubted
+        any(effect.rival for effect in chosen.effects)
+        or objections
         or not _explained(found, chosen)
         or _spread(chosen)
     ):
-        return Decision("unknown_effect", chosen, (), doubted)
+        return Decision("unknown_effect", chosen, (), objections)
     alike = tuple(
         other
         for other in single
         if len(chosen.effects) == 1
         and other is not chosen
-        and not other.effects[0].foil
+        and not other.effects[0].rival
         and other.nats > chosen.nats - CLASS_NATS
     )
     verdict = "effect_class" if alike else "effect_named"
@@ -74,16 +74,16 @@ def decide(found: Findings) -> Decision:
 
 def _listed(single: list[Judged]) -> Judged:
     """Return the best single effect; one of the catalogue where a foil is not told from it."""
-    catalogue = [one for one in single if not one.effects[0].foil]
+    catalogue = [one for one in single if not one.effects[0].rival]
     near = catalogue and catalogue[0].nats > single[0].nats - FOIL_NATS
     return catalogue[0] if near else single[0]
 
 
-def _doubts(found: Findings, judged: Judged) -> tuple[str, ...]:
-    baseline = judged.fit.baseline
-    said = doubts(found.believed, baseline)
+def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
+    filtered = judged.fit.filtered
+    said = model_checks(found.model, filtered)
     # A contact's push that was missed is no knock.
-    pushed = None if _blind(found) else knocks(found.believed, baseline)
+    pushed = None if _blind(found) else impulses(found.model, filtered)
     return tuple(said) if pushed is None else (*said, pushed.sentence())
 
 
@@ -97,7 +97,7 @@ def _blind(found: Findings) -> bool:
 
 def _explained(found: Findings, judged: Judged) -> bool:
     """Return whether effects close enough of the gap on runs that they were not fitted to."""
-    left = leftover(found, judged)
+    left = remaining(found, judged)
     if left < _unexplained(found):
         return True
     return closed(found, judged, 1.0) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
@@ -113,7 +113,7 @@ def _spread(judged: Judged) -> bool:
     return one.name == other.name and one.frame == other.frame and abs(one.storey - other.storey) == 1
 
 
-def leftover(found: Findings, judged: Judged) -> float:
+def remaining(found: Findings, judged: Judged) -> float:
     """Return the gap over the noise floor of the frame that has most: median over its channels, mean over the runs.
 
     Training and held-out runs count alike. Where a pair's forces are those that the motion asks for, only the held-out
@@ -122,14 +122,14 @@ def leftover(found: Findings, judged: Judged) -> float:
     over_floors = _over(found, judged)
     if _blind(found) and np.isfinite(over_floors[1]).any():
         over_floors = over_floors[1:]
-    each = by_frame(found.believed, over_floors)
+    each = by_frame(found.model, over_floors)
     known = np.isfinite(each).any(axis=0)
     return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else 1.0
 
 
 def _over(found: Findings, judged: Judged) -> np.ndarray:
     """Return gaps over the noise floor of each channel, training and held-out runs, (2, channels)."""
-    return over_floor(found.believed, judged.channel_gap, found.floor)
+    return over_floor(found.model, judged.channel_gap, found.floor)
 
 
 def visible(found: Findings, judged: Judged, without: Judged | None = None) -> float:
@@ -150,10 +150,10 @@ def visible(found: Findings, judged: Judged, without: Judged | None = None) -> f
 
 def _moved(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels effects can change, shape (channels,): those of their frames, all if one acts on no frame."""
-    believed, frames = found.believed, {effect.frame for effect in judged.effects}
+    model, frames = found.model, {effect.frame for effect in judged.effects}
     if None in frames:
-        return np.ones(len(believed.observed.names), bool)
-    return np.any([believed.at_frame(believed.structure.index(str(frame))) for frame in frames], axis=0)
+        return np.ones(len(model.observed.names), bool)
+    return np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0)
 
 
 def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
@@ -208,28 +208,28 @@ def report_of(case: Case, found: Findings) -> dict[str, Any]:
         "effects": _effects(case, found, decision),
         "gap": _gaps(found, found.null if decision.verdict == "unknown_effect" else decision.judged),
         "where": where(
-            found.believed,
-            found.null.fit.baseline,
+            found.model,
+            found.null.fit.filtered,
             np.nan_to_num(found.floor[0], nan=1.0),
             [*found.training, *found.held_out],
         ),
         "candidates": _candidates(found),
-        "warnings": [*case.warnings, *found.believed.observed.warnings, *decision.doubts],
+        "warnings": [*case.warnings, *found.model.observed.warnings, *decision.model_checks],
     }
 
 
 def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
-    believed, model, baseline = found.believed, found.believed, judged.fit.baseline
+    corrected, filtered = found.model, judged.fit.filtered
     if found.settled is not None and found.settled[0] is judged:
-        _, model, baseline = found.settled
+        _, corrected, filtered = found.settled
 
     def numbers(which: int) -> dict[str, float]:
         after = found.null.gap[which]
         if judged is not found.null:
             runs = (found.training, found.held_out)[which]
-            outputs = simulate_engine(model, baseline.values, baseline.effects, runs)
+            outputs = simulate_engine(corrected, filtered.values, filtered.effects, runs)
             found.engine.update(zip(runs, outputs, strict=True))
-            after = gap(believed, outputs, runs)
+            after = gap(found.model, outputs, runs)
         return {
             "before": found.null.gap[which],
             "after": after,
@@ -238,7 +238,7 @@ def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
 
     held_out = None
     if found.held_out:
-        names = ", ".join(found.believed.observed.runs[run].name for run in found.held_out)
+        names = ", ".join(found.model.observed.runs[run].name for run in found.held_out)
         held_out = {"run": names} | numbers(1)
     return {"training": numbers(0), "held_out": held_out}
 
@@ -249,7 +249,7 @@ def _effects(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     fit = decision.judged.fit
     shown = []
     for number, effect in enumerate(fit.effects):
-        if effect.foil or effect not in decision.judged.effects:
+        if effect.rival or effect not in decision.judged.effects:
             continue
         for entry in effect.entries():
             shown.append(
@@ -276,7 +276,7 @@ def parameters(
             channel = case.channels[case.channel_index(str(effect.channel))]
             unit, factor = channel.unit, 1 / channel.to_si
         if effect.name == "joint_flexibility":
-            factor = found.believed.structure.frames[effect.index].joint_stiffness
+            factor = found.model.structure.frames[effect.index].joint_stiffness
         shown.append(
             {
                 "name": quantity.name,
@@ -294,4 +294,4 @@ def _candidates(found: Findings) -> list[dict[str, Any]]:
         if len(judged.effects) == 1:
             nats[judged.effects[0]] = judged.nats
     ranked = sorted(nats.items(), key=lambda item: -item[1])
-    return [effect.place() | {"log_evidence": value} for effect, value in ranked if not effect.foil]
+    return [effect.place() | {"log_evidence": value} for effect, value in ranked if not effect.rival]

@@ -1,7 +1,7 @@
 """More data, better answer: which further measurement would part what this data cannot, by simulation.
 
 One of two rivals is taken for true and makes the data of a further measurement; the other predicts them with the filter that
-it would have, and is allowed to bend its size and the ordinary parameters to imitate (linearised, inside their priors).
+it would have, and is allowed to bend its size and the nuisance parameters to imitate (linearised, inside their priors).
 Half the squared innovations that then remain, less those of the measurement as it was, are the log evidence in nats that the
 further measurement is expected to bring.
 """
@@ -17,21 +17,21 @@ import numpy as np
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.inference.filtering import (
-    Baseline,
+    Filtered,
     grouped_signatures,
     motions,
-    run_baseline,
+    run_filter,
     whitened_innovations,
 )
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Coordinates, Fit, effect_columns
 from pounding.diagnosis.inference.search import widths
 from pounding.diagnosis.model.kalman import Noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.storeys import Structure
-from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.diagnosis.model.terms import nuisance_terms
 
 WEAK_NATS = 20.0
 """A named effect whose rival is within this of it is weakly named."""
@@ -54,13 +54,13 @@ class Measurement:
 
     Attributes:
         what: In words.
-        believed: The model with this measurement's channels, runs and known weights.
+        model: The model with this measurement's channels, runs and known weights.
         noise: Of each channel in SI.
         more: Whether it is a run beside the existing one; else the same run with more channels.
     """
 
     what: str
-    believed: Believed
+    model: Model
     noise: np.ndarray
     more: bool
 
@@ -141,12 +141,12 @@ def expected(found: Findings, true: Fit, other: Fit) -> list[tuple[str, float]]:
 
 def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
     """Yield the further measurements that are tried: channels, amplitudes, another motion, a weight on the roof."""
-    believed, run = now.believed, now.believed.observed.runs[0]
+    model, run = now.model, now.model.observed.runs[0]
     for size, words in ((2.0, "twice"), (0.5, "half")):
         louder = replace(run, table=size * run.table)
         yield _with_run(now, louder, f"the same shaking at {words} its amplitude")
     yield _with_run(now, _other_motion(run), "broadband noise of the same peak on the table")
-    structure = believed.structure
+    structure = model.structure
     for number, frame in enumerate(structure.frames):
         mass = frame.mass.copy()
         weight = WEIGHT_SHARE * float(frame.floor_mass.sum())
@@ -154,22 +154,22 @@ def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
         heavier = Structure(
             tuple(replace(f, mass=mass) if i == number else f for i, f in enumerate(structure.frames))
         )
-        model = Believed(heavier, believed.observed, believed.prior)
+        loaded = Model(heavier, model.observed, model.prior)
         yield Measurement(
-            f"the same shaking with {weight:.2g} kg on the roof of {frame.name}", model, now.noise, True
+            f"the same shaking with {weight:.2g} kg on the roof of {frame.name}", loaded, now.noise, True
         )
     yield from _channels(now)
 
 
 def _channels(now: Measurement) -> Iterator[Measurement]:
-    seen = now.believed.observed
+    seen = now.model.observed
     present = {(int(q), int(f)) for q, f in zip(seen.quantity, seen.floor, strict=True)}
-    simulated = now.believed.predict(np.zeros(len(now.believed.std)), None, (), [0])
+    simulated = now.model.predict(np.zeros(len(now.model.std)), None, (), [0])
     for kind, words in ((ACCELERATION, "accelerometer on"), (DISPLACEMENT, "displacement sensor at")):
-        for floor in range(now.believed.structure.floors):
+        for floor in range(now.model.structure.floors):
             if (kind, floor) in present:
                 continue
-            frame, number = now.believed.structure.place(floor)
+            frame, number = now.model.structure.place(floor)
             run = seen.runs[0]
             blank = np.zeros((len(run.table), len(seen.names) + 1))
             wider = replace(
@@ -180,7 +180,7 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
                 floor=np.append(seen.floor, floor),
                 runs=(replace(run, measured=blank),),
             )
-            model = Believed(now.believed.structure, wider, now.believed.prior)
+            model = Model(now.model.structure, wider, now.model.prior)
             rms = float(
                 root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
             )
@@ -199,11 +199,11 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
 
 def as_it_was(found: Findings) -> Measurement:
     """Return what was measured: the first training run, cut to `LONGEST_S`, without what is infinitely noisy."""
-    seen = found.believed.observed
-    number = found.null.fit.baseline.runs[0]
+    seen = found.model.observed
+    number = found.null.fit.filtered.runs[0]
     run = seen.runs[number]
     samples = min(len(run.table), int(LONGEST_S / run.step_s))
-    noise = np.asarray(found.null.fit.baseline.noise[0].channel, float)
+    noise = np.asarray(found.null.fit.filtered.noise[0].channel, float)
     kept = np.flatnonzero(np.isfinite(noise))
     cut = replace(
         run,
@@ -220,13 +220,13 @@ def as_it_was(found: Findings) -> Measurement:
         floor=seen.floor[kept],
         runs=(cut,),
     )
-    model = Believed(found.believed.structure, observed, found.believed.prior)
+    model = Model(found.model.structure, observed, found.model.prior)
     return Measurement("as it was", model, noise[kept], False)
 
 
 def _with_run(now: Measurement, run: RunData, what: str) -> Measurement:
-    observed = replace(now.believed.observed, runs=(run,))
-    return Measurement(what, Believed(now.believed.structure, observed, now.believed.prior), now.noise, True)
+    observed = replace(now.model.observed, runs=(run,))
+    return Measurement(what, Model(now.model.structure, observed, now.model.prior), now.noise, True)
 
 
 def _other_motion(run: RunData) -> RunData:
@@ -244,38 +244,38 @@ Normal = tuple[np.ndarray, np.ndarray, float]
 
 def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     """Return Gauss-Newton matrix, slope and sum of squares of the imitator on the data that the true rival makes."""
-    model = one.believed
-    made = model.predict(_ordinary(model, found, true), None, true.baseline.effects, [0]).outputs[0]
+    model = one.model
+    made = model.predict(_ordinary(model, found, true), None, true.filtered.effects, [0]).outputs[0]
     run = replace(model.observed.runs[0], measured=made)
-    model = Believed(model.structure, replace(model.observed, runs=(run,)), model.prior)
-    known = other.baseline.noise[0]
+    model = Model(model.structure, replace(model.observed, runs=(run,)), model.prior)
+    known = other.filtered.noise[0]
     noise = Noise(np.asarray(known.latent), known.table, one.noise)
-    baseline = run_baseline(model, _ordinary(model, found, other), [noise], [0], other.baseline.effects)
+    filtered = run_filter(model, _ordinary(model, found, other), [noise], [0], other.filtered.effects)
     widths_of = [
-        widths(found.believed, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
+        widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
     ]
     coordinates = Coordinates.of(other.effects, other.values, widths_of)
-    columns = effect_columns(model, baseline, coordinates, np.zeros(len(coordinates.start)))[0]
+    columns = effect_columns(model, filtered, coordinates, np.zeros(len(coordinates.start)))[0]
     # A channel that only this measurement has brings gain and delay of its own: they are no part of the other's matrix.
     shared = [j for j, parameter in enumerate(model.parameters) if not parameter.kind.startswith("channel")]
-    both = np.hstack([_ordinary_columns(model, baseline)[:, shared], columns]).astype(float)
-    residual = whitened_innovations(model, baseline)[0]
+    both = np.hstack([_nuisance_columns(model, filtered)[:, shared], columns]).astype(float)
+    residual = whitened_innovations(model, filtered)[0]
     return both.T @ both, both.T @ residual, float(residual @ residual)
 
 
-def _ordinary(model: Believed, found: Findings, fit: Fit) -> np.ndarray:
-    """Return a fit's ordinary parameters for a model with other channels."""
+def _ordinary(model: Model, found: Findings, fit: Fit) -> np.ndarray:
+    """Return a fit's nuisance parameters for a model with other channels."""
     known = {
         (parameter.kind, parameter.place): value
-        for parameter, value in zip(found.believed.parameters, fit.baseline.values, strict=True)
+        for parameter, value in zip(found.model.parameters, fit.filtered.values, strict=True)
         if not parameter.kind.startswith("channel")
     }
     return np.array([known.get((one.kind, one.place), 0.0) for one in model.parameters])
 
 
-def _ordinary_columns(model: Believed, baseline: Baseline) -> np.ndarray:
-    groups = [ordinary_terms(model, baseline.modes, motion) for motion in motions(model, baseline)]
-    return np.asarray(grouped_signatures(model, baseline, groups)[0] * model.std)
+def _nuisance_columns(model: Model, filtered: Filtered) -> np.ndarray:
+    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+    return np.asarray(grouped_signatures(model, filtered, groups)[0] * model.std)
 
 
 def _sum(one: Normal, other: Normal) -> Normal:

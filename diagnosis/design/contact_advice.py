@@ -12,7 +12,7 @@ import numpy as np
 
 from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, compare
 from pounding.diagnosis.contact_force.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
-from pounding.diagnosis.contact_force.pair import Touched
+from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.design.advice import WEAK_NATS, sentences
 
 USED = 12
@@ -34,32 +34,34 @@ NAMES = {
 }
 
 
-def rivals(touched: Touched, needed: float) -> tuple[Fitted, Fitted] | None:
+def rivals(contact_findings: ContactFindings, needed: float) -> tuple[Fitted, Fitted] | None:
     """Return what the impacts like best and what they cannot tell from it, or None where they are clear.
 
     Args:
-        touched: What the impacts say.
+        contact_findings: What the impacts say.
         needed: Evidence [nats] from which the best is claimed.
     """
-    if touched.null is None or not touched.ranked:
+    if contact_findings.null is None or not contact_findings.ranked:
         return None
-    nats, best = touched.ranked[0]
+    nats, best = contact_findings.ranked[0]
     if nats < needed:
-        return (best, touched.null) if nats > 0 else None
+        return (best, contact_findings.null) if nats > 0 else None
     others = [
-        (score, one) for score, one in touched.ranked if one.hypothesis.effect != best.hypothesis.effect
+        (score, one)
+        for score, one in contact_findings.ranked
+        if one.hypothesis.effect != best.hypothesis.effect
     ]
     near = [one for score, one in others if score > nats - WEAK_NATS]
     return (best, near[0]) if near else None
 
 
-def advice(touched: Touched, needed: float) -> list[str]:
+def advice(contact_findings: ContactFindings, needed: float) -> list[str]:
     """Return sentences on the tests that would part the rivals, best first; none where the impacts are clear."""
-    pair = rivals(touched, needed)
-    if pair is None or touched.bodies is None:
+    pair = rivals(contact_findings, needed)
+    if pair is None or contact_findings.bodies is None:
         return []
     first, second = pair
-    return sentences(expected(touched.bodies, first, second), (name(first), name(second)))
+    return sentences(expected(contact_findings.bodies, first, second), (name(first), name(second)))
 
 
 def name(fitted: Fitted) -> str:

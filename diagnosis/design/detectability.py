@@ -12,17 +12,17 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.verdict import parameters
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.evidence import Score, Scores
-from pounding.diagnosis.inference.filtering import Baseline, boxed_step
+from pounding.diagnosis.inference.filtering import Filtered, boxed_step
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import simulate
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
 RELATIVE = ("stiffness_change", "loosening")
 PROBE = 0.1
-"""Prior standard deviations by which an ordinary parameter is moved to see what it does to the channels."""
+"""Prior standard deviations by which an nuisance parameter is moved to see what it does to the channels."""
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
 """How often an amplitude that is not yet seen is raised, and at most by which factor."""
@@ -53,8 +53,8 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
         For each effect ``effect``, ``places`` (their number), ``shown`` (at how many of them some size could be shown),
         and ``best`` and ``worst``: place and parameters, or None where no possible size could be shown.
     """
-    baseline = decision.judged.fit.baseline
-    sight = _Sight.of(found, baseline)
+    filtered = decision.judged.fit.filtered
+    sight = _Sight.of(found, filtered)
     kinds: dict[str, list[Smallest | None]] = {}
     for one, scores in _scores(found, decision):
         kinds.setdefault(one.effect.name, []).append(_least(found, one, scores, sight))
@@ -77,22 +77,22 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
     if found.later is not None and decision.judged is not found.null:
         later = {id(one.effect): (one, found.later) for one in found.later.ranked}
         about = [later.get(id(one.effect), (one, scores)) for one, scores in about]
-    return [(one, scores) for one, scores in about if not one.effect.foil]
+    return [(one, scores) for one, scores in about if not one.effect.rival]
 
 
 def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
-    effect, believed = one.effect, found.believed
+    effect, model = one.effect, found.model
     nats, size = found.thresholds(effect.absorbing)
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]
-    widths = np.array([effect.size(believed, found.sizes, shape) for shape in shapes])
+    widths = np.array([effect.size(model, found.sizes, shape) for shape in shapes])
     amplitudes = threshold(np.maximum(information, 1e-12), nats) * widths
     best = int(np.argmin(amplitudes / widths))
     sign = effect.sign or 1
     amplitude = float(amplitudes[best])
     for _ in range(ROUNDS):
-        if not _possible(effect, believed, amplitude):
+        if not _possible(effect, model, amplitude):
             return None
         seen = sight.of_effect(effect, effect.values(sign * amplitude, shapes[best]))
         if seen >= size:
@@ -104,11 +104,11 @@ def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smalle
     return Smallest(effect, effect.values(sign * amplitude, shapes[best]), float(compared))
 
 
-def _possible(effect: Effect, believed: Believed, amplitude: float) -> bool:
+def _possible(effect: Effect, model: Model, amplitude: float) -> bool:
     if effect.name in RELATIVE:
         return amplitude <= LARGEST_LOSS
     if effect.name == "hysteresis":
-        return amplitude <= effect.stiffness(believed)  # type: ignore[attr-defined]
+        return amplitude <= effect.stiffness(model)  # type: ignore[attr-defined]
     return bool(np.isfinite(amplitude))
 
 
@@ -134,41 +134,41 @@ def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]
 class _Sight:
     """What changes of the model do to the channels of the strongest run, in units of their noise."""
 
-    believed: Believed
-    baseline: Baseline
+    model: Model
+    filtered: Filtered
     run: int
     output: np.ndarray
     noise: np.ndarray
-    ordinary: np.ndarray
+    nuisance: np.ndarray
     gram: np.ndarray
 
     @classmethod
-    def of(cls, found: Findings, baseline: Baseline) -> _Sight:
-        believed = found.believed
+    def of(cls, found: Findings, filtered: Filtered) -> _Sight:
+        model = found.model
         run = max(
-            found.training, key=lambda number: float(root_mean_square(believed.observed.runs[number].table))
+            found.training, key=lambda number: float(root_mean_square(model.observed.runs[number].table))
         )
-        rms = np.nan_to_num(believed.observed.rms(believed.observed.runs[run]), nan=np.inf)
+        rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=np.inf)
         noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
-        noise = noise * np.sqrt(believed.observed.slower)
-        output = simulate(believed, baseline.values, baseline.effects, [run])[0]
+        noise = noise * np.sqrt(model.observed.slower)
+        output = simulate(model, filtered.values, filtered.effects, [run])[0]
         columns = []
-        for number, std in enumerate(believed.std):
-            moved = baseline.values.copy()
+        for number, std in enumerate(model.std):
+            moved = filtered.values.copy()
             moved[number] += PROBE * std
-            changed = simulate(believed, moved, baseline.effects, [run])[0]
+            changed = simulate(model, moved, filtered.effects, [run])[0]
             columns.append(((changed - output) / noise).ravel() / PROBE)
-        ordinary = np.array(columns).T
-        return cls(believed, baseline, run, output, noise, ordinary, ordinary.T @ ordinary)
+        nuisance = np.array(columns).T
+        return cls(model, filtered, run, output, noise, nuisance, nuisance.T @ nuisance)
 
     def of_effect(self, effect: Effect, values: np.ndarray) -> float:
         """Return the rms of what an effect adds to the channel where it shows most, in units of the noise."""
-        acting = [*self.baseline.effects, (effect, values)]
+        acting = [*self.filtered.effects, (effect, values)]
         with np.errstate(over="ignore", invalid="ignore"):
-            changed = simulate(self.believed, self.baseline.values, acting, [self.run])[0]
+            changed = simulate(self.model, self.filtered.values, acting, [self.run])[0]
         change = ((changed - self.output) / self.noise).ravel()
         if not np.isfinite(change).all():
             return 0.0
-        start = self.baseline.values / self.believed.std
-        left = change - self.ordinary @ boxed_step(self.gram, self.ordinary.T @ change + start, start)
+        start = self.filtered.values / self.model.std
+        left = change - self.nuisance @ boxed_step(self.gram, self.nuisance.T @ change + start, start)
         return float(root_mean_square(left.reshape(self.output.shape)).max())

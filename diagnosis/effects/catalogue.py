@@ -16,7 +16,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
@@ -81,10 +81,10 @@ class Effect:
     """+1 or -1 where only one sign of the amplitude makes sense, else 0."""
     linear: ClassVar[bool] = False
     """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
-    foil: ClassVar[bool] = False
+    rival: ClassVar[bool] = False
     """Whether this is outside the catalogue and stands for 'something else'."""
     absorbing: ClassVar[bool] = False
-    """Whether a little of it mends what every believed frame has wrong: its modes, or losses that are not viscous."""
+    """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
 
     def place(self) -> dict[str, object]:
         """Return effect and place as in the report."""
@@ -114,11 +114,11 @@ class Effect:
         del shape
         return []
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the prior standard deviation of the amplitude in SI."""
         raise NotImplementedError
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return what a unit amplitude adds."""
         raise NotImplementedError
 
@@ -127,7 +127,7 @@ class Effect:
         del shape
         return np.array([amplitude])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Put the effect with SI parameter `values` on an assembly."""
         raise NotImplementedError
 
@@ -149,15 +149,15 @@ class Registry:
 
     def names(self) -> list[str]:
         """Return the names of the effects of the catalogue."""
-        return [kind.name for kind in self.kinds if not kind.foil]
+        return [kind.name for kind in self.kinds if not kind.rival]
 
 
 CATALOGUE = Registry()
 
 
-def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
+def places(kind: type[Effect], model: Model) -> Sequence[Effect]:
     """Return a kind of effect at each of its places."""
-    structure, observed = believed.structure, believed.observed
+    structure, observed = model.structure, model.observed
     where = kind.where
     if where in ("storey", "upper storey"):
         spots = [structure.place(i) for i in range(structure.floors)]
@@ -175,25 +175,25 @@ def places(kind: type[Effect], believed: Believed) -> Sequence[Effect]:
     if where == "channel":
         return [kind(index=i, channel=name) for i, name in enumerate(observed.names)]
     if where == "logger":
-        return [_logger(kind, believed, members) for members in loggers(believed)]
+        return [_logger(kind, model, members) for members in loggers(model)]
     return [kind()]
 
 
-def loggers(believed: Believed) -> list[tuple[int, ...]]:
+def loggers(model: Model) -> list[tuple[int, ...]]:
     """Return groups of channels that may sit on a logger of their own: one kind of quantity, or one frame."""
-    observed = believed.observed
+    observed = model.observed
     everything = tuple(range(len(observed.names)))
     groups = [
         tuple(int(c) for c in np.flatnonzero(observed.quantity == kind))
         for kind in np.unique(observed.quantity)
     ]
     groups += [
-        tuple(int(c) for c in np.flatnonzero(believed.at_frame(frame)))
-        for frame in range(len(believed.structure.frames))
+        tuple(int(c) for c in np.flatnonzero(model.at_frame(frame)))
+        for frame in range(len(model.structure.frames))
     ]
     return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]
 
 
-def _logger(kind: type[Effect], believed: Believed, members: tuple[int, ...]) -> Effect:
-    names = tuple(believed.observed.names[c] for c in members)
+def _logger(kind: type[Effect], model: Model, members: tuple[int, ...]) -> Effect:
+    names = tuple(model.observed.names[c] for c in members)
     return kind(index=members[0], channel=names[0], members=members, channels=names)  # type: ignore[call-arg]

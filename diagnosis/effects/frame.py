@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.predictor import DRAG
 from pounding.diagnosis.model.sensitivity import Term
@@ -22,13 +22,13 @@ class FrameEffect(Effect):
 
     where = "frame"
 
-    def storeys(self, believed: Believed) -> StoreyFrame:
+    def storeys(self, model: Model) -> StoreyFrame:
         """Return the frame."""
-        return believed.structure.frames[believed.structure.index(str(self.frame))]
+        return model.structure.frames[model.structure.index(str(self.frame))]
 
-    def span(self, believed: Believed) -> slice:
+    def span(self, model: Model) -> slice:
         """Return its floors among all."""
-        return believed.structure.span(believed.structure.index(str(self.frame)))
+        return model.structure.span(model.structure.index(str(self.frame)))
 
 
 @CATALOGUE.add
@@ -40,23 +40,23 @@ class JointFlexibility(FrameEffect):
     absorbing = True
     quantities = (Quantity("joint_stiffness", "N m/rad"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.4 of the joints' stiffness, as a logarithm."""
         return 0.5
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force of the stiffness' derivative with respect to the logarithm of the joints' stiffness."""
-        derivative = self.storeys(believed).joint_derivative
+        derivative = self.storeys(model).joint_derivative
         assert derivative is not None
-        return matrix_terms(motion, derivative, modes.floors, self.span(believed))
+        return matrix_terms(motion, derivative, modes.floors, self.span(model))
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the joints' stiffness as a factor on the believed one."""
         return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Rescale the joints' part of the flexibility."""
-        frame, span = self.storeys(believed), self.span(believed)
+        frame, span = self.storeys(model), self.span(model)
         assert frame.joint_derivative is not None
         flexibility = np.linalg.inv(frame.stiffness)
         joints = flexibility @ frame.joint_derivative @ flexibility
@@ -78,24 +78,24 @@ class BaseRocking(FrameEffect):
     quantities = (Quantity("rotational_stiffness", "N m/rad"),)
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the compliance [rad/(N m)] that makes the roof a quarter more flexible."""
-        frame = self.storeys(believed)
+        frame = self.storeys(model)
         return 0.25 * float(np.linalg.inv(frame.stiffness)[-1, -1]) / float(frame.height_m[-1]) ** 2
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force of a unit compliance of the base."""
-        moment = self.storeys(believed).stiffness @ self.storeys(believed).height_m
-        span = self.span(believed)
+        moment = self.storeys(model).stiffness @ self.storeys(model).height_m
+        span = self.span(model)
         return [force_term(motion, lambda m: m.floor[:, span] @ moment, moment @ modes.floors[span])]
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the base's stiffness."""
         return np.array([1 / max(amplitude, 1e-12)])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the base's flexibility."""
-        frame, span = self.storeys(believed), self.span(believed)
+        frame, span = self.storeys(model), self.span(model)
         flexibility = np.linalg.inv(frame.stiffness) + np.outer(frame.height_m, frame.height_m) / abs(
             float(values[0])
         )
@@ -117,23 +117,23 @@ class PDelta(FrameEffect):
     quantities = (Quantity("weight_factor", "1"),)
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the factor that takes a fifth of the first mode's stiffness away."""
-        frame = self.storeys(believed)
+        frame = self.storeys(model)
         shape_of_first = np.linalg.solve(frame.stiffness, frame.floor_mass)
         share = (shape_of_first @ frame.geometric @ shape_of_first) / (
             shape_of_first @ frame.stiffness @ shape_of_first
         )
         return 0.2 / float(share)
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force of the frame's own weight on its drifts."""
-        return matrix_terms(motion, -self.storeys(believed).geometric, modes.floors, self.span(believed))
+        return matrix_terms(motion, -self.storeys(model).geometric, modes.floors, self.span(model))
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Take the geometric stiffness away."""
-        span = self.span(believed)
-        assembly.stiffness[span, span] -= float(values[0]) * self.storeys(believed).geometric
+        span = self.span(model)
+        assembly.stiffness[span, span] -= float(values[0]) * self.storeys(model).geometric
 
 
 @CATALOGUE.add
@@ -146,17 +146,17 @@ class AddedMass(FrameEffect):
     where = "floor"
     quantities = (Quantity("mass", "kg"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a quarter of the floor's mass."""
-        return 0.25 * floor_mass(believed.structure, self.index)
+        return 0.25 * floor_mass(model.structure, self.index)
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the inertia of a unit mass."""
         return [force_term(motion, lambda m: -m.acceleration[:, self.index], modes.floors[self.index])]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the mass."""
-        lightest = -0.9 * floor_mass(believed.structure, self.index)
+        lightest = -0.9 * floor_mass(model.structure, self.index)
         assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
 
 
@@ -169,13 +169,13 @@ class AirDrag(FrameEffect):
     quantities = (Quantity("coefficient", "N s^2/m^2"),)
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes a fifth of the inertia of a floor."""
-        span = self.span(believed)
-        inertia = float(np.mean(self.storeys(believed).floor_mass * scales.acceleration[span]))
+        span = self.span(model)
+        inertia = float(np.mean(self.storeys(model).floor_mass * scales.acceleration[span]))
         return 0.2 * inertia / float(np.mean(scales.rate[span] ** 2))
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return w abs(w) at every floor."""
 
         def drag(floor: int) -> Term:
@@ -185,13 +185,13 @@ class AirDrag(FrameEffect):
 
             return force_term(motion, pull, modes.floors[floor])
 
-        span = self.span(believed)
+        span = self.span(model)
         return [drag(floor) for floor in range(span.start, span.stop)]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the drag."""
-        span = self.span(believed)
-        row = np.zeros(believed.structure.floors)
+        span = self.span(model)
+        row = np.zeros(model.structure.floors)
         assembly.laws.append((DRAG, row, (abs(float(values[0])),), (span.start, span.stop)))
 
     def logarithmic(self) -> tuple[bool, ...]:
@@ -206,7 +206,7 @@ class TorsionalEccentricity(FrameEffect):
 
     Displacements are those of the plan's centre, the centre of stiffness. Floors turn with the lateral shapes, at
     `ratio` times the lateral frequencies where the centres coincide; neither that ratio nor the damping of turning, a
-    multiple of the lateral, is in the believed model: the one is scored on a grid, both are refined with the eccentricity.
+    multiple of the lateral, is in the baseline model: the one is scored on a grid, both are refined with the eccentricity.
     """
 
     name = "torsional_eccentricity"
@@ -226,14 +226,14 @@ class TorsionalEccentricity(FrameEffect):
         """Return ratios up to the neighbours' of the grid."""
         return [(float(shape[0] * factor),) for factor in np.geomspace(0.88, 1.14, 27)]
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the square of a fifth of the radius of gyration."""
-        return (0.2 * self.storeys(believed).gyration_m) ** 2
+        return (0.2 * self.storeys(model).gyration_m) ** 2
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the inertia of the turning floors for a unit squared eccentricity."""
-        span = self.span(believed)
-        radius = self.storeys(believed).gyration_m
+        span = self.span(model)
+        radius = self.storeys(model).gyration_m
         found = []
         for mode in range(span.start, span.stop):
             omega, ratio = float(modes.omega[mode]), float(modes.ratio[mode])
@@ -254,28 +254,28 @@ class TorsionalEccentricity(FrameEffect):
         return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0], 1.0])
 
     def like_appendage(
-        self, believed: Believed, values: np.ndarray, floor: int, appendage: np.ndarray
+        self, model: Model, values: np.ndarray, floor: int, appendage: np.ndarray
     ) -> np.ndarray:
         """Return the parameters with which the first mode meets what an appendage on a floor makes it meet.
 
         Args:
-            believed: The believed model.
-            values: Ordinary parameters of the fit with the appendage in it.
+            model: The baseline model.
+            values: Nuisance parameters of the fit with the appendage in it.
             floor: The appendage's floor among all.
             appendage: Its mass [kg], frequency [Hz] and damping ratio.
         """
-        plain = believed.plain_modes(believed.assemble(values))
-        first = self.span(believed).start
+        plain = model.plain_modes(model.assemble(values))
+        first = self.span(model).start
         mass, frequency, ratio = (float(value) for value in appendage)
         share = mass * float(plain.floors[floor, first]) ** 2
-        offset = self.storeys(believed).gyration_m * np.sqrt(max(share, 1e-9))
+        offset = self.storeys(model).gyration_m * np.sqrt(max(share, 1e-9))
         own = 2 * np.pi * frequency / float(plain.omega[first])
         return np.array([offset, own, max(ratio, 1e-4) / float(plain.ratio[first])])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the floors' rotations, scaled by the radius of gyration to displacements."""
-        span, floors = self.span(believed), believed.structure.floors
-        offset = float(values[0]) / self.storeys(believed).gyration_m
+        span, floors = self.span(model), model.structure.floors
+        offset = float(values[0]) / self.storeys(model).gyration_m
         ratio, damped = float(values[1]), float(values[2])
         n = span.stop - span.start
 
@@ -312,7 +312,7 @@ class Appendage(FrameEffect):
     name = "appendage"
     absorbing = True
     where = "floor"
-    foil = True
+    rival = True
     quantities = (Quantity("mass", "kg"), Quantity("frequency", "Hz"), Quantity("damping_ratio", "1"))
     sign = 1
 
@@ -323,11 +323,11 @@ class Appendage(FrameEffect):
         highest = float(np.sort(omega)[min(2, len(omega) - 1)])
         return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a tenth of the floor's mass."""
-        return 0.1 * floor_mass(believed.structure, self.index)
+        return 0.1 * floor_mass(model.structure, self.index)
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force of a unit mass on a spring that is driven by the floor."""
 
         def pull(m: Motion) -> np.ndarray:
@@ -340,7 +340,7 @@ class Appendage(FrameEffect):
         """Return mass, frequency and damping."""
         return np.array([max(amplitude, 1e-6), shape[0] / (2 * np.pi), 0.02])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add a coordinate."""
         weight, omega, damping_ratio = float(values[0]), 2 * np.pi * float(values[1]), float(values[2])
         floor = self.index

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass, storey_pattern, storey_stiffness
 from pounding.diagnosis.model.predictor import BUMPER, CUBIC, DAMPER, FADING, FRICTION, HYSTERESIS, LOOSENING
 from pounding.diagnosis.model.sensitivity import Term
@@ -43,36 +43,34 @@ class StoreyEffect(Effect):
 
     where = "storey"
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the force that opposes the drift, for a unit amplitude, shape (samples,)."""
         raise NotImplementedError
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force as a term."""
-        return [
-            force_term(motion, lambda m: -self.force(believed, m, shape), self.row(believed) @ modes.floors)
-        ]
+        return [force_term(motion, lambda m: -self.force(model, m, shape), self.row(model) @ modes.floors)]
 
-    def row(self, believed: Believed) -> np.ndarray:
+    def row(self, model: Model) -> np.ndarray:
         """Return the row of floors that gives the drift the law acts on, (floors,)."""
-        return np.asarray(believed.structure.drift[self.index])
+        return np.asarray(model.structure.drift[self.index])
 
     def drift(self, motion: Motion) -> np.ndarray:
         """Return that drift [m], (samples,)."""
         return np.asarray(motion.drift[:, self.index])
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return kind and parameters of the law in `pounding.diagnosis.model.predictor`."""
         raise NotImplementedError
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the law to the assembly."""
-        kind, parameters = self.law(believed, values)
-        assembly.laws.append((kind, self.row(believed), parameters, (0, 0)))
+        kind, parameters = self.law(model, values)
+        assembly.laws.append((kind, self.row(model), parameters, (0, 0)))
 
-    def stiffness(self, believed: Believed) -> float:
+    def stiffness(self, model: Model) -> float:
         """Return the believed stiffness of the storey [N/m]."""
-        return storey_stiffness(believed.structure, self.index)
+        return storey_stiffness(model.structure, self.index)
 
 
 @CATALOGUE.add
@@ -84,17 +82,17 @@ class StiffnessChange(StoreyEffect):
     linear = True
     quantities = (Quantity("relative_change", "1"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
         return 0.3
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return k d, with what it does to the joints at its ends."""
-        return pattern_terms(motion, storey_pattern(believed.structure, self.index), modes.floors)
+        return pattern_terms(motion, storey_pattern(model.structure, self.index), modes.floors)
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Change the matrix."""
-        assembly.stiffness += max(float(values[0]), -0.95) * storey_pattern(believed.structure, self.index)
+        assembly.stiffness += max(float(values[0]), -0.95) * storey_pattern(model.structure, self.index)
 
 
 @CATALOGUE.add
@@ -106,16 +104,16 @@ class DampingChange(StoreyEffect):
     linear = True
     quantities = (Quantity("damping", "N s/m"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the damper that gives the storey alone five per cent of critical in the first mode."""
-        first = float(scales.omega[believed.structure.index(str(self.frame))][0])
-        return 0.1 * self.stiffness(believed) / first
+        first = float(scales.omega[model.structure.index(str(self.frame))][0])
+        return 0.1 * self.stiffness(model) / first
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return v."""
         return motion.drift_rate[:, self.index]
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return a damper."""
         return DAMPER, (float(values[0]),)
 
@@ -132,7 +130,7 @@ class CoulombFriction(StoreyEffect):
     )
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's rms shear."""
         return 0.3 * float(scales.shear[self.index])
 
@@ -140,7 +138,7 @@ class CoulombFriction(StoreyEffect):
         """Return drifts at which the joint begins to slide [m], standing for its stiffness against its force."""
         return [(float(scales.drift[self.index]) * share,) for share in (0.005, 0.02, 0.1, 0.3)]
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the sign of the velocity, as a stiff joint that slides."""
         return _yielding(np.ascontiguousarray(motion.drift[:, self.index]), shape[0]) / shape[0]
 
@@ -148,10 +146,10 @@ class CoulombFriction(StoreyEffect):
         """Return friction force and stiffness while stuck, as a multiple of the storey's."""
         return np.array([amplitude, STICKING])
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return a stiff joint that slides at F, damped while stuck."""
-        stiffness = min(float(values[1]), STIFFEST) * self.stiffness(believed)
-        damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(believed.structure, self.index) / 2)
+        stiffness = min(float(values[1]), STIFFEST) * self.stiffness(model)
+        damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(model.structure, self.index) / 2)
         return FRICTION, (abs(float(values[0])), stiffness, float(damping))
 
     def logarithmic(self) -> tuple[bool, ...]:
@@ -164,16 +162,16 @@ class FadingFriction(CoulombFriction):
     """Friction that fast sliding wears down: a foil of the friction that leads, and so at no place of its own."""
 
     name = "fading_friction"
-    foil = True
+    rival = True
     quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s"))
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return friction force, stiffness while stuck and a rate of 1 m/s."""
         return np.array([*super().values(amplitude, shape), 1.0])
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return friction that has lost half of itself at a rate."""
-        _, friction = super().law(believed, values)
+        _, friction = super().law(model, values)
         return FADING, (*friction, max(abs(float(values[2])), 1e-9))
 
     def logarithmic(self) -> tuple[bool, ...]:
@@ -189,15 +187,15 @@ class CubicStiffness(StoreyEffect):
     name = "cubic_stiffness"
     quantities = (Quantity("cubic_stiffness", "N/m^3"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes 0.3 of the linear force at twice the rms drift."""
-        return 0.3 * self.stiffness(believed) / (2 * float(scales.drift[self.index])) ** 2
+        return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return d^3."""
         return motion.drift[:, self.index] ** 3
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return a cubic spring."""
         return CUBIC, (float(values[0]),)
 
@@ -219,16 +217,16 @@ class Hysteresis(StoreyEffect):
     )
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's stiffness."""
-        return 0.3 * self.stiffness(believed)
+        return 0.3 * self.stiffness(model)
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return yield drifts [m]."""
         largest = float(max(scales.highest[self.index], -scales.lowest[self.index]))
         return [(largest * share,) for share in (0.06, 0.12, 0.2, 0.32, 0.46, 0.62, 0.8)]
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return what the yielding part lacks of its elastic force."""
         drift = np.ascontiguousarray(motion.drift[:, self.index])
         return _yielding(drift, shape[0]) - drift
@@ -237,7 +235,7 @@ class Hysteresis(StoreyEffect):
         """Return yield force, stiffness and the sharpness of the knee."""
         return np.array([amplitude * shape[0], amplitude, SHARPNESS])
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return the yielding part less its elastic force."""
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
         return HYSTERESIS, (abs(float(values[0])), abs(float(values[1])), sharpness)
@@ -256,18 +254,18 @@ class Loosening(StoreyEffect):
     quantities = (Quantity("final_relative_change", "1"),)
     sign = -1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
         return 0.3
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return k (t / T) d."""
         share = np.linspace(0.0, 1.0, len(motion.drift))
-        return self.stiffness(believed) * share * motion.drift[:, self.index]
+        return self.stiffness(model) * share * motion.drift[:, self.index]
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return a spring that grows with time, up to the duration of the run."""
-        return LOOSENING, (max(float(values[0]), -0.95) * self.stiffness(believed), float("nan"))
+        return LOOSENING, (max(float(values[0]), -0.95) * self.stiffness(model), float("nan"))
 
 
 @CATALOGUE.add
@@ -279,9 +277,9 @@ class Bumper(StoreyEffect):
     quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m"))
     sign = 1
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the storey's stiffness."""
-        return self.stiffness(believed)
+        return self.stiffness(model)
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return gaps [m] on both sides."""
@@ -289,7 +287,7 @@ class Bumper(StoreyEffect):
         ends = (float(scales.highest[self.index]), float(scales.lowest[self.index]))
         return [(end * share,) for end in ends for share in shares]
 
-    def force(self, believed: Believed, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
+    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the penetration."""
         beyond = self.drift(motion) - shape[0]
         return np.maximum(beyond, 0.0) if shape[0] >= 0 else np.minimum(beyond, 0.0)
@@ -298,7 +296,7 @@ class Bumper(StoreyEffect):
         """Return gap and stiffness."""
         return np.array([shape[0], amplitude])
 
-    def law(self, believed: Believed, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
         """Return a stop."""
         return BUMPER, (float(values[0]), abs(float(values[1])))
 
@@ -314,11 +312,11 @@ class Tie(Bumper):
 
     name = "tie"
     where = "upper storey"
-    foil = True
+    rival = True
 
-    def row(self, believed: Believed) -> np.ndarray:
+    def row(self, model: Model) -> np.ndarray:
         """Return the row of both storeys' drifts together, (floors,)."""
-        return np.asarray(believed.structure.drift[self.index - 1 : self.index + 1].sum(axis=0))
+        return np.asarray(model.structure.drift[self.index - 1 : self.index + 1].sum(axis=0))
 
     def drift(self, motion: Motion) -> np.ndarray:
         """Return both storeys' drifts together [m], (samples,)."""

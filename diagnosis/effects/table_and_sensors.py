@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
@@ -24,15 +24,15 @@ class TableGain(Effect):
     linear = True
     quantities = (Quantity("relative_change", "1"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.2."""
         return 0.2
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the table's own force."""
         return [table_term(modes, motion.run.table)]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Scale the table."""
         assembly.table_gain += float(values[0])
 
@@ -46,15 +46,15 @@ class TableDelay(Effect):
     linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 6 ms."""
         return 0.006
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the table's rate of change."""
-        return [table_term(modes, -believed.table_slope(motion.run))]
+        return [table_term(modes, -model.table_slope(motion.run))]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Delay the table."""
         assembly.table_delay_s += float(values[0])
 
@@ -68,21 +68,21 @@ class TableTilt(Effect):
     linear = True
     quantities = (Quantity("tilt", "rad s^2/m"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what moves the roof by a tenth of the table at the first frequency."""
-        height = max(float(frame.height_m[-1]) for frame in believed.structure.frames)
+        height = max(float(frame.height_m[-1]) for frame in model.structure.frames)
         return 0.3 / (height * float(scales.omega[0][0]) ** 2)
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the inertia of the pitching floors, their leaning weight, and what sensors see of the pitch."""
-        pitch, pitching, inertia, weight, seen = tilt_series(believed, modes, motion.run)
+        pitch, pitching, inertia, weight, seen = tilt_series(model, modes, motion.run)
         return [
             Term(-pitching, inertia, inertial=True),
             Term(pitch, weight),
             Term(pitch, output=seen),
         ]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Tilt the table."""
         assembly.table_tilt += float(values[0])
 
@@ -103,15 +103,15 @@ class SensorGain(ChannelEffect):
     linear = True
     quantities = (Quantity("relative_change", "1"),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.2."""
         return 0.2
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the channel itself."""
-        return [channel_term(believed, self.index, motion.outputs[:, self.index])]
+        return [channel_term(model, self.index, motion.outputs[:, self.index])]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Scale the channel; a sensor of the wrong polarity is a gain of -2."""
         assembly.channel_gain[self.index] += float(values[0])
 
@@ -125,15 +125,15 @@ class SensorDelay(ChannelEffect):
     linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 6 ms."""
         return 0.006
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the channel's rate, as it follows from the state."""
-        return [channel_term(believed, self.index, -motion.output_rate[:, self.index])]
+        return [channel_term(model, self.index, -motion.output_rate[:, self.index])]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Delay the channel."""
         assembly.channel_delay_s[self.index] += float(values[0])
 
@@ -154,15 +154,15 @@ class LoggerDelay(ChannelEffect):
     members: tuple[int, ...] = ()
     channels: tuple[str, ...] = ()
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 6 ms."""
         return 0.006
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the rates of the channels."""
-        return [channel_term(believed, channel, -motion.output_rate[:, channel]) for channel in self.members]
+        return [channel_term(model, channel, -motion.output_rate[:, channel]) for channel in self.members]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Delay the channels."""
         assembly.channel_delay_s[list(self.members)] += float(values[0])
 
@@ -180,14 +180,14 @@ class SensorOffset(ChannelEffect):
     linear = True
     quantities = (Quantity("offset", CHANNEL_UNIT),)
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the channel's rms."""
         return 0.3 * float(scales.output[self.index])
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return a constant."""
-        return [channel_term(believed, self.index, np.ones(len(motion.outputs)))]
+        return [channel_term(model, self.index, np.ones(len(motion.outputs)))]
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Offset the channel."""
         assembly.channel_offset[self.index] += float(values[0])

@@ -12,7 +12,7 @@ import numpy as np
 from pounding.diagnosis.effects.candidate_file import UserForce, UserParameter
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.predictor import USER
 from pounding.diagnosis.model.sensitivity import Term
@@ -37,17 +37,17 @@ class UserEffect(Effect):
         others = self.source.parameters[1:]
         return list(product(*(_values(parameter, SHAPES[len(others)]) for parameter in others)))
 
-    def size(self, believed: Believed, scales: Scales, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the typical size of the first parameter [SI]."""
         return float(np.max(np.abs(self.source.parameters[0].sizes)))
 
-    def row(self, believed: Believed) -> np.ndarray:
+    def row(self, model: Model) -> np.ndarray:
         """Return the floors' displacements that make the drift or displacement on which the force acts."""
         if self.where == "floor":
-            return np.eye(believed.structure.floors)[self.index]
-        return np.asarray(believed.structure.drift[self.index])
+            return np.eye(model.structure.floors)[self.index]
+        return np.asarray(model.structure.drift[self.index])
 
-    def terms(self, believed: Believed, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force for a unit of the first parameter."""
 
         def pull(m: Motion) -> np.ndarray:
@@ -55,16 +55,16 @@ class UserEffect(Effect):
             time = np.arange(len(x)) * motion.run.step_s
             return -self.source.force((1.0, *shape), x[:, self.index], v[:, self.index], time)
 
-        return [force_term(motion, pull, self.row(believed) @ modes.floors)]
+        return [force_term(motion, pull, self.row(model) @ modes.floors)]
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the parameters in SI."""
         return np.array([amplitude, *shape])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the function as a law."""
         parameters = tuple(float(value) for value in values)
-        assembly.laws.append((USER, self.row(believed), parameters, (self.source.address, 0)))
+        assembly.laws.append((USER, self.row(model), parameters, (self.source.address, 0)))
 
     def logarithmic(self) -> tuple[bool, ...]:
         """What may change its sign is refined as it is, the rest as logarithms."""

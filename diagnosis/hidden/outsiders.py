@@ -53,7 +53,7 @@ def running_fan(setting: Setting, size: float, rng: np.random.Generator) -> tupl
 
 
 def wrong_frame(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Measure a frame that is not the one believed: tapered, and with its mass elsewhere."""
+    """Measure a frame that is not the one model: tapered, and with its mass elsewhere."""
     beams = setting.beams
     along = np.linspace(-1.0, 1.0, beams.storeys)
     taper = 0.8 * size * rng.choice([-1.0, 1.0])

@@ -15,7 +15,7 @@ from pounding.diagnosis.hidden.scenario import Scenario
 Clean = Callable[[Scenario, bool], np.ndarray]
 
 REACH = 2.5
-"""How far an ordinary parameter may go to imitate an effect, in prior standard deviations."""
+"""How far an nuisance parameter may go to imitate an effect, in prior standard deviations."""
 
 LEAST = 1e-6
 """Visibility of what changes no channel at all."""
@@ -27,10 +27,10 @@ ENOUGH = 0.1
 
 
 class Eye:
-    """What can be told from noise and from ordinary parameters in the channels of one run.
+    """What can be told from noise and from nuisance parameters in the channels of one run.
 
     Two figures say how far an effect stands above the noise, both for the channel that shows most: the root
-    mean square change over the noise, and the same after the ordinary parameters have been refitted within
+    mean square change over the noise, and the same after the nuisance parameters have been refitted within
     `REACH` of their priors to imitate it. The second is the visibility of a hidden effect.
     """
 
@@ -52,7 +52,7 @@ class Eye:
         return self.clean(nudged(self.without, at), True) / self.noise + self.coarse
 
     def _sensitivity(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the channels' change per prior deviation of the ordinary parameters, and its factor."""
+        """Return the channels' change per prior deviation of the nuisance parameters, and its factor."""
         here = self._imitated(at)
         moved = [self._imitated(at + NUDGE * unit) for unit in np.eye(len(at))]
         imitable = np.array([(there - here).ravel() / NUDGE for there in moved]).T
@@ -98,7 +98,7 @@ def _largest(change: np.ndarray) -> float:
 
 
 def ordinary_parameters(scenario: Scenario) -> int:
-    """Return how many ordinary parameters a scenario has."""
+    """Return how many nuisance parameters a scenario has."""
     return 2 + sum(1 + _damped(beams) + 2 * beams.storeys for beams in scenario.frames.values())
 
 
@@ -107,7 +107,7 @@ def _damped(beams: Beams) -> int:
 
 
 def nudged(scenario: Scenario, at: np.ndarray) -> Scenario:
-    """Return a scenario with its ordinary parameters moved by so many prior standard deviations.
+    """Return a scenario with its nuisance parameters moved by so many prior standard deviations.
 
     Args:
         scenario: The scenario.

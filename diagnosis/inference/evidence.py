@@ -1,4 +1,4 @@
-"""Evidence of every candidate about a calibrated predictor, in nats, with the ordinary parameters always free."""
+"""Evidence of every candidate about a calibrated predictor, in nats, with the nuisance parameters always free."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
-from pounding.diagnosis.inference.filtering import Baseline, grouped_signatures, motions, whitened_innovations
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered, grouped_signatures, motions, whitened_innovations
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.sensitivity import Term
-from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.diagnosis.model.terms import nuisance_terms
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Score:
         effect: The candidate. shape: What is not amplitude, in SI. amplitude: Best amplitude in SI.
         std: Its standard error. nats: Log evidence against the model without it.
         column: Its row in `Scores.projected`.
-        ordinary: How the ordinary parameters move with it, in their own units, shape (parameters,): what of the effect
+        nuisance: How the nuisance parameters move with it, in their own units, shape (parameters,): what of the effect
             they had taken they give back.
     """
 
@@ -33,7 +33,7 @@ class Score:
     std: float
     nats: float
     column: int
-    ordinary: np.ndarray
+    nuisance: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -44,22 +44,22 @@ class Scores:
     projected: np.ndarray
 
     def cosine(self, one: Score, other: Score) -> float:
-        """Return how alike the signatures of two candidates are, after the ordinary parameters took their part."""
+        """Return how alike the signatures of two candidates are, after the nuisance parameters took their part."""
         gram = self.projected
         size = np.sqrt(gram[one.column, one.column] * gram[other.column, other.column])
         return abs(float(gram[one.column, other.column] / size)) if size > 0 else 0.0
 
 
-def scales(believed: Believed, baseline: Baseline) -> Scales:
+def scales(model: Model, filtered: Filtered) -> Scales:
     """Return the typical sizes of motion about a baseline."""
-    found = motions(believed, baseline)
+    found = motions(model, filtered)
     drift = np.concatenate([motion.drift for motion in found])
     acceleration = np.concatenate([motion.acceleration for motion in found])
-    mass = np.concatenate([frame.floor_mass for frame in believed.structure.frames])
+    mass = np.concatenate([frame.floor_mass for frame in model.structure.frames])
     shear = np.concatenate(
         [
             root_mean_square(np.cumsum((acceleration * mass)[:, span][:, ::-1], axis=1)[:, ::-1])
-            for span in map(believed.structure.span, range(len(believed.structure.frames)))
+            for span in map(model.structure.span, range(len(model.structure.frames)))
         ]
     )
     # A storey that hardly moves still needs a scale: a hundredth of the largest.
@@ -74,19 +74,18 @@ def scales(believed: Believed, baseline: Baseline) -> Scales:
         acceleration=root_mean_square(acceleration),
         rate=root_mean_square(np.concatenate([m.floor_rate + m.table_rate[:, None] for m in found])),
         output=np.nan_to_num(
-            root_mean_square(np.concatenate([believed.observed.runs[run].measured for run in baseline.runs])),
+            root_mean_square(np.concatenate([model.observed.runs[run].measured for run in filtered.runs])),
             nan=1.0,
         ),
         omega=tuple(
-            baseline.modes.omega[believed.structure.span(frame)]
-            for frame in range(len(believed.structure.frames))
+            filtered.modes.omega[model.structure.span(frame)] for frame in range(len(model.structure.frames))
         ),
     )
 
 
 def score(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     effects: Sequence[Effect],
     sizes: Scales,
     present: Sequence[np.ndarray] = (),
@@ -94,42 +93,42 @@ def score(
     """Return the scores of candidates about a baseline.
 
     Args:
-        believed: The believed model.
-        baseline: The predictor about which to linearise.
+        model: The baseline model.
+        filtered: The predictor about which to linearise.
         effects: The candidates.
         sizes: Typical sizes of motion.
         present: For each run whitened and prior-scaled columns of effects that the baseline already has; they stay
-            free as the ordinary parameters do.
+            free as the nuisance parameters do.
     """
     columns = [(effect, shape) for effect in effects for shape in effect.grid(sizes)]
-    width = np.array([effect.size(believed, sizes, shape) for effect, shape in columns])
-    free = len(believed.std) + (present[0].shape[1] if present else 0)
+    width = np.array([effect.size(model, sizes, shape) for effect, shape in columns])
+    free = len(model.std) + (present[0].shape[1] if present else 0)
     total = free + len(columns)
     gram, slope = np.zeros((total, total)), np.zeros(total)
-    residuals = whitened_innovations(believed, baseline)
-    for number, motion in enumerate(motions(believed, baseline)):
-        one = Baseline(
-            baseline.values,
-            baseline.effects,
-            baseline.modes,
-            (baseline.noise[number],),
-            (baseline.filters[number],),
-            baseline.prediction,
+    residuals = whitened_innovations(model, filtered)
+    for number, motion in enumerate(motions(model, filtered)):
+        one = Filtered(
+            filtered.values,
+            filtered.effects,
+            filtered.modes,
+            (filtered.noise[number],),
+            (filtered.filters[number],),
+            filtered.prediction,
             0.0,
-            (baseline.runs[number],),
+            (filtered.runs[number],),
         )
-        groups: list[list[Term]] = ordinary_terms(believed, baseline.modes, motion)
-        groups += [effect.terms(believed, baseline.modes, motion, shape) for effect, shape in columns]
-        signature = grouped_signatures(believed, one, [groups])[0]
+        groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
+        groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
+        signature = grouped_signatures(model, one, [groups])[0]
         # Candidates are often nearly ordinary: what is left of them is a small difference, and needs double precision.
-        signature = signature.astype(float) * np.concatenate([believed.std, width])
+        signature = signature.astype(float) * np.concatenate([model.std, width])
         if present:
-            ordinary = len(believed.std)
-            signature = np.hstack([signature[:, :ordinary], present[number], signature[:, ordinary:]])
+            nuisance = len(model.std)
+            signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
-    slope[: len(believed.std)] -= baseline.values / believed.std
-    return _rank(columns, width, gram, slope, free, believed.std)
+    slope[: len(model.std)] -= filtered.values / model.std
+    return _rank(columns, width, gram, slope, free, model.std)
 
 
 def _rank(
@@ -140,8 +139,8 @@ def _rank(
     free: int,
     std: np.ndarray,
 ) -> Scores:
-    ordinary = gram[:free, :free] + np.eye(free)
-    taken = np.linalg.solve(ordinary, gram[:free, free:])
+    nuisance = gram[:free, :free] + np.eye(free)
+    taken = np.linalg.solve(nuisance, gram[:free, free:])
     projected = gram[free:, free:] - gram[free:, :free] @ taken
     pull = slope[free:] - taken.T @ slope[:free]
     information = np.maximum(np.diag(projected), 0.0)
@@ -159,7 +158,7 @@ def _rank(
             if allowed
             else float(min(nats[column], -0.5 * np.log1p(information[column]))),
             column=column,
-            ordinary=-taken[: len(std), column] * amplitude[column] * std,
+            nuisance=-taken[: len(std), column] * amplitude[column] * std,
         )
         key = id(effect)
         if key not in best or found.nats > best[key].nats:

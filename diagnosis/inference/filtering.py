@@ -9,23 +9,23 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from pounding.diagnosis.model.kalman import Noise, SteadyFilter, linear_system, steady_filter
-from pounding.diagnosis.model.model import Acting, Believed, Prediction
+from pounding.diagnosis.model.model import Acting, Model, Prediction
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.terms import Motion, ordinary_terms
+from pounding.diagnosis.model.terms import Motion, nuisance_terms
 
 BOX = 3.0
-"""Prior standard deviations that an ordinary parameter may move: what lies beyond is not ordinary."""
+"""Prior standard deviations that an nuisance parameter may move: what lies beyond is not ordinary."""
 
 
 @dataclass(frozen=True)
-class Baseline:
+class Filtered:
     """A calibrated predictor: parameter values, effects in it, noise of each run, its filters, and what they leave.
 
     Attributes:
-        values: Ordinary parameters in their own units.
+        values: Nuisance parameters in their own units.
         effects: Effects that act, with their SI parameters.
         modes: Modes with these.
         noise: Noise of each training run.
@@ -45,43 +45,43 @@ class Baseline:
     runs: tuple[int, ...]
 
 
-def run_baseline(
-    believed: Believed,
+def run_filter(
+    model: Model,
     values: np.ndarray,
     noise: Sequence[Noise],
     runs: Sequence[int],
     effects: Sequence[tuple[Acting, np.ndarray]] = (),
-) -> Baseline:
+) -> Filtered:
     """Return the predictor at `values` with its steady filters and innovations."""
-    modes = believed.modes(believed.assemble(values, effects))
-    filters = design(believed, modes, noise, runs)
-    prediction = believed.predict(values, [f.gain for f in filters], effects, runs)
-    return Baseline(
+    modes = model.modes(model.assemble(values, effects))
+    filters = design(model, modes, noise, runs)
+    prediction = model.predict(values, [f.gain for f in filters], effects, runs)
+    return Filtered(
         values=np.array(values, float),
         effects=tuple(effects),
         modes=modes,
         noise=tuple(noise),
         filters=filters,
         prediction=prediction,
-        log_likelihood=log_likelihood(believed, prediction.innovations, filters, runs),
+        log_likelihood=log_likelihood(model, prediction.innovations, filters, runs),
         runs=tuple(runs),
     )
 
 
 def design(
-    believed: Believed, modes: Modes, noise: Sequence[Noise], runs: Sequence[int]
+    model: Model, modes: Modes, noise: Sequence[Noise], runs: Sequence[int]
 ) -> tuple[SteadyFilter, ...]:
     """Return the steady filter of each run."""
-    rows = believed.structure.drift @ modes.floors
-    system = linear_system(modes, rows, believed.observed.quantity, believed.observed.floor)
+    rows = model.structure.drift @ modes.floors
+    system = linear_system(modes, rows, model.observed.quantity, model.observed.floor)
     return tuple(
-        steady_filter(system, one, believed.observed.runs[run].step_s)
+        steady_filter(system, one, model.observed.runs[run].step_s)
         for one, run in zip(noise, runs, strict=True)
     )
 
 
 def log_likelihood(
-    believed: Believed,
+    model: Model,
     innovations: Sequence[np.ndarray],
     filters: Sequence[SteadyFilter],
     runs: Sequence[int],
@@ -89,7 +89,7 @@ def log_likelihood(
     """Return the Gaussian log likelihood of the innovations [nats], missing samples left out."""
     total = 0.0
     for series, steady, run in zip(innovations, filters, runs, strict=True):
-        good = np.isfinite(believed.observed.runs[run].measured)
+        good = np.isfinite(model.observed.runs[run].measured)
         total -= 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
         total -= float(np.sum(good.sum(axis=0) * np.log(np.diag(_factor(steady)))))
     return total
@@ -109,24 +109,22 @@ def _factor(steady: SteadyFilter) -> np.ndarray:
     return np.asarray(np.linalg.cholesky(steady.covariance))
 
 
-def motions(believed: Believed, baseline: Baseline) -> list[Motion]:
+def motions(model: Model, filtered: Filtered) -> list[Motion]:
     """Return the motion of each run of a baseline, as predicted and as filtered."""
     found = []
-    for number, run in enumerate(baseline.runs):
-        data, outputs = believed.observed.runs[run], baseline.prediction.outputs[number]
-        start = _motion(believed, baseline.modes, baseline.prediction.after[number], data, outputs)
-        predicted = _motion(believed, baseline.modes, baseline.prediction.before[number], data, outputs)
+    for number, run in enumerate(filtered.runs):
+        data, outputs = model.observed.runs[run], filtered.prediction.outputs[number]
+        start = _motion(model, filtered.modes, filtered.prediction.after[number], data, outputs)
+        predicted = _motion(model, filtered.modes, filtered.prediction.before[number], data, outputs)
         found.append(replace(predicted, start=start))
     return found
 
 
-def _motion(
-    believed: Believed, modes: Modes, states: np.ndarray, run: RunData, outputs: np.ndarray
-) -> Motion:
+def _motion(model: Model, modes: Modes, states: np.ndarray, run: RunData, outputs: np.ndarray) -> Motion:
     n = len(modes.omega)
     eta, rate = states[:, :n], states[:, n : 2 * n]
     floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
-    drift = believed.structure.drift
+    drift = model.structure.drift
     return Motion(
         run=run,
         eta=eta,
@@ -135,41 +133,41 @@ def _motion(
         floor_rate=floor_rate,
         drift=floor @ drift.T,
         drift_rate=floor_rate @ drift.T,
-        acceleration=_acceleration(believed, modes, states),
+        acceleration=_acceleration(model, modes, states),
         table_rate=states[:, -1],
         outputs=outputs,
-        output_rate=_output_rate(believed, modes, states, run),
+        output_rate=_output_rate(model, modes, states, run),
     )
 
 
-def _acceleration(believed: Believed, modes: Modes, states: np.ndarray) -> np.ndarray:
+def _acceleration(model: Model, modes: Modes, states: np.ndarray) -> np.ndarray:
     """Return the absolute acceleration of every floor for predicted states, shape (samples, floors)."""
-    floors = np.arange(believed.structure.floors)
-    rows = believed.structure.drift @ modes.floors
+    floors = np.arange(model.structure.floors)
+    rows = model.structure.drift @ modes.floors
     system = linear_system(modes, rows, np.full(len(floors), ACCELERATION), floors)
     return np.asarray(states @ system.output.T)
 
 
-def _output_rate(believed: Believed, modes: Modes, states: np.ndarray, run: RunData) -> np.ndarray:
+def _output_rate(model: Model, modes: Modes, states: np.ndarray, run: RunData) -> np.ndarray:
     """Return the rate of each channel that follows from the state alone, shape (samples, channels).
 
     A difference between predicted samples would hold the innovation that it is to be compared with.
     """
     system = linear_system(
-        modes, believed.structure.drift @ modes.floors, believed.observed.quantity, believed.observed.floor
+        modes, model.structure.drift @ modes.floors, model.observed.quantity, model.observed.floor
     )
     table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
     return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table))
 
 
 def grouped_signatures(
-    believed: Believed, baseline: Baseline, groups: Sequence[Sequence[list[Term]]]
+    model: Model, filtered: Filtered, groups: Sequence[Sequence[list[Term]]]
 ) -> list[np.ndarray]:
     """Return whitened signatures of each run, (samples * channels, columns); `groups[run][column]` lists terms."""
     found = []
-    for number, run in enumerate(baseline.runs):
-        steady = baseline.filters[number]
-        good = np.isfinite(believed.observed.runs[run].measured)
+    for number, run in enumerate(filtered.runs):
+        steady = filtered.filters[number]
+        good = np.isfinite(model.observed.runs[run].measured)
         if good.all():
             each = signatures(steady, groups[number], np.linalg.inv(_factor(steady)))
         else:
@@ -178,25 +176,25 @@ def grouped_signatures(
     return found
 
 
-def whitened_innovations(believed: Believed, baseline: Baseline) -> list[np.ndarray]:
+def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
     """Return the whitened innovations of each run, flat."""
     return [
-        whitened(series, steady, np.isfinite(believed.observed.runs[run].measured)).ravel()
+        whitened(series, steady, np.isfinite(model.observed.runs[run].measured)).ravel()
         for series, steady, run in zip(
-            baseline.prediction.innovations, baseline.filters, baseline.runs, strict=True
+            filtered.prediction.innovations, filtered.filters, filtered.runs, strict=True
         )
     ]
 
 
-def normal_equations(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, np.ndarray]:
-    """Return the Gauss-Newton matrix and slope of the ordinary parameters in units of their priors, priors left out."""
-    groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
-    signature = grouped_signatures(believed, baseline, groups)
-    innovations = whitened_innovations(believed, baseline)
-    count = len(believed.std)
+def normal_equations(model: Model, filtered: Filtered) -> tuple[np.ndarray, np.ndarray]:
+    """Return the Gauss-Newton matrix and slope of the nuisance parameters in units of their priors, priors left out."""
+    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+    signature = grouped_signatures(model, filtered, groups)
+    innovations = whitened_innovations(model, filtered)
+    count = len(model.std)
     gram, slope = np.zeros((count, count)), np.zeros(count)
     for columns, series in zip(signature, innovations, strict=True):
-        scaled = columns.astype(float) * believed.std
+        scaled = columns.astype(float) * model.std
         gram += scaled.T @ scaled
         slope += scaled.T @ series
     return gram, slope
@@ -223,59 +221,59 @@ def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upp
     return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)
 
 
-def misfit(believed: Believed, baseline: Baseline, values: np.ndarray) -> float:
+def misfit(model: Model, filtered: Filtered, values: np.ndarray) -> float:
     """Return half the sum of squares of whitened innovations and scaled parameters with the baseline's gains kept."""
-    prediction = believed.predict(
-        values, [steady.gain for steady in baseline.filters], baseline.effects, baseline.runs
+    prediction = model.predict(
+        values, [steady.gain for steady in filtered.filters], filtered.effects, filtered.runs
     )
-    total = 0.5 * float(np.sum((values / believed.std) ** 2))
-    for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
-        good = np.isfinite(believed.observed.runs[run].measured)
+    total = 0.5 * float(np.sum((values / model.std) ** 2))
+    for series, steady, run in zip(prediction.innovations, filtered.filters, filtered.runs, strict=True):
+        good = np.isfinite(model.observed.runs[run].measured)
         # A trial step may well blow up: its misfit is then infinite, and the step is not taken.
         with np.errstate(over="ignore", invalid="ignore"):
             total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
     return total if np.isfinite(total) else float("inf")
 
 
-def descend(believed: Believed, baseline: Baseline, iterations: int, enough: float = 0.5) -> Baseline:
+def descend(model: Model, filtered: Filtered, iterations: int, enough: float = 0.5) -> Filtered:
     """Take up to `iterations` Gauss-Newton steps inside the priors, each halved until it helps.
 
     Gain and innovation covariance stay while a step is judged: were they to follow the parameters, a likelihood with
     too large a latent force would be improved by modes that shrink it rather than by ones that fit.
     """
     for _ in range(iterations):
-        gram, slope = normal_equations(believed, baseline)
-        start = baseline.values / believed.std
-        step = boxed_step(gram, slope, start) * believed.std
-        before = misfit(believed, baseline, baseline.values)
+        gram, slope = normal_equations(model, filtered)
+        start = filtered.values / model.std
+        step = boxed_step(gram, slope, start) * model.std
+        before = misfit(model, filtered, filtered.values)
         for fraction in (1.0, 0.5, 0.2, 0.05):
-            after = misfit(believed, baseline, baseline.values + fraction * step)
+            after = misfit(model, filtered, filtered.values + fraction * step)
             if after < before:
                 break
         else:
-            return baseline
-        values = baseline.values + fraction * step
-        baseline = run_baseline(believed, values, baseline.noise, baseline.runs, baseline.effects)
+            return filtered
+        values = filtered.values + fraction * step
+        filtered = run_filter(model, values, filtered.noise, filtered.runs, filtered.effects)
         if before - after < enough:
             break
-    return baseline
+    return filtered
 
 
-def penalised(believed: Believed, baseline: Baseline) -> float:
-    """Return log likelihood plus log prior of the ordinary parameters [nats]."""
-    return baseline.log_likelihood - 0.5 * float(np.sum((baseline.values / believed.std) ** 2))
+def penalised(model: Model, filtered: Filtered) -> float:
+    """Return log likelihood plus log prior of the nuisance parameters [nats]."""
+    return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
 
 
-def matched_noise(believed: Believed, baseline: Baseline) -> tuple[Noise, ...]:
+def matched_noise(model: Model, filtered: Filtered) -> tuple[Noise, ...]:
     """Return the noise with each channel's variance moved to what the innovations show."""
     found = []
-    for number, run in enumerate(baseline.runs):
-        noise, steady = baseline.noise[number], baseline.filters[number]
-        measured = np.isfinite(believed.observed.runs[run].measured)
+    for number, run in enumerate(filtered.runs):
+        noise, steady = filtered.noise[number], filtered.filters[number]
+        measured = np.isfinite(model.observed.runs[run].measured)
         count = np.maximum(measured.sum(axis=0), 1)
-        seen = np.sum(baseline.prediction.innovations[number] ** 2, axis=0) / count
+        seen = np.sum(filtered.prediction.innovations[number] ** 2, axis=0) / count
         expected = np.diag(steady.covariance)
-        floor = 1e-4 * np.nan_to_num(believed.observed.rms(believed.observed.runs[run]), nan=1.0)
+        floor = 1e-4 * np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=1.0)
         ratio = np.clip(seen / expected, 0.1, 10.0)
         channel = np.where(np.isfinite(noise.channel), noise.channel * np.sqrt(ratio), np.inf)
         found.append(replace(noise, channel=np.maximum(channel, floor)))

@@ -10,10 +10,10 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.evidence import Scores
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.misfit import by_frame, channel_gaps, floors, median, over_floor, simulate
 from pounding.diagnosis.inference.refine import Fit
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 
 if TYPE_CHECKING:
     from pounding.diagnosis.model.pair import Pair
@@ -51,7 +51,7 @@ DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
 PAIR_NATS, PAIR_SIZE = 200.0, 0.2
 LOCAL_NATS, LOCAL_SIZE = 100.0, 0.1
 CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
-"""The same for frames that collide. Impacts show how a believed frame is off: effects that absorb some of that had up to 463
+"""The same for frames that collide. Impacts show how a baseline frame is off: effects that absorb some of that had up to 463
 nats, and up to 0.16 of the noise where nothing at all was hidden; others, whose thresholds are the second, up to 21. Where a
 force cell told of the impacts, what is slow beside them may also show by so much evidence in less of it."""
 BLIND_FACTOR = 2.0
@@ -76,7 +76,7 @@ class Findings:
         training, held_out: Numbers of the runs.
     """
 
-    believed: Believed
+    model: Model
     null: Judged
     scores: Scores
     sizes: Scales
@@ -88,7 +88,7 @@ class Findings:
     """Scores of second effects about the best fit."""
     pair: Pair | None = None
     """Two frames that touch, at the rate of the logger."""
-    settled: tuple[Judged, Believed, Baseline] | None = None
+    settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
     engine: dict[int, np.ndarray] = field(default_factory=dict)
     """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
@@ -97,7 +97,7 @@ class Findings:
         """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
 
         Args:
-            absorbing: Whether a little of it mends what every believed frame has wrong (see `Effect.absorbing`).
+            absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).
         """
         if self.pair is None:
             return DETECTED_NATS, DETECTED_SIZE
@@ -156,24 +156,22 @@ def _beside(judged: Judged, floor: int | None) -> bool:
     return any(effect.storey in (floor, floor + 1) or effect.floor == floor for effect in judged.effects)
 
 
-def judge(
-    believed: Believed, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]
-) -> Judged:
+def judge(model: Model, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]) -> Judged:
     """Return a fit with its evidence and its gaps."""
-    each = [fit_gaps(believed, fit.baseline, runs) for runs in (training, held_out)]
+    each = [fit_gaps(model, fit.filtered, runs) for runs in (training, held_out)]
     return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
 
-def judged_on(judged: Judged, believed: Believed, baseline: Baseline, *runs: tuple[int, ...]) -> Judged:
+def judged_on(judged: Judged, model: Model, filtered: Filtered, *runs: tuple[int, ...]) -> Judged:
     """Return a candidate with the gaps that a baseline with its effects leaves in a model with other contact forces.
 
     Args:
         judged: The candidate.
-        believed: The model.
-        baseline: Its frames with the effects.
+        model: The model.
+        filtered: Its frames with the effects.
         runs: Numbers of the training and of the held-out runs.
     """
-    each = [fit_gaps(believed, baseline, some) for some in runs]
+    each = [fit_gaps(model, filtered, some) for some in runs]
     return replace(judged, gap=_medians(each), channel_gap=np.array(each))
 
 
@@ -182,19 +180,19 @@ def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
     return training, held_out
 
 
-def fit_gaps(believed: Believed, baseline: Baseline, runs: tuple[int, ...]) -> np.ndarray:
+def fit_gaps(model: Model, filtered: Filtered, runs: tuple[int, ...]) -> np.ndarray:
     """Return the gap of each channel that a fit leaves over some runs, NaN without any."""
     if not runs:
-        return np.full(len(believed.observed.names), np.nan)
-    return channel_gaps(believed, simulate(believed, baseline.values, baseline.effects, runs), runs)
+        return np.full(len(model.observed.names), np.nan)
+    return channel_gaps(model, simulate(model, filtered.values, filtered.effects, runs), runs)
 
 
 def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
     """Return the gap that a perfect model would leave over the training and the held-out runs, (2, channels)."""
-    nothing = np.full(len(found.believed.observed.names), np.nan)
+    nothing = np.full(len(found.model.observed.names), np.nan)
     return np.array(
         [
-            floors(found.believed, fit.baseline, runs) if runs else nothing
+            floors(found.model, fit.filtered, runs) if runs else nothing
             for runs in (found.training, found.held_out)
         ]
     )
@@ -207,10 +205,10 @@ def best(found: Findings) -> Judged:
 
 def unexplained(found: Findings, judged: Judged) -> bool:
     """Return whether a fit leaves much more than noise of a frame in the training runs."""
-    return leaves_much(found.believed, judged.channel_gap[0], judged.fit.baseline, found.training)
+    return leaves_much(found.model, judged.channel_gap[0], judged.fit.filtered, found.training)
 
 
-def leaves_much(believed: Believed, gaps: np.ndarray, baseline: Baseline, runs: tuple[int, ...]) -> bool:
+def leaves_much(model: Model, gaps: np.ndarray, filtered: Filtered, runs: tuple[int, ...]) -> bool:
     """Return whether gaps (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
-    over = over_floor(believed, gaps, floors(believed, baseline, runs))
-    return bool(np.nanmax(by_frame(believed, over)) > UNEXPLAINED)
+    over = over_floor(model, gaps, floors(model, filtered, runs))
+    return bool(np.nanmax(by_frame(model, over)) > UNEXPLAINED)

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import fftconvolve
 
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.kalman import Noise, discretise, linear_system, noise_density
-from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
 from pounding.diagnosis.model.storeys import Modes
@@ -21,12 +21,12 @@ SLOW = 0.3
 """Share of the lowest frequency below which absolute displacements are not compared."""
 
 
-def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
+def channel_gaps(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
     """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
-    measured = np.concatenate([believed.observed.runs[run].measured for run in runs])
+    measured = np.concatenate([model.observed.runs[run].measured for run in runs])
     difference = np.concatenate(
         [
-            levelled(believed, one - believed.observed.runs[run].measured, believed.observed.runs[run].step_s)
+            levelled(model, one - model.observed.runs[run].measured, model.observed.runs[run].step_s)
             for one, run in zip(outputs, runs, strict=True)
         ]
     )
@@ -34,21 +34,19 @@ def channel_gaps(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequen
     return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
 
 
-def levelled(believed: Believed, difference: np.ndarray, step_s: float) -> np.ndarray:
+def levelled(model: Model, difference: np.ndarray, step_s: float) -> np.ndarray:
     """Take what is slow against the frames off absolute displacements: integrated twice, a table's noise drifts.
 
     Args:
-        believed: The believed model.
+        model: The baseline model.
         difference: Simulated less measured, (samples, channels).
         step_s: Sampling step [s].
     """
     difference = difference.copy()
-    drifting = np.flatnonzero(
-        np.isin(believed.observed.quantity, (ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT))
-    )
+    drifting = np.flatnonzero(np.isin(model.observed.quantity, (ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT)))
     if not len(drifting):
         return difference
-    slow = _slow(len(difference), step_s, SLOW * believed.structure.lowest_hz)
+    slow = _slow(len(difference), step_s, SLOW * model.structure.lowest_hz)
     for channel in drifting:
         good = np.isfinite(difference[:, channel])
         if good.sum() > slow.shape[1]:
@@ -66,32 +64,32 @@ def _slow(samples: int, step_s: float, below_hz: float) -> np.ndarray:
 
 
 def differences(
-    believed: Believed, baseline: Baseline, runs: Sequence[int]
+    model: Model, filtered: Filtered, runs: Sequence[int]
 ) -> Iterator[tuple[RunData, np.ndarray]]:
     """Yield each run with what a fit's simulation differs by from its channels in SI, (samples, channels), levelled."""
-    for run, output in zip(runs, simulate(believed, baseline.values, baseline.effects, runs), strict=True):
-        data = believed.observed.runs[run]
-        yield data, levelled(believed, output - data.measured, data.step_s)
+    for run, output in zip(runs, simulate(model, filtered.values, filtered.effects, runs), strict=True):
+        data = model.observed.runs[run]
+        yield data, levelled(model, output - data.measured, data.step_s)
 
 
-def over_floor(believed: Believed, gaps: np.ndarray, floor: np.ndarray) -> np.ndarray:
+def over_floor(model: Model, gaps: np.ndarray, floor: np.ndarray) -> np.ndarray:
     """Return gaps over the noise floor as they would be at the rate of the logger.
 
     Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
     was recorded.
     """
-    slower = believed.observed.slower
+    slower = model.observed.slower
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sqrt(((gaps / floor) ** 2 + slower - 1) / slower))
 
 
-def by_frame(believed: Believed, over: np.ndarray) -> np.ndarray:
+def by_frame(model: Model, over: np.ndarray) -> np.ndarray:
     """Return the median of gaps over the noise floor (..., channels) over the channels of each frame, (..., frames).
 
     What one frame lacks hardly shows in the channels of another, which may be more.
     """
-    frames = range(len(believed.structure.frames))
-    return np.stack([median(over[..., believed.at_frame(frame)]) for frame in frames], axis=-1)
+    frames = range(len(model.structure.frames))
+    return np.stack([median(over[..., model.at_frame(frame)]) for frame in frames], axis=-1)
 
 
 def median(gaps: np.ndarray) -> np.ndarray:
@@ -101,35 +99,35 @@ def median(gaps: np.ndarray) -> np.ndarray:
         return np.asarray(np.nanmedian(gaps, axis=-1))
 
 
-def gap(believed: Believed, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
+def gap(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
     """Return the median of the channels' gaps."""
-    return float(median(channel_gaps(believed, outputs, runs)))
+    return float(median(channel_gaps(model, outputs, runs)))
 
 
 def simulate(
-    believed: Believed, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+    model: Model, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
 ) -> list[np.ndarray]:
     """Return the channels as simulated in each run, nothing corrected by measurements."""
-    return believed.predict(values, None, effects, runs).outputs
+    return model.predict(values, None, effects, runs).outputs
 
 
-def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.ndarray:
+def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
     """Return the gap that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
 
     Contact forces are as uncertain as their touches say in runs that were not fitted.
 
     Args:
-        believed: The believed model.
-        baseline: A fit; its noise is taken as a share of each channel's rms, its modes carry the table's noise.
+        model: The baseline model.
+        filtered: A fit; its noise is taken as a share of each channel's rms, its modes carry the table's noise.
         runs: Runs for which the floor is wanted, fitted or not.
     """
-    squares, total = np.zeros(len(believed.observed.names)), np.zeros(len(believed.observed.names))
-    for number, noise in zip(runs, expected_noise(believed, baseline, runs), strict=True):
-        run = believed.observed.runs[number]
-        rms = np.nan_to_num(believed.observed.rms(run))
+    squares, total = np.zeros(len(model.observed.names)), np.zeros(len(model.observed.names))
+    for number, noise in zip(runs, expected_noise(model, filtered, runs), strict=True):
+        run = model.observed.runs[number]
+        rms = np.nan_to_num(model.observed.rms(run))
         own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
-        carried = table_response(believed, baseline.modes, run.step_s, len(run.table)) * noise.table
-        pushed = 0.0 if number in baseline.runs else touch_response(believed, baseline.modes, number)
+        carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * noise.table
+        pushed = 0.0 if number in filtered.runs else touch_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
     return np.sqrt(
@@ -137,26 +135,26 @@ def floors(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> np.nd
     )
 
 
-def expected_noise(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> list[Noise]:
+def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:
     """Return the noise of runs, fitted or not, as the same share of table and channels as in those of a fit.
 
     What a channel never showed in a fit is infinite.
     """
-    shares, table = _shares(believed, baseline)
+    shares, table = _shares(model, filtered)
     found = []
     for number in runs:
-        run = believed.observed.runs[number]
-        channel = shares * np.nan_to_num(believed.observed.rms(run))
+        run = model.observed.runs[number]
+        channel = shares * np.nan_to_num(model.observed.rms(run))
         of_table = table * float(root_mean_square(run.table))
-        found.append(Noise(baseline.noise[0].latent, of_table, np.where(channel > 0, channel, np.inf)))
+        found.append(Noise(filtered.noise[0].latent, of_table, np.where(channel > 0, channel, np.inf)))
     return found
 
 
-def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:
+def _shares(model: Model, filtered: Filtered) -> tuple[np.ndarray, float]:
     channel, table = [], []
-    for number, noise in zip(baseline.runs, baseline.noise, strict=True):
-        run = believed.observed.runs[number]
-        rms = believed.observed.rms(run)
+    for number, noise in zip(filtered.runs, filtered.noise, strict=True):
+        run = model.observed.runs[number]
+        rms = model.observed.rms(run)
         known = np.isfinite(noise.channel) & (rms > 0)
         channel.append(np.where(known, noise.channel / np.where(known, rms, 1.0), np.nan))
         table.append(noise.table / float(root_mean_square(run.table)))
@@ -166,11 +164,11 @@ def _shares(believed: Believed, baseline: Baseline) -> tuple[np.ndarray, float]:
     return mean, float(np.mean(table))
 
 
-def table_response(believed: Believed, modes: Modes, step_s: float, samples: int) -> np.ndarray:
+def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> np.ndarray:
     """Return the rms of each channel for table noise of unit standard deviation, over a run from rest."""
-    storeys = believed.structure.floors
+    storeys = model.structure.floors
     system = linear_system(
-        modes, believed.structure.drift @ modes.floors, believed.observed.quantity, believed.observed.floor
+        modes, model.structure.drift @ modes.floors, model.observed.quantity, model.observed.floor
     )
     density = noise_density(len(system.rate), Noise(np.zeros(storeys), 1.0, np.zeros(0)))
     step, covariance = discretise(system.rate, density, step_s)
@@ -185,14 +183,14 @@ def table_response(believed: Believed, modes: Modes, step_s: float, samples: int
     return np.sqrt(np.maximum(variance, 0.0))
 
 
-def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
+def touch_response(model: Model, modes: Modes, number: int) -> np.ndarray:
     """Return the mean square of each channel in SI, (channels,), that the uncertain sizes of a run's contact forces make."""
-    run, observed = believed.observed.runs[number], believed.observed
+    run, observed = model.observed.runs[number], model.observed
     total = np.zeros(len(observed.names))
-    touches = [touch for touch in observed.touches if touch.run == number]
-    if not touches:
+    contact_events = [event for event in observed.contact_events if event.run == number]
+    if not contact_events:
         return total
-    system = linear_system(modes, believed.structure.drift @ modes.floors, observed.quantity, observed.floor)
+    system = linear_system(modes, model.structure.drift @ modes.floors, observed.quantity, observed.floor)
     swaying = slice(0, 2 * len(modes.omega))
     step = expm(system.rate[swaying, swaying] * run.step_s)
     times, samples = np.arange(len(run.table)) * run.step_s, len(run.table)
@@ -204,10 +202,10 @@ def touch_response(believed: Believed, modes: Modes, number: int) -> np.ndarray:
             after[k] = system.output[:, swaying] @ state
             state = step @ state
         after[0] /= 2.0  # The trapezoidal rule: half of an impulse lies before its sample.
-        for touch in touches:
-            if touch.column == column:
-                force = np.where(touch.within(times), run.contact[:, column], 0.0)[:, None]
+        for event in contact_events:
+            if event.column == column:
+                force = np.where(event.within(times), run.contact[:, column], 0.0)[:, None]
                 moved = fftconvolve(force, run.step_s * after, axes=0)[:samples]
-                added = touch.std * (moved + force * (system.direct @ direction))
+                added = event.std * (moved + force * (system.direct @ direction))
                 total += np.mean(added**2, axis=0)
     return total

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.misfit import differences
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 
 WINDOWS = 6
@@ -20,22 +20,20 @@ ABOVE = 1.5
 """Windows of a run, bands up to beyond the modes, entries told, and how far above the noise one must be."""
 
 
-def where(
-    believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Sequence[int]
-) -> list[dict[str, Any]]:
+def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> list[dict[str, Any]]:
     """Return the largest disagreements of a fit, largest first, as the report lists them.
 
     `gap` is the rms of the difference in a window and band over the rms of the channel in the whole run.
 
     Args:
-        believed: The believed model.
-        baseline: The fit that is compared with the measurements.
+        model: The baseline model.
+        filtered: The fit that is compared with the measurements.
         floor: Noise floor of each channel as a share of its rms, shape (channels,).
         runs: The runs to look at.
     """
-    edges = band_edges(baseline)
+    edges = band_edges(filtered)
     found: list[dict[str, Any]] = []
-    for data, levelled in differences(believed, baseline, runs):
+    for data, levelled in differences(model, filtered, runs):
         difference = np.nan_to_num(levelled)
         rms = root_mean_square(data.measured)
         nyquist = 0.5 / data.step_s
@@ -47,7 +45,7 @@ def where(
                 for channel in np.flatnonzero(level > ABOVE * noise * rms):
                     found.append(
                         {
-                            "channel": believed.observed.names[channel],
+                            "channel": model.observed.names[channel],
                             "run": data.name,
                             "window_s": [float(data.time_s[window[0]]), float(data.time_s[window[-1]])],
                             "band_hz": [float(low), float(high)],
@@ -57,10 +55,10 @@ def where(
     return sorted(found, key=lambda one: -one["gap"])[:SHOWN]
 
 
-def band_edges(baseline: Baseline) -> np.ndarray:
+def band_edges(filtered: Filtered) -> np.ndarray:
     """Return the edges of the bands in which a gap is looked at [Hz], from 0 to beyond the fifth mode."""
-    highest = 1.3 * float(np.sort(baseline.modes.omega)[min(4, len(baseline.modes.omega) - 1)]) / (2 * np.pi)
-    edges = np.geomspace(0.5 * float(baseline.modes.omega.min()) / (2 * np.pi), highest, BANDS)
+    highest = 1.3 * float(np.sort(filtered.modes.omega)[min(4, len(filtered.modes.omega) - 1)]) / (2 * np.pi)
+    edges = np.geomspace(0.5 * float(filtered.modes.omega.min()) / (2 * np.pi), highest, BANDS)
     return np.concatenate([[0.0], edges])
 
 

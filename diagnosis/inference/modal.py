@@ -15,8 +15,8 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed, modal_candidates, weigh
 from pounding.diagnosis.inference.modal_model import Joints, alone, joints, scatter
-from pounding.diagnosis.model.frames import believed_frames
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
 
 DETECTED_NATS = 3.0
 """Evidence [nats] from which on an effect is claimed: odds of 20 to 1."""
@@ -32,7 +32,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class ModalFindings:
-    """What was found of one frame: data, the believed model, single effects and pairs, best first."""
+    """What was found of one frame: data, the baseline model, single effects and pairs, best first."""
 
     frame: str
     data: tuple[ModalDatum, ...]
@@ -68,19 +68,19 @@ class ModalFindings:
 
 
 def examine(
-    believed: Believed,
+    model: Model,
     flexible: Joints | None,
     data: Sequence[ModalDatum],
     told: Callable[[str], None] = lambda what: None,
 ) -> ModalFindings:
     """Return what modal data of one frame say of single effects and of pairs with the best one."""
-    covariance = scatter(believed, data)
-    candidates = modal_candidates(believed, flexible, data)
-    null = weigh(believed, data, (), covariance)
+    covariance = scatter(model, data)
+    candidates = modal_candidates(model, flexible, data)
+    null = weigh(model, data, (), covariance)
     singles = []
     for one in candidates:
         told(one.label())
-        singles.append(weigh(believed, data, [one], covariance))
+        singles.append(weigh(model, data, [one], covariance))
     singles.sort(key=lambda one: -one.log_evidence)
     pairs: list[Weighed] = []
     if singles[0].log_evidence > null.log_evidence + DETECTED_NATS:
@@ -92,9 +92,9 @@ def examine(
                     and {one, first} not in [set(pair.acting) for pair in pairs]
                 ):
                     told(f"{first.label()} with {one.label()}")
-                    pairs.append(weigh(believed, data, [first, one], covariance))
+                    pairs.append(weigh(model, data, [first, one], covariance))
     pairs.sort(key=lambda one: -one.log_evidence)
-    return ModalFindings(believed.structure.frames[0].name, tuple(data), null, tuple(singles), tuple(pairs))
+    return ModalFindings(model.structure.frames[0].name, tuple(data), null, tuple(singles), tuple(pairs))
 
 
 def leaders(singles: Sequence[Weighed]) -> list[Acting]:
@@ -106,7 +106,7 @@ def leaders(singles: Sequence[Weighed]) -> list[Acting]:
 def diagnose_modal(case: Case, progress: Progress) -> dict[str, Any]:
     """Return the report on a case with modal data only, in the form of docs/diagnosis/case-format.md."""
     found = []
-    for number, (frame, storeys) in enumerate(zip(case.frames, believed_frames(case), strict=True)):
+    for number, (frame, storeys) in enumerate(zip(case.frames, baseline_frames(case), strict=True)):
         data = [datum for datum in case.modal if datum.frame == frame.name]
         if data:
             told = partial(_told, progress, 0.1 + 0.8 * number / len(case.frames))

@@ -1,7 +1,7 @@
 """Evidence of effects in modal data: the likelihood over a grid of their sizes, weighed by the priors of these sizes.
 
 The logarithms of the data are Gaussian about what the model with the effect would show, with the covariance of
-`modal_model.scatter`: their own uncertainty and the ordinary parameters inside their priors. With one or two sizes the
+`modal_model.scatter`: their own uncertainty and the nuisance parameters inside their priors. With one or two sizes the
 integral over the prior is a sum over a grid, with no approximation but the grid's.
 """
 
@@ -20,7 +20,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales, place
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.modal_model import Joints, predicted, scatter
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 
 POINTS = {1: 121, 2: 31}
@@ -42,11 +42,11 @@ class Softening(FrameEffect):
     sign = -1
     alike: ClassVar[tuple[str, ...]] = ("hysteresis", "coulomb_friction", "cubic_stiffness")
 
-    def size(self, believed: Believed, scales: Scales | None, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales | None, shape: tuple[float, ...]) -> float:
         """Return 0.2."""
         return 0.2
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Change nothing here: the first mode's frequency is changed afterwards."""
 
 
@@ -87,18 +87,18 @@ class Weighed:
     misfit: float
 
 
-def modal_candidates(believed: Believed, joints: Joints | None, data: Sequence[ModalDatum]) -> list[Acting]:
+def modal_candidates(model: Model, joints: Joints | None, data: Sequence[ModalDatum]) -> list[Acting]:
     """Return the effects of the catalogue that a frame's modal data can show, everywhere and in single tests."""
-    frame = believed.structure.frames[0].name
+    frame = model.structure.frames[0].name
     whole: list[Effect] = [joints] if joints is not None else []
     whole += [BaseRocking(frame=frame), PDelta(frame=frame)]
     found = [Acting(effect) for effect in whole]
-    found += [Acting(effect) for kind in (StiffnessChange, AddedMass) for effect in places(kind, believed)]
+    found += [Acting(effect) for kind in (StiffnessChange, AddedMass) for effect in places(kind, model)]
     tests = list(dict.fromkeys(datum.test for datum in data if datum.quantity == "frequency"))
     if len(tests) > 1:
         for test in tests:
             found += [Acting(effect, test) for effect in whole]
-            roof = believed.structure.floors
+            roof = model.structure.floors
             found.append(Acting(AddedMass(index=roof - 1, frame=frame, floor=roof), test))
             if any(datum.test == test and datum.mode == 1 for datum in data):
                 found.append(Acting(Softening(frame=frame), test))
@@ -106,17 +106,17 @@ def modal_candidates(believed: Believed, joints: Joints | None, data: Sequence[M
 
 
 def weigh(
-    believed: Believed,
+    model: Model,
     data: Sequence[ModalDatum],
     acting: Sequence[Acting] = (),
     covariance: np.ndarray | None = None,
 ) -> Weighed:
-    """Return what data say of effects that act together (none for the believed model)."""
-    covariance = scatter(believed, data) if covariance is None else covariance
+    """Return what data say of effects that act together (none for the baseline model)."""
+    covariance = scatter(model, data) if covariance is None else covariance
     z, prior = grid(acting)
-    sizes = np.array([_size(one, believed) for one in acting])
-    values = [_values(acting, believed, row * sizes) for row in z]
-    shown = np.log(np.array([shows(believed, data, acting, each) for each in values]))
+    sizes = np.array([_size(one, model) for one in acting])
+    values = [_values(acting, model, row * sizes) for row in z]
+    shown = np.log(np.array([shows(model, data, acting, each) for each in values]))
     measured = np.log([datum.value for datum in data])
     # A frame that has buckled was not tested.
     stands = np.isfinite(shown).all(axis=1)
@@ -150,13 +150,13 @@ def weigh(
 
 
 def foretell(
-    believed: Believed, data: Sequence[ModalDatum], acting: Sequence[Acting], known: Sequence[int]
+    model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting], known: Sequence[int]
 ) -> np.ndarray:
     """Return all data, SI, as foretold from the `known` ones alone, shape (data,)."""
-    covariance = scatter(believed, data)
+    covariance = scatter(model, data)
     z, prior = grid(acting)
-    sizes = np.array([_size(one, believed) for one in acting])
-    shown = np.log([shows(believed, data, acting, _values(acting, believed, row * sizes)) for row in z])
+    sizes = np.array([_size(one, model) for one in acting])
+    shown = np.log([shows(model, data, acting, _values(acting, model, row * sizes)) for row in z])
     stands = np.isfinite(shown).all(axis=1)
     shown, prior = shown[stands], prior[stands]
     seen = list(known)
@@ -195,20 +195,20 @@ def gaussian(residual: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     return np.asarray(-0.5 * np.sum(scaled**2, axis=0) - constant)
 
 
-def _size(one: Acting, believed: Believed) -> float:
-    return one.effect.size(believed, None, ())  # type: ignore[arg-type]
+def _size(one: Acting, model: Model) -> float:
+    return one.effect.size(model, None, ())  # type: ignore[arg-type]
 
 
-def _values(acting: Sequence[Acting], believed: Believed, amplitudes: np.ndarray) -> list[np.ndarray]:
+def _values(acting: Sequence[Acting], model: Model, amplitudes: np.ndarray) -> list[np.ndarray]:
     return [one.effect.values(float(a), ()) for one, a in zip(acting, amplitudes, strict=True)]
 
 
 def shows(
-    believed: Believed, data: Sequence[ModalDatum], acting: Sequence[Acting], values: Sequence[np.ndarray]
+    model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting], values: Sequence[np.ndarray]
 ) -> np.ndarray:
-    """Return the data as the believed model with effects shows them, each test with the effects that act in it."""
+    """Return the data as the baseline model with effects shows them, each test with the effects that act in it."""
     found = np.zeros(len(data))
-    ordinary = np.zeros(len(believed.std))
+    nuisance = np.zeros(len(model.std))
     # A test in which nothing acts alone shows what all the others show.
     own = {one.test for one in acting if one.test}
     for test in {datum.test if datum.test in own else None for datum in data}:
@@ -217,7 +217,7 @@ def shows(
             (one.effect, value) for one, value in zip(acting, values, strict=True) if one.test in (None, test)
         ]
         chosen = [data[i] for i in which]
-        found[which] = predicted(believed, believed.assemble(ordinary, present), chosen)
+        found[which] = predicted(model, model.assemble(nuisance, present), chosen)
         for effect, value in present:
             if isinstance(effect, Softening):
                 first = [i for i in which if data[i].mode == 1]

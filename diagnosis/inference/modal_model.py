@@ -1,6 +1,6 @@
-"""What modal tests would find on a believed frame with effects in it: frequencies, roof stiffness, mass.
+"""What modal tests would find on a baseline frame with effects in it: frequencies, roof stiffness, mass.
 
-The ordinary parameters and the catalogue's effects act on the storeys' matrices exactly as they do in the diagnosis of
+The nuisance parameters and the catalogue's effects act on the storeys' matrices exactly as they do in the diagnosis of
 histories. Only joints differ: here their whole range is known, from a few exact models of the frame, so that a frame
 believed with rigid joints can have flexible ones.
 """
@@ -21,7 +21,7 @@ from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.effects.catalogue import Quantity, Scales
 from pounding.diagnosis.effects.frame import FrameEffect
 from pounding.diagnosis.model.frames import definition
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure, from_reduced
@@ -30,7 +30,7 @@ from pounding.frames.calibration import with_joint_stiffness
 COMPLIANCES = (0.0, 1 / 8000, 1 / 3000, 1 / 1500, 1 / 900, 1 / 500, 1 / 250)
 """Joint compliances [rad/(N m)] at which a frame is modelled; its flexibility is interpolated between them."""
 LINEAR = {"frame_stiffness", "storey_stiffness", "floor_mass"}
-"""Ordinary parameters that a frequency depends on."""
+"""Nuisance parameters that a frequency depends on."""
 STEP = 1e-3
 
 
@@ -43,7 +43,7 @@ class Joints(FrameEffect):
     sign = 1
     flexibility: CubicSpline | None = None
 
-    def size(self, believed: Believed, scales: Scales | None, shape: tuple[float, ...]) -> float:
+    def size(self, model: Model, scales: Scales | None, shape: tuple[float, ...]) -> float:
         """Return the compliance [rad/(N m)] at which the roof gives way twice as much as with rigid joints."""
         assert self.flexibility is not None
         fine = np.linspace(COMPLIANCES[1], COMPLIANCES[-1], 400)
@@ -54,12 +54,12 @@ class Joints(FrameEffect):
         """Return the joints' stiffness [N m/rad]."""
         return np.array([1 / max(amplitude, 1e-9)])
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Put joints of this stiffness in the believed ones' place."""
         assert self.flexibility is not None
-        span = self.span(believed)
+        span = self.span(model)
         soft = self.flexibility(np.clip(1 / float(values[0]), 0.0, COMPLIANCES[-1]))
-        assembly.stiffness[span, span] += np.linalg.inv(soft) - self.storeys(believed).stiffness
+        assembly.stiffness[span, span] += np.linalg.inv(soft) - self.storeys(model).stiffness
 
 
 def joints(frame: CaseFrame) -> Joints | None:
@@ -79,13 +79,13 @@ def joints(frame: CaseFrame) -> Joints | None:
     return Joints(frame=frame.name, flexibility=CubicSpline(COMPLIANCES, np.array(flexibility)))
 
 
-def alone(frame: StoreyFrame, prior: Prior) -> Believed:
+def alone(frame: StoreyFrame, prior: Prior) -> Model:
     """Return a frame as believed, without any measured history."""
     nothing = Observations((), np.zeros(0), np.zeros(0, int), np.zeros(0, int), ())
-    return Believed(Structure((frame,)), nothing, prior)
+    return Model(Structure((frame,)), nothing, prior)
 
 
-def predicted(believed: Believed, assembly: Assembly, data: Sequence[ModalDatum]) -> np.ndarray:
+def predicted(model: Model, assembly: Assembly, data: Sequence[ModalDatum]) -> np.ndarray:
     """Return what an assembly would show, in SI, shape (data,); NaN where it has lost its stiffness."""
     squares = eigh(assembly.stiffness, assembly.mass, eigvals_only=True)
     if squares[0] <= 0:
@@ -103,20 +103,20 @@ def predicted(believed: Believed, assembly: Assembly, data: Sequence[ModalDatum]
     return np.array(found)
 
 
-def scatter(believed: Believed, data: Sequence[ModalDatum]) -> np.ndarray:
-    """Return the covariance of the logarithms of data: their own, and what the ordinary parameters' priors bring.
+def scatter(model: Model, data: Sequence[ModalDatum]) -> np.ndarray:
+    """Return the covariance of the logarithms of data: their own, and what the nuisance parameters' priors bring.
 
-    The sensitivities are those of the believed model; they hardly change with an effect.
+    The sensitivities are those of the baseline model; they hardly change with an effect.
     """
-    count = len(believed.std)
+    count = len(model.std)
     columns = []
-    for number, parameter in enumerate(believed.parameters):
+    for number, parameter in enumerate(model.parameters):
         if parameter.kind in LINEAR:
             ends = []
             for sign in (1.0, -1.0):
                 values = np.zeros(count)
                 values[number] = sign * STEP
-                ends.append(np.log(predicted(believed, believed.assemble(values), data)))
+                ends.append(np.log(predicted(model, model.assemble(values), data)))
             columns.append((ends[0] - ends[1]) / (2 * STEP) * parameter.std)
     sensitivity = np.array(columns).T
     own = np.array([datum.std / datum.value for datum in data])

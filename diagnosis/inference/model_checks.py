@@ -1,4 +1,4 @@
-"""What speaks against a model however well it fits: ordinary parameters at their ends, a tone that nothing in it makes."""
+"""What speaks against a model however well it fits: nuisance parameters at their ends, a tone that nothing in it makes."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
-from pounding.diagnosis.inference.filtering import Baseline, whitened
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered, whitened
+from pounding.diagnosis.model.model import Model
 
 STRUCTURE = ("frame_stiffness", "storey_stiffness", "base_stiffness", "joint_stiffness", "floor_mass")
-"""Ordinary parameters that say which frame this is."""
+"""Nuisance parameters that say which frame this is."""
 BENT, STRAINED = 1e-4, 1e-8
 """Probability by the priors that a frame is as far from the believed one: below the first a calibration may be stuck
 where it imitates something, below the second it is another frame."""
@@ -26,40 +26,40 @@ MAINS_HZ, HUM_HZ = (50.0, 60.0), 0.3
 """Mains frequencies, and how near to a multiple of them a line is hum of the cables and no motion."""
 
 
-def doubts(believed: Believed, baseline: Baseline) -> list[str]:
+def model_checks(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each thing that a fitted model cannot have right, nothing if it may be right."""
-    return [*_strained(believed, baseline), *_tones(believed, baseline)]
+    return [*_strained(model, filtered), *_tones(model, filtered)]
 
 
-def strain(believed: Believed, baseline: Baseline) -> tuple[float, int]:
-    """Return the sum of squares of the frames' ordinary parameters over their priors, and how many they are."""
-    ours = np.array([parameter.kind in STRUCTURE for parameter in believed.parameters])
-    return float(np.sum((baseline.values / believed.std)[ours] ** 2)), int(ours.sum())
+def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
+    """Return the sum of squares of the frames' nuisance parameters over their priors, and how many they are."""
+    ours = np.array([parameter.kind in STRUCTURE for parameter in model.parameters])
+    return float(np.sum((filtered.values / model.std)[ours] ** 2)), int(ours.sum())
 
 
-def bent(believed: Believed, baseline: Baseline) -> bool:
-    """Return whether the frames' ordinary parameters are so far from the believed ones that one should start anew."""
-    return bool(chi2.sf(*strain(believed, baseline)) < BENT)
+def bent(model: Model, filtered: Filtered) -> bool:
+    """Return whether the frames' nuisance parameters are so far from the believed ones that one should start anew."""
+    return bool(chi2.sf(*strain(model, filtered)) < BENT)
 
 
-def _strained(believed: Believed, baseline: Baseline) -> list[str]:
-    squares, count = strain(believed, baseline)
+def _strained(model: Model, filtered: Filtered) -> list[str]:
+    squares, count = strain(model, filtered)
     if chi2.sf(squares, count) > STRAINED:
         return []
     return [
-        f"stiffness and mass must go further from the believed frame than its priors allow (sum of squares {squares:.0f} "
+        f"stiffness and mass must go further from the baseline frame than its priors allow (sum of squares {squares:.0f} "
         f"in standard deviations, some {count} at most are to be expected): is this the frame that case.toml names?"
     ]
 
 
-def _tones(believed: Believed, baseline: Baseline) -> list[str]:
+def _tones(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each frequency at which several channels show a line that is nobody's."""
-    own = baseline.modes.omega / (2.0 * np.pi)
+    own = filtered.modes.omega / (2.0 * np.pi)
     found: dict[float, str] = {}
     for series, steady, number in zip(
-        baseline.prediction.innovations, baseline.filters, baseline.runs, strict=True
+        filtered.prediction.innovations, filtered.filters, filtered.runs, strict=True
     ):
-        run = believed.observed.runs[number]
+        run = model.observed.runs[number]
         good = np.isfinite(run.measured)
         for frequency in tones(whitened(series, steady, good), run.step_s):
             mode = np.abs(frequency / own - 1.0).min() < OWN

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import run_baseline
+from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, best, fit_gaps, leaves_much
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.inference.swapped import SWAPPED_NATS, exchange, exchanged
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 
 RESCUE_LEVEL = 0.01
 """Latent force as a share of a storey's shear where nothing fits yet."""
@@ -20,45 +20,42 @@ SWAPPED_GAP = 0.6
 """Largest gap of two exchanged channels, as a share of that before, at which the exchange is believed."""
 
 
-def best_null(believed: Believed, null: Fit) -> Fit:
+def best_null(model: Model, null: Fit) -> Fit:
     """Return the null model, calibrated also with small latent forces from the believed parameters if it seems stuck."""
-    baseline, runs = null.baseline, null.baseline.runs
-    left = fit_gaps(believed, baseline, runs)
-    if not (leaves_much(believed, left, baseline, runs) or bent(believed, baseline)):
+    filtered, runs = null.filtered, null.filtered.runs
+    left = fit_gaps(model, filtered, runs)
+    if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
         return null
-    noise = starting_noise(believed, runs, RESCUE_LEVEL)
-    start = run_baseline(believed, np.zeros(len(believed.std)), noise, runs)
-    return max(null, refine(believed, start, (), (), ()), key=lambda fit: fit.log_posterior)
+    noise = starting_noise(model, runs, RESCUE_LEVEL)
+    start = run_filter(model, np.zeros(len(model.std)), noise, runs)
+    return max(null, refine(model, start, (), (), ()), key=lambda fit: fit.log_posterior)
 
 
 def null_again(found: Findings) -> Fit:
     """Return the null model calibrated again from where the likeliest effect led, or the one at hand."""
-    null, believed = found.null.fit, found.believed
+    null, model = found.null.fit, found.model
     if best(found) is found.null:
         return null
-    led = best(found).fit.baseline
-    starts = [
-        run_baseline(believed, led.values, noise, led.runs) for noise in (led.noise, null.baseline.noise)
-    ]
-    tried = [refine(believed, start, (), (), ()) for start in starts]
+    led = best(found).fit.filtered
+    starts = [run_filter(model, led.values, noise, led.runs) for noise in (led.noise, null.filtered.noise)]
+    tried = [refine(model, start, (), (), ()) for start in starts]
     return max([null, *tried], key=lambda fit: fit.log_posterior)
 
 
-def unswapped(believed: Believed, null: Fit, training: Sequence[int]) -> tuple[Believed, Fit]:
+def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:
     """Return model and fit with two channels exchanged where that is plainly what was measured."""
-    pair = exchange(believed, null.baseline)
+    pair = exchange(model, null.filtered)
     if pair is None:
-        return believed, null
-    observed = exchanged(believed.observed, *pair)
-    again = Believed(believed.structure, observed, believed.prior)
+        return model, null
+    observed = exchanged(model.observed, *pair)
+    again = Model(model.structure, observed, model.prior)
     fit = refine(again, calibrated(again, training), (), (), ())
     runs = tuple(training)
     before, after = (
-        fit_gaps(model, one.baseline, runs)[list(pair)].max()
-        for model, one in ((believed, null), (again, fit))
+        fit_gaps(model, one.filtered, runs)[list(pair)].max() for model, one in ((model, null), (again, fit))
     )
     if fit.log_posterior < null.log_posterior + SWAPPED_NATS or after > SWAPPED_GAP * before:
-        return believed, null
+        return model, null
     one, other = (observed.names[channel] for channel in pair)
     observed.warnings.append(
         f"channels {one} and {other} are swapped: the model fits far better with the two exchanged, and so it was done"

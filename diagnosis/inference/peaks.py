@@ -28,7 +28,7 @@ from pounding.diagnosis.effects.storey import (
     StoreyEffect,
 )
 from pounding.diagnosis.effects.table_and_sensors import TableGain, TableTilt
-from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import DISPLACEMENT
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
@@ -50,49 +50,49 @@ class WholeFrame:
     Attributes:
         name: The effect's name. what: What its size means. unit: Its unit.
         sizes: Sizes tried, equally likely; the first is no effect at all.
-        make: From the believed frame and a size to what acts.
+        make: From the baseline frame and a size to what acts.
     """
 
     name: str
     what: str
     unit: str
     sizes: tuple[float, ...]
-    make: Callable[[Believed, float], Loads]
+    make: Callable[[Model, float], Loads]
 
 
 def _storeys(
-    kind: type[StoreyEffect], values: Callable[[Believed, Any, float], Any]
-) -> Callable[[Believed, float], Loads]:
-    def make(believed: Believed, size: float) -> Loads:
+    kind: type[StoreyEffect], values: Callable[[Model, Any, float], Any]
+) -> Callable[[Model, float], Loads]:
+    def make(model: Model, size: float) -> Loads:
         if size == 0:
             return []
-        return [(effect, np.array(values(believed, effect, size))) for effect in places(kind, believed)]
+        return [(effect, np.array(values(model, effect, size))) for effect in places(kind, model)]
 
     return make
 
 
-def _first(believed: Believed) -> float:
-    return float(believed.plain_modes(believed.assemble(np.zeros(len(believed.std)))).omega[0])
+def _first(model: Model) -> float:
+    return float(model.plain_modes(model.assemble(np.zeros(len(model.std)))).omega[0])
 
 
-def _added_mass(believed: Believed, size: float) -> Loads:
-    mass = believed.structure.frames[0].floor_mass
+def _added_mass(model: Model, size: float) -> Loads:
+    mass = model.structure.frames[0].floor_mass
     return (
-        [(effect, np.array([size * mass[effect.index]])) for effect in places(AddedMass, believed)]
+        [(effect, np.array([size * mass[effect.index]])) for effect in places(AddedMass, model)]
         if size
         else []
     )
 
 
-def _whole(make: Callable[[str], Acting]) -> Callable[[Believed, float], Loads]:
-    def one(believed: Believed, size: float) -> Loads:
-        return [(make(believed.structure.frames[0].name), np.array([size]))] if size else []
+def _whole(make: Callable[[str], Acting]) -> Callable[[Model, float], Loads]:
+    def one(model: Model, size: float) -> Loads:
+        return [(make(model.structure.frames[0].name), np.array([size]))] if size else []
 
     return one
 
 
-def _rocking(believed: Believed, size: float) -> Loads:
-    return [(BaseRocking(frame=believed.structure.frames[0].name), np.array([1e3 / size]))] if size else []
+def _rocking(model: Model, size: float) -> Loads:
+    return [(BaseRocking(frame=model.structure.frames[0].name), np.array([1e3 / size]))] if size else []
 
 
 def _even(low: float, high: float, count: int) -> tuple[float, ...]:
@@ -171,7 +171,7 @@ CATALOGUE = (
 
 
 class PeakModel:
-    """A believed frame under known shakings, for the peaks measured in them."""
+    """A baseline frame under known shakings, for the peaks measured in them."""
 
     def __init__(
         self, frame: StoreyFrame, runs: Sequence[RunData], peaks: Sequence[Peak], prior: Prior
@@ -193,14 +193,14 @@ class PeakModel:
             np.array(floors) - 1,
             blank,
         )
-        self.believed = Believed(Structure((frame,)), seen, prior)
+        self.model = Model(Structure((frame,)), seen, prior)
         self.column = {floor: column for column, floor in enumerate(floors)}
 
     def predict(self, effect: WholeFrame, size: float) -> np.ndarray:
         """Return the peaks [m] with an effect of a size, shape (peaks,); infinite where the frame runs away."""
-        loads = effect.make(self.believed, size)
+        loads = effect.make(self.model, size)
         with np.errstate(over="ignore", invalid="ignore"):
-            outputs = self.believed.predict(np.zeros(len(self.believed.std)), None, loads).outputs
+            outputs = self.model.predict(np.zeros(len(self.model.std)), None, loads).outputs
         found = []
         for peak in self.peaks:
             series = outputs[self.names.index(peak.run)][:, self.column[peak.floor]]

@@ -10,18 +10,18 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import (
     BOX,
-    Baseline,
+    Filtered,
     bounded_step,
     grouped_signatures,
     log_likelihood,
     matched_noise,
     motions,
-    run_baseline,
+    run_filter,
     whitened,
     whitened_innovations,
 )
-from pounding.diagnosis.model.model import Believed
-from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.terms import nuisance_terms
 
 DAMPINGS = (0.0, 0.1, 1.0, 10.0)
 PATTERN = (0.1, 0.03, 0.01)
@@ -48,7 +48,7 @@ class Fit:
     Attributes:
         effects: The effects. values: SI parameters of each.
         std: Standard errors of those.
-        baseline: The predictor with them.
+        filtered: The predictor with them.
         log_posterior: Log likelihood plus log prior less half the log determinant of the information [nats].
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run.
     """
@@ -56,7 +56,7 @@ class Fit:
     effects: tuple[Effect, ...]
     values: tuple[np.ndarray, ...]
     std: tuple[np.ndarray, ...]
-    baseline: Baseline
+    filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
 
@@ -103,91 +103,89 @@ class Coordinates:
 
 
 def refine(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     effects: Sequence[Effect],
     values: Sequence[np.ndarray],
     widths: Sequence[np.ndarray],
     iterations: int = 3,
     thorough: bool = True,
-    ordinary: np.ndarray | None = None,
+    nuisance: np.ndarray | None = None,
 ) -> Fit:
-    """Return the best fit of effects together with the ordinary parameters, the latent forces as small as they may be.
+    """Return the best fit of effects together with the nuisance parameters, the latent forces as small as they may be.
 
     Args:
-        believed: The believed model.
-        baseline: Where to start: ordinary parameters, noise and runs are taken from it.
+        model: The baseline model.
+        filtered: Where to start: nuisance parameters, noise and runs are taken from it.
         effects: Effects to put in; may be none.
         values: Their SI parameters to start from.
         widths: Prior standard deviations of those that are not logarithmic.
         iterations: Gauss-Newton steps for each size of the latent forces.
-        thorough: Whether noise and latent forces are estimated again; else they stay as in `baseline`.
-        ordinary: Other ordinary parameters from which it may start.
+        thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
+        nuisance: Other nuisance parameters from which it may start.
     """
     coordinates = Coordinates.of(effects, values, widths)
     x = np.zeros(len(coordinates.start))
-    current = _start(believed, baseline, coordinates, x, ordinary)
-    current, x = _descend(believed, current, coordinates, x, iterations)
+    current = _start(model, filtered, coordinates, x, nuisance)
+    current, x = _descend(model, current, coordinates, x, iterations)
     if not thorough:
-        return _finished(believed, current, coordinates, x)
+        return _finished(model, current, coordinates, x)
     while current.noise[0].latent.max() > LEAST_LATENT:
         noise = tuple(replace(one, latent=LATENT_STEP * one.latent) for one in current.noise)
-        trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
-        trial = run_baseline(
-            believed, current.values, matched_noise(believed, trial), trial.runs, trial.effects
-        )
-        trial, moved = _descend(believed, trial, coordinates, x, iterations)
+        trial = run_filter(model, current.values, noise, current.runs, current.effects)
+        trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
+        trial, moved = _descend(model, trial, coordinates, x, iterations)
         if trial.log_likelihood < current.log_likelihood + 1.0:
             break
         current, x = trial, moved
-    current = _table_noise(believed, current)
-    noise = matched_noise(believed, current)
-    trial = run_baseline(believed, current.values, noise, current.runs, current.effects)
+    current = _table_noise(model, current)
+    noise = matched_noise(model, current)
+    trial = run_filter(model, current.values, noise, current.runs, current.effects)
     current = max(current, trial, key=lambda one: one.log_likelihood)
-    current, x = _descend(believed, current, coordinates, x, LAST * iterations)
-    return _finished(believed, current, coordinates, x)
+    current, x = _descend(model, current, coordinates, x, LAST * iterations)
+    return _finished(model, current, coordinates, x)
 
 
 def _start(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     coordinates: Coordinates,
     x: np.ndarray,
-    ordinary: np.ndarray | None,
-) -> Baseline:
-    """Return where to start: with the null model's ordinary parameters, or, where those were bent, with the believed."""
-    tried = [baseline.values, np.zeros(len(believed.std))] + ([] if ordinary is None else [ordinary])
-    starts = [_at(believed, baseline, coordinates, x, values) for values in tried]
-    return min(starts, key=lambda one: _misfit(believed, one, coordinates, x, one.values))
+    nuisance: np.ndarray | None,
+) -> Filtered:
+    """Return where to start: with the null model's nuisance parameters, or, where those were bent, with the believed."""
+    tried = [filtered.values, np.zeros(len(model.std))] + ([] if nuisance is None else [nuisance])
+    starts = [_at(model, filtered, coordinates, x, values) for values in tried]
+    return min(starts, key=lambda one: _misfit(model, one, coordinates, x, one.values))
 
 
 def _at(
-    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, ordinary: np.ndarray
-) -> Baseline:
+    model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray, nuisance: np.ndarray
+) -> Filtered:
     acting = tuple(zip(coordinates.effects, coordinates.values(x), strict=True))
-    return run_baseline(believed, ordinary, baseline.noise, baseline.runs, acting)
+    return run_filter(model, nuisance, filtered.noise, filtered.runs, acting)
 
 
-def _table_noise(believed: Believed, baseline: Baseline) -> Baseline:
+def _table_noise(model: Model, filtered: Filtered) -> Filtered:
     """Return the baseline with the table's noise that the data like best."""
-    best = baseline
+    best = filtered
     for factor in (0.5, 2.0):
         for _ in range(3):
             noise = tuple(replace(one, table=factor * one.table) for one in best.noise)
-            trial = run_baseline(believed, best.values, noise, best.runs, best.effects)
-            if believed.observed.touches:
-                trial = _run_by_run(believed, best, trial)
+            trial = run_filter(model, best.values, noise, best.runs, best.effects)
+            if model.observed.contact_events:
+                trial = _run_by_run(model, best, trial)
             if trial.log_likelihood < best.log_likelihood + 0.5:
                 break
             best = trial
     return best
 
 
-def _run_by_run(believed: Believed, one: Baseline, other: Baseline) -> Baseline:
+def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
     """Return a baseline with the likelier noise in each run: what a collision leaves is no noise of a run without one."""
     likely = [
         [
-            log_likelihood(believed, [series], [steady], [run])
+            log_likelihood(model, [series], [steady], [run])
             for series, steady, run in zip(each.prediction.innovations, each.filters, each.runs, strict=True)
         ]
         for each in (one, other)
@@ -195,54 +193,54 @@ def _run_by_run(believed: Believed, one: Baseline, other: Baseline) -> Baseline:
     noise = [
         (one, other)[later > first].noise[i] for i, (first, later) in enumerate(zip(*likely, strict=True))
     ]
-    return run_baseline(believed, one.values, noise, one.runs, one.effects)
+    return run_filter(model, one.values, noise, one.runs, one.effects)
 
 
 def _descend(
-    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, iterations: int
-) -> tuple[Baseline, np.ndarray]:
-    ordinary_columns: list[np.ndarray] | None = None
+    model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray, iterations: int
+) -> tuple[Filtered, np.ndarray]:
+    nuisance_columns: list[np.ndarray] | None = None
     for iteration in range(iterations):
-        if ordinary_columns is None or iteration % 2 == 0:
-            ordinary_columns = _ordinary_columns(believed, baseline)
-        columns = effect_columns(believed, baseline, coordinates, x)
-        residuals = whitened_innovations(believed, baseline)
-        start = np.concatenate([baseline.values / believed.std, coordinates.prior(x)])
-        gram, slope = _normal(ordinary_columns, columns, residuals)
+        if nuisance_columns is None or iteration % 2 == 0:
+            nuisance_columns = _nuisance_columns(model, filtered)
+        columns = effect_columns(model, filtered, coordinates, x)
+        residuals = whitened_innovations(model, filtered)
+        start = np.concatenate([filtered.values / model.std, coordinates.prior(x)])
+        gram, slope = _normal(nuisance_columns, columns, residuals)
         if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
             # Where an effect blows up there is no direction to go.
             break
-        before = _misfit(believed, baseline, coordinates, x, baseline.values)
+        before = _misfit(model, filtered, coordinates, x, filtered.values)
         after = before
         for damping in DAMPINGS:
-            step = _step(gram, slope, start, len(believed.std), damping)
-            ordinary = baseline.values + step[: len(believed.std)] * believed.std
-            moved = x + step[len(believed.std) :]
-            after = _misfit(believed, baseline, coordinates, moved, ordinary)
+            step = _step(gram, slope, start, len(model.std), damping)
+            nuisance = filtered.values + step[: len(model.std)] * model.std
+            moved = x + step[len(model.std) :]
+            after = _misfit(model, filtered, coordinates, moved, nuisance)
             if after < before:
                 break
         else:
-            ordinary, moved = baseline.values, x
+            nuisance, moved = filtered.values, x
         if len(x) and before - after < PATTERN_BELOW:
-            moved, after = _pattern(believed, baseline, coordinates, moved, ordinary, min(after, before))
+            moved, after = _pattern(model, filtered, coordinates, moved, nuisance, min(after, before))
         if after >= before:
             break
-        trial = _at(believed, baseline, coordinates, moved, ordinary)
-        if trial.log_likelihood < baseline.log_likelihood - WORSE:
+        trial = _at(model, filtered, coordinates, moved, nuisance)
+        if trial.log_likelihood < filtered.log_likelihood - WORSE:
             # The gain that fits the new parameters likes them less than the old gain did.
             break
-        baseline, x = trial, moved
+        filtered, x = trial, moved
         if before - after < 0.2:
             break
-    return baseline, x
+    return filtered, x
 
 
 def _pattern(
-    believed: Believed,
-    baseline: Baseline,
+    model: Model,
+    filtered: Filtered,
     coordinates: Coordinates,
     x: np.ndarray,
-    ordinary: np.ndarray,
+    nuisance: np.ndarray,
     cost: float,
 ) -> tuple[np.ndarray, float]:
     """Search the effects' own parameters one by one: sticking and touching make kinks that a slope does not see."""
@@ -252,48 +250,45 @@ def _pattern(
                 while True:
                     moved = x.copy()
                     moved[j] += sign * stride
-                    tried = _misfit(believed, baseline, coordinates, moved, ordinary)
+                    tried = _misfit(model, filtered, coordinates, moved, nuisance)
                     if tried > cost - 0.1:
                         break
                     x, cost = moved, tried
     return x, cost
 
 
-def _ordinary_columns(believed: Believed, baseline: Baseline) -> list[np.ndarray]:
-    groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
+def _nuisance_columns(model: Model, filtered: Filtered) -> list[np.ndarray]:
+    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
     return [
-        columns * believed.std.astype(columns.dtype)
-        for columns in grouped_signatures(believed, baseline, groups)
+        columns * model.std.astype(columns.dtype) for columns in grouped_signatures(model, filtered, groups)
     ]
 
 
 def effect_columns(
-    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray
+    model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray
 ) -> list[np.ndarray]:
     """Return for each run the whitened derivative of the prediction with respect to the effects' coordinates."""
-    found = [np.zeros((series.size, len(x)), np.float32) for series in baseline.prediction.innovations]
+    found = [np.zeros((series.size, len(x)), np.float32) for series in filtered.prediction.innovations]
     slopes = coordinates.slopes(x)
     first = 0
     for effect in coordinates.effects:
         if effect.linear:
-            # As the ordinary parameters' columns are made: two that mean the same must not differ by an approximation.
+            # As the nuisance parameters' columns are made: two that mean the same must not differ by an approximation.
             groups = [
-                [effect.terms(believed, baseline.modes, motion, ())] for motion in motions(believed, baseline)
+                [effect.terms(model, filtered.modes, motion, ())] for motion in motions(model, filtered)
             ]
-            for store, column in zip(found, grouped_signatures(believed, baseline, groups), strict=True):
+            for store, column in zip(found, grouped_signatures(model, filtered, groups), strict=True):
                 store[:, first] = column[:, 0] * slopes[first]
         else:
             for j in range(first, first + len(effect.quantities)):
-                for store, column in zip(
-                    found, _difference(believed, baseline, coordinates, x, j), strict=True
-                ):
+                for store, column in zip(found, _difference(model, filtered, coordinates, x, j), strict=True):
                     store[:, j] = column
         first += len(effect.quantities)
     return found
 
 
 def _difference(
-    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, j: int
+    model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray, j: int
 ) -> list[np.ndarray]:
     """Return for each run the whitened derivative with respect to one coordinate, by a small change."""
     moved = x.copy()
@@ -301,25 +296,25 @@ def _difference(
     delta = 1e-3 if coordinates.logarithmic[j] else 1e-3 * max(1.0, size)
     moved[j] += delta
     acting = tuple(zip(coordinates.effects, coordinates.values(moved), strict=True))
-    gains = [steady.gain for steady in baseline.filters]
-    prediction = believed.predict(baseline.values, gains, acting, baseline.runs)
+    gains = [steady.gain for steady in filtered.filters]
+    prediction = model.predict(filtered.values, gains, acting, filtered.runs)
     found = []
-    for number, run in enumerate(baseline.runs):
-        change = baseline.prediction.innovations[number] - prediction.innovations[number]
-        good = np.isfinite(believed.observed.runs[run].measured)
+    for number, run in enumerate(filtered.runs):
+        change = filtered.prediction.innovations[number] - prediction.innovations[number]
+        good = np.isfinite(model.observed.runs[run].measured)
         with np.errstate(over="ignore", invalid="ignore"):
-            column = whitened(change / delta, baseline.filters[number], good).ravel()
+            column = whitened(change / delta, filtered.filters[number], good).ravel()
         # A model that blows up at the small change has no slope there.
         found.append(column if np.all(np.abs(column) < LARGEST_SLOPE) else np.zeros_like(column))
     return found
 
 
 def _normal(
-    ordinary: Sequence[np.ndarray], columns: Sequence[np.ndarray], residuals: Sequence[np.ndarray]
+    nuisance: Sequence[np.ndarray], columns: Sequence[np.ndarray], residuals: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    count = ordinary[0].shape[1] + columns[0].shape[1]
+    count = nuisance[0].shape[1] + columns[0].shape[1]
     gram, slope = np.zeros((count, count)), np.zeros(count)
-    for one, other, residual in zip(ordinary, columns, residuals, strict=True):
+    for one, other, residual in zip(nuisance, columns, residuals, strict=True):
         both = np.hstack([one, other]).astype(float)
         gram += both.T @ both
         slope += both.T @ residual
@@ -338,38 +333,32 @@ def _step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, boxed: int, da
 
 
 def _misfit(
-    believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray, ordinary: np.ndarray
+    model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray, nuisance: np.ndarray
 ) -> float:
     acting = tuple(zip(coordinates.effects, coordinates.values(x), strict=True))
-    prediction = believed.predict(
-        ordinary, [steady.gain for steady in baseline.filters], acting, baseline.runs
-    )
-    total = 0.5 * float(np.sum((ordinary / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
-    for series, steady, run in zip(prediction.innovations, baseline.filters, baseline.runs, strict=True):
-        good = np.isfinite(believed.observed.runs[run].measured)
+    prediction = model.predict(nuisance, [steady.gain for steady in filtered.filters], acting, filtered.runs)
+    total = 0.5 * float(np.sum((nuisance / model.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
+    for series, steady, run in zip(prediction.innovations, filtered.filters, filtered.runs, strict=True):
+        good = np.isfinite(model.observed.runs[run].measured)
         # A trial step may well blow up: its misfit is then infinite, and the step is not taken.
         with np.errstate(over="ignore", invalid="ignore"):
             total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
     return total if np.isfinite(total) else float("inf")
 
 
-def _finished(believed: Believed, baseline: Baseline, coordinates: Coordinates, x: np.ndarray) -> Fit:
-    columns = effect_columns(believed, baseline, coordinates, x)
-    gram, _ = _normal(
-        _ordinary_columns(believed, baseline), columns, whitened_innovations(believed, baseline)
-    )
+def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, x: np.ndarray) -> Fit:
+    columns = effect_columns(model, filtered, coordinates, x)
+    gram, _ = _normal(_nuisance_columns(model, filtered), columns, whitened_innovations(model, filtered))
     precision = gram + np.eye(len(gram))
-    log_prior = -0.5 * float(
-        np.sum((baseline.values / believed.std) ** 2) + np.sum(coordinates.prior(x) ** 2)
-    )
-    posterior = baseline.log_likelihood + log_prior - 0.5 * float(np.linalg.slogdet(precision)[1])
-    spread = np.sqrt(np.diag(np.linalg.inv(precision)))[len(believed.std) :] * np.abs(coordinates.slopes(x))
+    log_prior = -0.5 * float(np.sum((filtered.values / model.std) ** 2) + np.sum(coordinates.prior(x) ** 2))
+    posterior = filtered.log_likelihood + log_prior - 0.5 * float(np.linalg.slogdet(precision)[1])
+    spread = np.sqrt(np.diag(np.linalg.inv(precision)))[len(model.std) :] * np.abs(coordinates.slopes(x))
     ends = np.cumsum([len(effect.quantities) for effect in coordinates.effects])
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(x),
         std=tuple(np.split(spread, ends[:-1])) if coordinates.effects else (),
-        baseline=baseline,
+        filtered=filtered,
         log_posterior=posterior,
         columns=tuple(columns),
     )

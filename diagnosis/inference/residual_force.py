@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
-from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.kalman import (
     LinearSystem,
@@ -22,7 +22,7 @@ from pounding.diagnosis.model.kalman import (
     linear_system,
     noise_density,
 )
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 
 FIRST_LEVEL = 0.1
 ROUNDS = 16
@@ -31,7 +31,7 @@ LEAST_LEVEL = 1e-4
 
 
 @dataclass(frozen=True)
-class Leftover:
+class ResidualForce:
     """The force that a storey has beyond the calibrated model's, in one run.
 
     Attributes:
@@ -47,35 +47,35 @@ class Leftover:
     drift_rate: np.ndarray
 
 
-def leftover_forces(believed: Believed, baseline: Baseline, runs: Sequence[int]) -> list[Leftover]:
+def residual_forces(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[ResidualForce]:
     """Return the leftover force of every storey in each run, from all of the run's measurements.
 
     Args:
-        believed: The believed model.
-        baseline: The model: its ordinary parameters and effects.
+        model: The baseline model.
+        filtered: The model: its nuisance parameters and effects.
         runs: Numbers of the runs.
     """
-    return [_leftover(believed, baseline, run) for run in runs]
+    return [_residual_force(model, filtered, run) for run in runs]
 
 
-def _leftover(believed: Believed, baseline: Baseline, run: int) -> Leftover:
-    (noise,) = starting_noise(believed, [run], FIRST_LEVEL)
+def _residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce:
+    (noise,) = starting_noise(model, [run], FIRST_LEVEL)
     # Noise that the fit has found in this run is better than that of the spectrum alone.
-    if run in baseline.runs:
-        known = baseline.noise[baseline.runs.index(run)]
+    if run in filtered.runs:
+        known = filtered.noise[filtered.runs.index(run)]
         noise = replace(noise, table=known.table)
     least = LEAST_LEVEL / FIRST_LEVEL * noise.latent
     for _ in range(ROUNDS):
-        found = run_baseline(believed, baseline.values, [noise], [run], baseline.effects)
-        rows = believed.structure.drift @ found.modes.floors
-        system = linear_system(found.modes, rows, believed.observed.quantity, believed.observed.floor)
-        states, spread = smoothed(system, found, noise, believed.observed.runs[run].step_s)
+        found = run_filter(model, filtered.values, [noise], [run], filtered.effects)
+        rows = model.structure.drift @ found.modes.floors
+        system = linear_system(found.modes, rows, model.observed.quantity, model.observed.floor)
+        states, spread = smoothed(system, found, noise, model.observed.runs[run].step_s)
         latent = slice(2 * len(found.modes.omega), 2 * len(found.modes.omega) + len(noise.latent))
         size = np.sqrt(np.mean(states[:, latent] ** 2, axis=0) + spread[latent] ** 2)
         noise = replace(noise, latent=np.maximum(size, least))
     modes = len(found.modes.omega)
-    data = believed.observed.runs[run]
-    return Leftover(
+    data = model.observed.runs[run]
+    return ResidualForce(
         run=data.name,
         time_s=data.time_s,
         # A latent force pushes along the drift; what a storey has beyond the model opposes it.
@@ -87,24 +87,24 @@ def _leftover(believed: Believed, baseline: Baseline, run: int) -> Leftover:
 
 
 def smoothed(
-    system: LinearSystem, baseline: Baseline, noise: Noise, step_s: float
+    system: LinearSystem, filtered: Filtered, noise: Noise, step_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the states of a run given all its samples (samples, states), and their standard deviations (states,).
 
     The backward pass of Rauch, Tung and Striebel (1965) with the filter's steady covariance.
     """
-    steady, prediction = baseline.filters[0], baseline.prediction
+    steady, prediction = filtered.filters[0], filtered.prediction
     before, after = prediction.before[0], prediction.after[0]
-    predicted, filtered = _covariances(system, steady, noise, step_s)
+    predicted, updated = _covariances(system, steady, noise, step_s)
     size = np.sqrt(np.maximum(np.diag(predicted), 1e-30))
     scaled = predicted / np.outer(size, size)
     # C = P_filtered A' P_predicted^-1, each state scaled to about one: metres and newtons stand side by side.
-    gain = np.linalg.solve(scaled, (steady.step @ filtered / size[:, None]) / size[None, :]).T
+    gain = np.linalg.solve(scaled, (steady.step @ updated / size[:, None]) / size[None, :]).T
     gain = gain * size[:, None] / size[None, :]
     states = after.copy()
     for k in range(len(states) - 2, -1, -1):
         states[k] += gain @ (states[k + 1] - before[k + 1])
-    covariance = solve_discrete_lyapunov(gain, filtered - gain @ predicted @ gain.T)
+    covariance = solve_discrete_lyapunov(gain, updated - gain @ predicted @ gain.T)
     return states, np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
 

@@ -11,13 +11,13 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.storey import CoulombFriction, FadingFriction
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
-from pounding.diagnosis.inference.filtering import BOX, Baseline, log_likelihood, run_baseline
+from pounding.diagnosis.inference.filtering import BOX, Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import RESCUE_LEVEL, best_null, null_again, unswapped
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 
 REFINED = 8
 THOROUGH = 3
@@ -51,20 +51,20 @@ Progress = Callable[[str, float], None]
 
 
 def search(
-    believed: Believed,
+    model: Model,
     effects: Sequence[Effect],
     training: Sequence[int],
     held_out: Sequence[int],
     progress: Progress,
-    start: Baseline | None = None,
+    start: Filtered | None = None,
 ) -> Findings:
     """Return what speaks for each effect; `start` is the null model as calibrated, where that is known already."""
-    progress("calibrating the believed model", 0.05)
-    start = start or calibrated(believed, training)
-    null = best_null(believed, refine(believed, start, (), (), ()))
-    believed, null = unswapped(believed, null, training)
+    progress("calibrating the baseline model", 0.05)
+    start = start or calibrated(model, training)
+    null = best_null(model, refine(model, start, (), (), ()))
+    model, null = unswapped(model, null, training)
     runs = (tuple(training), tuple(held_out))
-    found = _refined_best(believed, null, effects, runs, progress)
+    found = _refined_best(model, null, effects, runs, progress)
     for _ in range(RESTARTS):
         again = null_again(found)
         worth = max(RESTARTED, RESTARTED_SHARE * best(found).nats)
@@ -72,7 +72,7 @@ def search(
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
         null = again
-        found = _refined_best(believed, null, effects, runs, progress)
+        found = _refined_best(model, null, effects, runs, progress)
     if found.judged:
         progress("looking for a second effect", 0.75)
         _second(found, effects)
@@ -81,7 +81,7 @@ def search(
 
 
 def _refined_best(
-    believed: Believed,
+    model: Model,
     null: Fit,
     effects: Sequence[Effect],
     runs: tuple[tuple[int, ...], tuple[int, ...]],
@@ -89,25 +89,25 @@ def _refined_best(
 ) -> Findings:
     """Return the findings of single effects about a null model."""
     progress("scoring the catalogue", 0.25)
-    sizes = scales(believed, null.baseline)
-    scores = score(believed, null.baseline, effects, sizes)
-    found = Findings(believed, judge(believed, null, null, *runs), scores, sizes, *runs)
+    sizes = scales(model, null.filtered)
+    scores = score(model, null.filtered, effects, sizes)
+    found = Findings(model, judge(model, null, null, *runs), scores, sizes, *runs)
     chosen = _chosen(scores)
     quick = []
     for count, one in enumerate(chosen):
         progress(f"refining {one.effect.label()}", 0.35 + 0.15 * count / max(len(chosen), 1))
-        quick.append(_refined(found, null.baseline, one, thorough=False))
+        quick.append(_refined(found, null.filtered, one, thorough=False))
     order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
     if chosen and 0 not in order[:THOROUGH]:
         order.insert(THOROUGH - 1, 0)  # What scores best is refined to the end, however hard it is to start.
     for count, i in enumerate(order[:THOROUGH]):
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
-        fit = _refined(found, null.baseline, chosen[i], start=quick[i])
+        fit = _refined(found, null.filtered, chosen[i], start=quick[i])
         _keep(found, fit)
         if isinstance(chosen[i].effect, BaseRocking):
             _keep(found, softer(found, fit))
     _turned(found, effects)
-    if unexplained(found, best(found)) or bent(believed, best(found).fit.baseline):
+    if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
     _faded(found)
@@ -116,7 +116,7 @@ def _refined_best(
 
 def _keep(found: Findings, fit: Fit) -> None:
     """Add a fit to what was judged, the better one only where two starts led to the same effects."""
-    judged = judge(found.believed, fit, found.null.fit, found.training, found.held_out)
+    judged = judge(found.model, fit, found.null.fit, found.training, found.held_out)
     if np.isfinite(judged.nats):
         found.judged.append(judged)
     ranked = sorted(found.judged, key=lambda one: -one.nats)
@@ -127,58 +127,58 @@ def _keep(found: Findings, fit: Fit) -> None:
 def _chosen(scores: Scores) -> list[Score]:
     """Return the candidates to refine: the best ones, and the best of those that look like none of them."""
     chosen: list[Score] = []
-    foils = 0
+    rivals = 0
     for one in scores.ranked:
         if one.nats < WORTH or len(chosen) >= REFINED:
             break
         # A foil acts alike on neighbouring floors, and two of them say enough.
-        foils += one.effect.foil
-        if not one.effect.foil or foils <= FOILS:
+        rivals += one.effect.rival
+        if not one.effect.rival or rivals <= FOILS:
             chosen.append(one)
     return chosen
 
 
-def widths(believed: Believed, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:
+def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:
     """Return prior standard deviations of an effect's parameters; those refined as logarithms ignore them."""
-    size = effect.size(believed, sizes, shape)
+    size = effect.size(model, sizes, shape)
     start = effect.values(size, shape)
     return np.maximum(np.abs(start), 1e-12)
 
 
 def _refined(
     found: Findings,
-    baseline: Baseline,
+    filtered: Filtered,
     one: Score,
     with_fit: Fit | None = None,
     start: Fit | None = None,
     thorough: bool = True,
 ) -> Fit:
-    believed, effect = found.believed, one.effect
+    model, effect = found.model, one.effect
     values = effect.values(one.amplitude, one.shape)
-    width = widths(believed, effect, found.sizes, one.shape)
+    width = widths(model, effect, found.sizes, one.shape)
     if with_fit is not None:
-        before = [widths(believed, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        moved = np.clip(baseline.values + one.ordinary, -BOX * believed.std, BOX * believed.std)
+        before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
+        moved = np.clip(filtered.values + one.nuisance, -BOX * model.std, BOX * model.std)
         return refine(
-            believed,
-            baseline,
+            model,
+            filtered,
             (*with_fit.effects, effect),
             (*with_fit.values, values),
             (*before, width),
-            ordinary=moved,
+            nuisance=moved,
         )
     if start is not None:
-        return refine(believed, start.baseline, (effect,), (start.values[0],), (width,), thorough=thorough)
-    values, ordinary = _better_start(found, baseline, one)
-    return refine(believed, baseline, (effect,), (values,), (width,), thorough=thorough, ordinary=ordinary)
+        return refine(model, start.filtered, (effect,), (start.values[0],), (width,), thorough=thorough)
+    values, nuisance = _better_start(found, filtered, one)
+    return refine(model, filtered, (effect,), (values,), (width,), thorough=thorough, nuisance=nuisance)
 
 
-def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.ndarray, np.ndarray]:
-    """Return effect and ordinary parameters from which to refine: as scored, or a shape or size that predicts better.
+def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.ndarray, np.ndarray]:
+    """Return effect and nuisance parameters from which to refine: as scored, or a shape or size that predicts better.
 
     The score is linear in the amplitude and knows the shape on a coarse grid only.
     """
-    believed, effect = found.believed, one.effect
+    model, effect = found.model, one.effect
     shapes = effect.grid(found.sizes)
     tried = [(one.shape, factor) for factor in (1.0, *START_FACTORS)]
     if len(shapes) > 1:
@@ -187,19 +187,19 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
         ]
     scanned = effect.near(one.shape)
     tried += [(shape, factor) for shape in scanned for factor in (0.5, 1.0)]
-    limit = BOX * believed.std
+    limit = BOX * model.std
     starts: list[tuple[np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
-        moved = np.clip(baseline.values + factor * one.ordinary, -limit, limit)
-        # A scan over what is tuned is long enough with what the ordinary parameters give back.
-        starts += [(values, moved)] if shape in scanned else [(values, moved), (values, baseline.values)]
+        moved = np.clip(filtered.values + factor * one.nuisance, -limit, limit)
+        # A scan over what is tuned is long enough with what the nuisance parameters give back.
+        starts += [(values, moved)] if shape in scanned else [(values, moved), (values, filtered.values)]
 
     def likely(start: tuple[np.ndarray, np.ndarray]) -> float:
-        values, ordinary = start
+        values, nuisance = start
         with np.errstate(over="ignore", invalid="ignore"):
-            found_there = run_baseline(
-                believed, ordinary, baseline.noise, baseline.runs, [(effect, values)]
+            found_there = run_filter(
+                model, nuisance, filtered.noise, filtered.runs, [(effect, values)]
             ).log_likelihood
         return found_there if np.isfinite(found_there) else -np.inf
 
@@ -209,7 +209,7 @@ def _better_start(found: Findings, baseline: Baseline, one: Score) -> tuple[np.n
 def softer(found: Findings, fit: Fit) -> Fit:
     """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values."""
     values = SOFTER * fit.values[0]
-    return refine(found.believed, found.null.fit.baseline, fit.effects, (values,), (values,))
+    return refine(found.model, found.null.fit.filtered, fit.effects, (values,), (values,))
 
 
 def _turned(found: Findings, effects: Sequence[Effect]) -> None:
@@ -217,15 +217,15 @@ def _turned(found: Findings, effects: Sequence[Effect]) -> None:
     leading = best(found)
     if [effect.name for effect in leading.effects] != ["appendage"]:
         return
-    foil, fit = leading.effects[0], leading.fit
+    rival, fit = leading.effects[0], leading.fit
     for effect in effects:
-        if isinstance(effect, TorsionalEccentricity) and effect.frame == foil.frame:
-            values = effect.like_appendage(found.believed, fit.baseline.values, foil.index, fit.values[0])
+        if isinstance(effect, TorsionalEccentricity) and effect.frame == rival.frame:
+            values = effect.like_appendage(found.model, fit.filtered.values, rival.index, fit.values[0])
             width = np.maximum(np.abs(values), 1e-12)
             _keep(
                 found,
                 refine(
-                    found.believed, fit.baseline, (effect,), (values,), (width,), ordinary=fit.baseline.values
+                    found.model, fit.filtered, (effect,), (values,), (width,), nuisance=fit.filtered.values
                 ),
             )
 
@@ -239,34 +239,34 @@ def _faded(found: Findings) -> None:
     if len(leading.effects) != 1 or not isinstance(leading.effects[0], CoulombFriction):
         return
     plain, fit = leading.effects[0], leading.fit
-    foil = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
+    rival = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
     usual = float(found.sizes.drift_rate[plain.index])
     for share in FADED:
         values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
         width = np.maximum(np.abs(values), 1e-12)
-        faded = refine(found.believed, fit.baseline, (foil,), (values,), (width,))
+        faded = refine(found.model, fit.filtered, (rival,), (values,), (width,))
         if faded.values[0][2] < usual:
             _keep(found, faded)
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
-    """Start anew from the ordinary parameters as believed, with small latent forces: what scores best, and what is strong.
+    """Start anew from the nuisance parameters as believed, with small latent forces: what scores best, and what is strong.
 
     A strong effect is not near the null model, and a null model that imitates one may hold its refinement back.
     """
-    believed = found.believed
-    ordinary = np.zeros(len(believed.std))
-    noise = starting_noise(believed, found.training, RESCUE_LEVEL)
-    start = run_baseline(believed, ordinary, noise, found.training)
+    model = found.model
+    nuisance = np.zeros(len(model.std))
+    noise = starting_noise(model, found.training, RESCUE_LEVEL)
+    start = run_filter(model, nuisance, noise, found.training)
     for effect, values in _hopeful(found, effects, start):
-        baseline = run_baseline(believed, ordinary, noise, found.training, [(effect, values)])
+        filtered = run_filter(model, nuisance, noise, found.training, [(effect, values)])
         width = np.maximum(np.abs(values), 1e-12)
-        _keep(found, refine(believed, baseline, (effect,), (values,), (width,)))
+        _keep(found, refine(model, filtered, (effect,), (values,), (width,)))
 
 
-def _hopeful(found: Findings, effects: Sequence[Effect], start: Baseline) -> list[tuple[Effect, np.ndarray]]:
+def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> list[tuple[Effect, np.ndarray]]:
     """Return effects and sizes to start anew with, each effect once at its likeliest size."""
-    scored = [one for one in found.scores.ranked if not one.effect.foil][:RESCUED_SCORES]
+    scored = [one for one in found.scores.ranked if not one.effect.rival][:RESCUED_SCORES]
     tried = [
         (one.effect, one.effect.values(factor * one.amplitude, one.shape))
         for one in scored
@@ -284,7 +284,7 @@ def _hopeful(found: Findings, effects: Sequence[Effect], start: Baseline) -> lis
         if np.isfinite(likely) and likely > start.log_likelihood + RESCUED and better:
             likeliest[effect] = (likely, values)
     ranked = sorted(likeliest, key=lambda effect: -likeliest[effect][0])
-    # Raw likelihood knows nothing of what the ordinary parameters can do: what scores best goes first.
+    # Raw likelihood knows nothing of what the nuisance parameters can do: what scores best goes first.
     first = [one.effect for one in scored if one.effect in likeliest][:1]
     chosen = first + [effect for effect in ranked if effect not in first][: RESCUES - len(first)]
     return [(effect, likeliest[effect][1]) for effect in chosen]
@@ -297,21 +297,21 @@ def _sizes(found: Findings, effect: Effect) -> list[np.ndarray]:
     grid = effect.grid(found.sizes)
     tried = []
     for shape in grid[:: max(1, len(grid) // 4)]:
-        size = (effect.sign or 1) * effect.size(found.believed, found.sizes, shape)
+        size = (effect.sign or 1) * effect.size(found.model, found.sizes, shape)
         tried += [effect.values(factor * size, shape) for factor in RESCUE_FACTORS]
     return tried
 
 
 def _likely(
-    found: Findings, start: Baseline, gains: Sequence[np.ndarray], acting: list[tuple[Effect, np.ndarray]]
+    found: Findings, start: Filtered, gains: Sequence[np.ndarray], acting: list[tuple[Effect, np.ndarray]]
 ) -> float:
     """Return the log likelihood of an effect at a size; one that changes no matrix can keep the filter's gain."""
-    believed = found.believed
+    model = found.model
     with np.errstate(over="ignore", invalid="ignore"):
         if acting[0][0].where not in ("storey", "channel"):
-            return run_baseline(believed, start.values, start.noise, start.runs, acting).log_likelihood
-        prediction = believed.predict(start.values, gains, acting, start.runs)
-        return log_likelihood(believed, prediction.innovations, start.filters, start.runs)
+            return run_filter(model, start.values, start.noise, start.runs, acting).log_likelihood
+        prediction = model.predict(start.values, gains, acting, start.runs)
+        return log_likelihood(model, prediction.innovations, start.filters, start.runs)
 
 
 def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
@@ -326,7 +326,7 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
         e
         for e in effects
         if (e.where == "storey" and e.index in inside)
-        or (e.where in ("frame", "") and not e.foil)
+        or (e.where in ("frame", "") and not e.rival)
         or e.name == "sensor_gain"
     ]
 
@@ -335,11 +335,11 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     fit = best(found).fit
     if not fit.effects:
         return
-    believed = found.believed
+    model = found.model
     others = [effect for effect in effects if effect not in fit.effects]
-    found.later = score(believed, fit.baseline, others, found.sizes, fit.columns)
+    found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
     if found.later.ranked[0].nats < SECOND:
         return
     for number, one in enumerate(found.later.ranked[:2]):
-        if one.nats > SECOND and not (number and one.effect.foil):
-            _keep(found, _refined(found, fit.baseline, one, fit))
+        if one.nats > SECOND and not (number and one.effect.rival):
+            _keep(found, _refined(found, fit.filtered, one, fit))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.inference.filtering import Baseline
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.predictor import DRAG, USER, _remember, law
 
 
@@ -24,20 +24,20 @@ def along(
 
 
 def storey_force(
-    believed: Believed, fit: Baseline, storey: int, drift: np.ndarray, rate: np.ndarray, step_s: float
+    model: Model, fit: Filtered, storey: int, drift: np.ndarray, rate: np.ndarray, step_s: float
 ) -> np.ndarray | None:
     """Return the force of a fit's effects in a storey [N], shape (samples,), or None where none of them acts there.
 
     Args:
-        believed: The believed model.
+        model: The baseline model.
         fit: The fit with its effects.
         storey: Index of the storey among all.
         drift, rate: Drifts [m] and their rates [m/s] of every storey, shape (samples, storeys).
         step_s: Sampling step [s].
     """
-    structure = believed.structure
-    assembly = believed.assemble(fit.values, fit.effects)
-    plain = believed.assemble(fit.values)
+    structure = model.structure
+    assembly = model.assemble(fit.values, fit.effects)
+    plain = model.assemble(fit.values)
     time = np.arange(len(drift)) * step_s
     total = np.zeros(len(drift))
     for kind, row, numbers, _ in assembly.laws:

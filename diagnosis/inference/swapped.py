@@ -7,19 +7,19 @@ from itertools import combinations
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Baseline, log_likelihood
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.inference.filtering import Filtered, log_likelihood
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 
 SWAPPED_NATS = 1000.0
 """What exchanging two channels must gain before it is worth a recalibration."""
 
 
-def exchange(believed: Believed, null: Baseline) -> tuple[int, int] | None:
+def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
     """Return the two channels of one kind and frame whose exchange the null model likes best, if it likes one much."""
-    observed = believed.observed
+    observed = model.observed
     frames = [
-        believed.structure.place(int(floor))[0] if floor < believed.structure.floors else ""
+        model.structure.place(int(floor))[0] if floor < model.structure.floors else ""
         for floor in observed.floor
     ]
     best, gain = None, SWAPPED_NATS
@@ -27,7 +27,7 @@ def exchange(believed: Believed, null: Baseline) -> tuple[int, int] | None:
     for one, other in combinations(range(len(observed.names)), 2):
         if observed.quantity[one] != observed.quantity[other] or frames[one] != frames[other]:
             continue
-        trial = Believed(believed.structure, exchanged(observed, one, other), believed.prior)
+        trial = Model(model.structure, exchanged(observed, one, other), model.prior)
         prediction = trial.predict(null.values, gains, (), null.runs)
         gained = log_likelihood(trial, prediction.innovations, null.filters, null.runs) - null.log_likelihood
         if gained > gain:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import csd, welch
 
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION, VELOCITY
 
@@ -19,16 +19,16 @@ UNLIKELY = 3.0
 """Prior standard deviations from which a measured frequency is told."""
 
 
-def frequency_warnings(believed: Believed) -> list[str]:
+def frequency_warnings(model: Model) -> list[str]:
     """Return a sentence for each frame whose measured first frequency is unlikely before the test."""
-    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
-    prior = believed.prior
+    modes = model.modes(model.assemble(np.zeros(len(model.std))))
+    prior = model.prior
     said = []
-    for number, frame in enumerate(believed.structure.frames):
-        floors = modes.floors[believed.structure.span(number)]
+    for number, frame in enumerate(model.structure.frames):
+        floors = modes.floors[model.structure.span(number)]
         own = np.flatnonzero(np.abs(floors).max(axis=0) > 1e-6 * np.abs(modes.floors).max())
         first = float(modes.omega[own].min()) / (2 * np.pi)
-        found = measured_frequency(believed, number, first)
+        found = measured_frequency(model, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         if found is None or abs(np.log(found[0] / first)) < UNLIKELY * spread + found[1] / first:
             continue
@@ -40,24 +40,24 @@ def frequency_warnings(believed: Believed) -> list[str]:
     return said
 
 
-def measured_frequency(believed: Believed, frame: int, first_hz: float) -> tuple[float, float] | None:
+def measured_frequency(model: Model, frame: int, first_hz: float) -> tuple[float, float] | None:
     """Return where a frame's highest measured floor answers the table most [Hz], and the resolution [Hz].
 
     The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; over all
     runs that are long enough; None without one.
 
     Args:
-        believed: The believed model.
+        model: The baseline model.
         frame: Number of the frame.
         first_hz: Its believed first frequency [Hz].
     """
-    floor = believed.observed.floor
-    inside = np.flatnonzero(believed.at_frame(frame))
+    floor = model.observed.floor
+    inside = np.flatnonzero(model.at_frame(frame))
     if len(inside) == 0:
         return None
     channel = int(inside[np.argmax(floor[inside])])
-    power = {ACCELERATION: 2, VELOCITY: 1}.get(int(believed.observed.quantity[channel]), 0)
-    return _peak([(run, channel) for run in believed.observed.runs], first_hz, power)
+    power = {ACCELERATION: 2, VELOCITY: 1}.get(int(model.observed.quantity[channel]), 0)
+    return _peak([(run, channel) for run in model.observed.runs], first_hz, power)
 
 
 def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> tuple[float, float] | None:

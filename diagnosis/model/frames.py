@@ -34,7 +34,7 @@ def definition(frame: CaseFrame) -> frames.Frame:
     return frames.load(str(frame.file) if frame.file else frame.name)
 
 
-def believed_frames(case: Case) -> tuple[StoreyFrame, ...]:
+def baseline_frames(case: Case) -> tuple[StoreyFrame, ...]:
     """Return the storeys of every frame of a case, in the case's order.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The believed model: its system for given ordinary parameters and effects, and the prediction that follows."""
+"""The baseline model: its system for given nuisance parameters and effects, and the prediction that follows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE
-from pounding.diagnosis.model.nuisance import Assembly, ordinary_parameters, vary
+from pounding.diagnosis.model.nuisance import Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
@@ -22,7 +22,7 @@ from pounding.diagnosis.model.tilt import tilt_inputs
 class Acting(Protocol):
     """An effect that can be put on an assembly."""
 
-    def apply(self, assembly: Assembly, values: np.ndarray, believed: Believed) -> None:
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Change the assembly by the effect with SI parameter `values`."""
 
 
@@ -36,14 +36,14 @@ class Prediction:
     outputs: list[np.ndarray]
 
 
-class Believed:
-    """A structure, what was measured on it, and the priors of its ordinary parameters."""
+class Model:
+    """A structure, what was measured on it, and the priors of its nuisance parameters."""
 
     def __init__(self, structure: Structure, observed: Observations, prior: Prior) -> None:
         self.structure = structure
         self.observed = observed
         self.prior = prior
-        self.parameters = ordinary_parameters(structure, observed, prior)
+        self.parameters = nuisance_parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
         self._splines = [
             CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
@@ -76,7 +76,7 @@ class Believed:
             channel_gain=np.zeros(channels),
             channel_delay_s=np.zeros(channels),
             channel_offset=np.zeros(channels),
-            touch_gain=np.zeros(len(self.observed.touches)),
+            event_gain=np.zeros(len(self.observed.contact_events)),
         )
         for number, frame in enumerate(structure.frames):
             span = structure.span(number)
@@ -108,7 +108,7 @@ class Believed:
         return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
 
     def overlap(self, modes: Modes) -> np.ndarray:
-        """Return which part of each of `modes` is each of the believed frames' own modes, shape (floors, modes)."""
+        """Return which part of each of `modes` is each of the baseline frames' own modes, shape (floors, modes)."""
         if self._own is None:
             assembly = self.assemble(np.zeros(len(self.std)))
             self._own = self.plain_modes(assembly).floors.T @ assembly.mass
@@ -197,9 +197,9 @@ class Believed:
     def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
         """Return a contact force [N] of a run at times [s] from its start, as large in each touch as the assembly says."""
         force = self.observed.runs[number].contact_at(times_s, column)
-        for touch, gain in zip(self.observed.touches, assembly.touch_gain, strict=True):
-            if gain and (touch.run, touch.column) == (number, column):
-                force[touch.within(times_s)] *= 1.0 + gain
+        for event, gain in zip(self.observed.contact_events, assembly.event_gain, strict=True):
+            if gain and (event.run, event.column) == (number, column):
+                force[event.within(times_s)] *= 1.0 + gain
         return force
 
     def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray) -> np.ndarray:

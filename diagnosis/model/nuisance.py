@@ -1,4 +1,4 @@
-"""The ordinary parameters: what may vary inside the priors, how wide, and what each changes in the believed system."""
+"""The nuisance parameters: what may vary inside the priors, how wide, and what each changes in the believed system."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ models that agree in all frequencies differ in both."""
 
 @dataclass(frozen=True)
 class Parameter:
-    """An ordinary parameter: what it is, of which place (an index), and its prior standard deviation."""
+    """An nuisance parameter: what it is, of which place (an index), and its prior standard deviation."""
 
     kind: str
     place: int
@@ -49,7 +49,7 @@ class Assembly:
     channel_gain: np.ndarray
     channel_delay_s: np.ndarray
     channel_offset: np.ndarray
-    touch_gain: np.ndarray
+    event_gain: np.ndarray
     """Relative change of the contact force in each of the observations' touches."""
     laws: list[tuple[int, np.ndarray, tuple[float, ...], tuple[int, int]]] = field(default_factory=list)
     """Kind, row of floors that gives the drift, SI parameters, floor range (drag)."""
@@ -61,8 +61,8 @@ class Assembly:
     """Motion of each such coordinate when the table moves by one."""
 
 
-def ordinary_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:
-    """Return the ordinary parameters of a structure and of what was measured on it."""
+def nuisance_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:
+    """Return the nuisance parameters of a structure and of what was measured on it."""
     floors = structure.floors
     frames = range(len(structure.frames))
     first = {structure.first(frame) for frame in frames}
@@ -93,7 +93,9 @@ def ordinary_parameters(structure: Structure, observed: Observations, prior: Pri
     # One channel keeps the time: all of them late together are a table that is early; contact forces keep their own.
     first_free = 0 if observed.touching else 1
     found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
-    found += [Parameter("touch_gain", number, touch.std) for number, touch in enumerate(observed.touches)]
+    found += [
+        Parameter("event_gain", number, event.std) for number, event in enumerate(observed.contact_events)
+    ]
     return found
 
 
@@ -122,8 +124,8 @@ def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: 
         assembly.channel_gain[place] += value
     elif parameter.kind == "channel_delay":
         assembly.channel_delay_s[place] += value
-    elif parameter.kind == "touch_gain":
-        assembly.touch_gain[place] += value
+    elif parameter.kind == "event_gain":
+        assembly.event_gain[place] += value
 
 
 def storey_stiffness(structure: Structure, storey: int) -> float:

@@ -66,7 +66,7 @@ class RunData:
 
 
 @dataclass(frozen=True)
-class Touch:
+class ContactEvent:
     """A time in which two floors touch: its run, the column of its force, first and last moment [s] from the run's start.
 
     `std` is how well the size of the force is known there, relative.
@@ -105,7 +105,7 @@ class Observations:
     runs: tuple[RunData, ...]
     contact_floors: tuple[tuple[int, int], ...] = ()
     touching: bool = False
-    touches: tuple[Touch, ...] = ()
+    contact_events: tuple[ContactEvent, ...] = ()
     slower: int = 1
     warnings: list[str] = field(default_factory=list)
 
@@ -161,9 +161,9 @@ def observe(case: Case, structure: Structure) -> Observations:
 
 
 def _contact_floors(case: Case, structure: Structure, contact: int) -> tuple[int, int]:
-    believed = case.contacts[contact - 1]
-    left, right = structure.index(believed.left), structure.index(believed.right)
-    return structure.first(left) + believed.floor - 1, structure.first(right) + believed.floor - 1
+    model = case.contacts[contact - 1]
+    left, right = structure.index(model.left), structure.index(model.right)
+    return structure.first(left) + model.floor - 1, structure.first(right) + model.floor - 1
 
 
 def _run(case: Case, run: Run, columns: list[int], forces: list[int], warnings: list[str]) -> RunData:

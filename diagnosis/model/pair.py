@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 
 
 @dataclass
@@ -12,7 +12,7 @@ class Pair:
     """A pair as its frames and its contact are judged.
 
     Attributes:
-        full: The believed model with observations at the logger's rate, all contact forces filled in.
+        full: The baseline model with observations at the logger's rate, all contact forces filled in.
         slow: The same for the frames, below `pairs.RATE_HZ`.
         column: Column of the stated contact's force. noise: Its standard deviation in each run [N].
         cell: What the force cell itself does wrong, or None where there is none that can be used.
@@ -21,8 +21,8 @@ class Pair:
         contact_claimed: Whether something between the frames is known to be missing.
     """
 
-    full: Believed
-    slow: Believed
+    full: Model
+    slow: Model
     column: int
     noise: list[float]
     cell: Cell | None

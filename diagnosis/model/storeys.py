@@ -1,4 +1,4 @@
-"""The believed frames as storeys: masses, stiffness and damping of the floors' x displacements, and what varies them.
+"""The baseline frames as storeys: masses, stiffness and damping of the floors' x displacements, and what varies them.
 
 All frames of a case stand on one table, so they make one block-diagonal system; each keeps its own floors.
 """

@@ -1,4 +1,4 @@
-"""What a unit of each ordinary parameter, and of anything like it, adds to a predicted motion: terms of its signature."""
+"""What a unit of each nuisance parameter, and of anything like it, adds to a predicted motion: terms of its signature."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import floor_mass, storey_pattern
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.sensitivity import Term
@@ -43,17 +43,16 @@ def force_term(motion: Motion, series: Callable[[Motion], np.ndarray], force: np
     return Term(series(motion.start or motion), force, end=series(motion))
 
 
-def ordinary_terms(believed: Believed, modes: Modes, motion: Motion) -> list[list[Term]]:
-    """Return for each ordinary parameter the terms that a unit of it adds."""
+def nuisance_terms(model: Model, modes: Modes, motion: Motion) -> list[list[Term]]:
+    """Return for each nuisance parameter the terms that a unit of it adds."""
     return [
-        _ordinary(believed, modes, motion, parameter.kind, parameter.place)
-        for parameter in believed.parameters
+        _ordinary(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters
     ]
 
 
-def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+def _ordinary(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
     shapes = modes.floors
-    structure = believed.structure
+    structure = model.structure
     if kind in ("storey_stiffness", "base_stiffness"):
         return pattern_terms(motion, storey_pattern(structure, place), shapes)
     if kind == "frame_stiffness":
@@ -67,29 +66,29 @@ def _ordinary(believed: Believed, modes: Modes, motion: Motion, kind: str, place
         mass = floor_mass(structure, place)
         return [force_term(motion, lambda m: -mass * m.acceleration[:, place], shapes[place])]
     if kind == "mode_damping":
-        return _damping_terms(believed, modes, motion, [place])
+        return _damping_terms(model, modes, motion, [place])
     if kind == "frame_damping":
         span = structure.span(place)
-        return _damping_terms(believed, modes, motion, range(span.start, span.stop))
+        return _damping_terms(model, modes, motion, range(span.start, span.stop))
     if kind == "table_gain":
         return [table_term(modes, motion.run.table)]
     if kind == "table_delay":
-        return [table_term(modes, -believed.table_slope(motion.run))]
-    if kind == "touch_gain":
-        return _touch_terms(believed, modes, motion, place)
+        return [table_term(modes, -model.table_slope(motion.run))]
+    if kind == "event_gain":
+        return _event_terms(model, modes, motion, place)
     if kind == "channel_gain":
-        return [channel_term(believed, place, motion.outputs[:, place])]
-    return [channel_term(believed, place, -motion.output_rate[:, place])]
+        return [channel_term(model, place, motion.outputs[:, place])]
+    return [channel_term(model, place, -motion.output_rate[:, place])]
 
 
-def _touch_terms(believed: Believed, modes: Modes, motion: Motion, place: int) -> list[Term]:
+def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:
     """Return the contact force in one touch, nothing in other runs."""
-    touch, run = believed.observed.touches[place], motion.run
-    if believed.observed.runs[touch.run] is not run:
+    event, run = model.observed.contact_events[place], motion.run
+    if model.observed.runs[event.run] is not run:
         return []
-    left, right = believed.observed.contact_floors[touch.column]
-    within = touch.within(np.arange(len(run.table)) * run.step_s)
-    pushed = np.where(within, run.contact[:, touch.column], 0.0)
+    left, right = model.observed.contact_floors[event.column]
+    within = event.within(np.arange(len(run.table)) * run.step_s)
+    pushed = np.where(within, run.contact[:, event.column], 0.0)
     return [force_term(motion, lambda _: pushed, modes.floors[right] - modes.floors[left])]
 
 
@@ -111,15 +110,15 @@ def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> li
     ]
 
 
-def _damping_terms(believed: Believed, modes: Modes, motion: Motion, places: Sequence[int]) -> list[Term]:
+def _damping_terms(model: Model, modes: Modes, motion: Motion, places: Sequence[int]) -> list[Term]:
     """Return the terms of a unit relative change of the damping of the frames' own modes `places`.
 
     With coordinates that the floors do not have there are more modes, each made of several of the frames' own.
     """
-    if len(modes.omega) == believed.structure.floors:
+    if len(modes.omega) == model.structure.floors:
         share = np.eye(len(modes.omega))[list(places)].sum(axis=0)
     else:
-        share = believed.overlap(modes)[list(places)].sum(axis=0)
+        share = model.overlap(modes)[list(places)].sum(axis=0)
     return [
         force_term(motion, _damper(modes, int(mode), float(share[mode])), np.eye(len(modes.omega))[mode])
         for mode in np.flatnonzero(share > LEAST_SHARE)
@@ -136,6 +135,6 @@ def table_term(modes: Modes, series: np.ndarray) -> Term:
     return Term(series, -modes.participation, inertial=True, table=1.0)
 
 
-def channel_term(believed: Believed, channel: int, series: np.ndarray) -> Term:
+def channel_term(model: Model, channel: int, series: np.ndarray) -> Term:
     """Return what a change of a channel by `series` adds."""
-    return Term(series, output=np.eye(len(believed.observed.names))[channel])
+    return Term(series, output=np.eye(len(model.observed.names))[channel])

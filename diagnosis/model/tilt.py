@@ -26,7 +26,7 @@ def smooth_derivatives(table: np.ndarray, step_s: float) -> tuple[np.ndarray, np
     return np.fft.irfft(spectrum, length)[:n], np.fft.irfft(second, length)[:n]
 
 
-def tilt_series(believed: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...]:
+def tilt_series(model: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...]:
     """Return pitch and pitching of a unit tilt, their modal directions, and what the channels see of both.
 
     Returns:
@@ -34,7 +34,7 @@ def tilt_series(believed: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, 
         pitching floors' inertia (modes,) and of the leaning weight (modes,); what each channel sees of the pitch: a
         displacement its floor's height, an acceleration nothing but the frame's own restoring forces.
     """
-    structure, observed = believed.structure, believed.observed
+    structure, observed = model.structure, model.observed
     pitch, pitching = smooth_derivatives(run.table, run.step_s)
     height = np.concatenate([frame.height_m for frame in structure.frames])
     mass = np.concatenate([frame.floor_mass for frame in structure.frames])
@@ -48,7 +48,7 @@ def tilt_series(believed: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, 
 
 
 def tilt_inputs(
-    believed: Any,
+    model: Any,
     assembly: Any,
     modes: Modes,
     number: int,
@@ -63,8 +63,8 @@ def tilt_inputs(
     The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
     through the floors' own motion, not at once.
     """
-    run = believed.observed.runs[number]
-    pitch, pitching, inertia, weight, seen = tilt_series(believed, modes, run)
+    run = model.observed.runs[number]
+    pitch, pitching, inertia, weight, seen = tilt_series(model, modes, run)
     size = assembly.table_tilt
     known_mid += size * (
         np.interp(middle, at, pitch)[..., None] * weight

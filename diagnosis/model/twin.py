@@ -22,7 +22,7 @@ from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.calling import called
-from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.predictor import DRAG, FRICTION, HYSTERESIS, USER, law
 from pounding.diagnosis.model.tilt import tilt_series
@@ -60,7 +60,7 @@ class _Law:
 
 
 def simulate_engine(
-    believed: Believed,
+    model: Model,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
@@ -68,21 +68,21 @@ def simulate_engine(
     """Return the channels (samples, channels) in SI of each run as the exudyn rig gives them.
 
     Args:
-        believed: The believed model.
-        values: Its ordinary parameters.
+        model: The baseline model.
+        values: Its nuisance parameters.
         effects: Effects with their SI parameters.
         runs: Numbers of the runs.
 
     Raises:
         CaseError: The engine did not get through a run.
     """
-    assembly = believed.assemble(values, effects)
+    assembly = model.assemble(values, effects)
     found = []
     for number in runs:
         try:
-            found.append(_run(believed, assembly, number, values, effects))
+            found.append(_run(model, assembly, number, values, effects))
         except ExperimentError as error:
-            name = believed.observed.runs[number].name
+            name = model.observed.runs[number].name
             raise CaseError(
                 f"{name}: the exudyn model with the effect in it did not finish: {error}"
             ) from error
@@ -90,7 +90,7 @@ def simulate_engine(
 
 
 def simulate_touching(
-    believed: Believed,
+    model: Model,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     number: int,
@@ -101,8 +101,8 @@ def simulate_touching(
     Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter.
 
     Args:
-        believed: The believed model, without contact forces.
-        values: Its ordinary parameters.
+        model: The baseline model, without contact forces.
+        values: Its nuisance parameters.
         effects: Effects with their SI parameters.
         number: Number of the run.
         between: The contact.
@@ -110,15 +110,15 @@ def simulate_touching(
     Raises:
         CaseError: The engine did not get through the run.
     """
-    assembly = believed.assemble(values, effects)
-    run = believed.observed.runs[number]
+    assembly = model.assemble(values, effects)
+    run = model.observed.runs[number]
     try:
-        motion = _shaken(believed, assembly, number, between)
+        motion = _shaken(model, assembly, number, between)
     except ExperimentError as error:
         raise CaseError(
             f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
         ) from error
-    shown = channels(believed, assembly, number, motion, values, effects, run.step_s)
+    shown = channels(model, assembly, number, motion, values, effects, run.step_s)
     return shown, _mean_force(motion, between, len(run.table), run.step_s)
 
 
@@ -139,19 +139,19 @@ def _mean_force(motion: FrameMotion, between: Between, samples: int, step_s: flo
     return np.asarray(forces.reshape(samples, finer).mean(axis=1))
 
 
-def reduced_frame(believed: Believed, assembly: Assembly) -> frames.ReducedFrame:
+def reduced_frame(model: Model, assembly: Assembly) -> frames.ReducedFrame:
     """Return all frames of an assembly as one reduced frame on the table (they share nothing but the table)."""
-    modes = believed.modes(assembly)
+    modes = model.modes(assembly)
     mass, stiffness = assembly.mass, assembly.stiffness
-    plain = believed.plain_modes(assembly)
+    plain = model.plain_modes(assembly)
     weighted = mass @ plain.floors
     damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
     for extend in assembly.extensions:
         mass, stiffness, damping = extend(mass, stiffness, damping)
     squares, shapes = eigh(stiffness, mass)
-    floors = believed.structure.floors
+    floors = model.structure.floors
     influence = np.concatenate([np.ones(floors), assembly.influence])
-    height = np.concatenate([frame.height_m for frame in believed.structure.frames])
+    height = np.concatenate([frame.height_m for frame in model.structure.frames])
     definition = frames.StickFrame(
         name="diagnosed",
         storeys=floors,
@@ -182,30 +182,28 @@ def reduced_frame(believed: Believed, assembly: Assembly) -> frames.ReducedFrame
 
 
 def _run(
-    believed: Believed,
+    model: Model,
     assembly: Assembly,
     number: int,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
 ) -> np.ndarray:
-    motion = _shaken(believed, assembly, number)
-    return channels(believed, assembly, number, motion, values, effects)
+    motion = _shaken(model, assembly, number)
+    return channels(model, assembly, number, motion, values, effects)
 
 
-def _shaken(
-    believed: Believed, assembly: Assembly, number: int, between: Between | None = None
-) -> FrameMotion:
+def _shaken(model: Model, assembly: Assembly, number: int, between: Between | None = None) -> FrameMotion:
     """Return the motion of all frames as one body through a run."""
-    run = believed.observed.runs[number]
+    run = model.observed.runs[number]
     finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
     step = run.step_s / finer
     at = np.arange(finer * (len(run.table) - 1) + 1) * step
     spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
     table = (1 + assembly.table_gain) * spline(np.clip(at - assembly.table_delay_s, 0.0, at[-1]))
-    reduced = reduced_frame(believed, assembly)
+    reduced = reduced_frame(model, assembly)
     laws = [_Law(kind, row, _padded(numbers, at[-1]), span) for kind, row, numbers, span in assembly.laws]
     rate = np.concatenate([[0.0], np.cumsum((table[1:] + table[:-1]) / 2) * step])
-    loads = _known_forces(believed, assembly, number, at)
+    loads = _known_forces(model, assembly, number, at)
     additions: list[Any] = [_Addition(reduced, laws, rate.tolist(), 1 / step, loads)]
     if between is not None:
         additions.append(partial(_touching, between))
@@ -223,18 +221,18 @@ def _padded(numbers: Sequence[float], end: float) -> np.ndarray:
     return np.array(filled + [0.0] * (5 - len(filled)))
 
 
-def _known_forces(believed: Believed, assembly: Assembly, number: int, at: np.ndarray) -> np.ndarray | None:
+def _known_forces(model: Model, assembly: Assembly, number: int, at: np.ndarray) -> np.ndarray | None:
     """Return known forces on the floors, (samples, floors) [N], or None: measured contacts and the table's pitch."""
-    run = believed.observed.runs[number]
+    run = model.observed.runs[number]
     times = np.arange(len(run.table)) * run.step_s
-    forces = np.zeros((len(at), believed.structure.floors))
-    for column, (left, right) in enumerate(believed.observed.contact_floors):
-        pushed = believed.contact_force(assembly, number, column, at)
+    forces = np.zeros((len(at), model.structure.floors))
+    for column, (left, right) in enumerate(model.observed.contact_floors):
+        pushed = model.contact_force(assembly, number, column, at)
         forces[:, left] -= pushed
         forces[:, right] += pushed
     if assembly.table_tilt:
-        identity = believed.plain_modes(assembly)
-        pitch, pitching, inertia, weight, _ = tilt_series(believed, identity, run)
+        identity = model.plain_modes(assembly)
+        pitch, pitching, inertia, weight, _ = tilt_series(model, identity, run)
         # Modal directions back to floors.
         back = np.linalg.inv(identity.floors).T
         pushed = np.interp(at, times, pitch)[:, None] * (back @ weight)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
-from pounding.diagnosis.model.model import Acting, Believed
+from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
@@ -20,7 +20,7 @@ from pounding.experiments.rig.motion import FrameMotion
 
 
 def channels(
-    believed: Believed,
+    model: Model,
     assembly: Assembly,
     number: int,
     motion: FrameMotion,
@@ -31,27 +31,27 @@ def channels(
     """Return what the channels show of the engine's motion in SI, shape (samples, channels), sensors' faults included.
 
     Args:
-        believed: The believed model. assembly: What was put together of it and the effects.
+        model: The baseline model. assembly: What was put together of it and the effects.
         number: Number of the run.
         motion: Motion of all frames as one body.
-        values, effects: Ordinary parameters; effects with their SI parameters.
+        values, effects: Nuisance parameters; effects with their SI parameters.
         mean_s: Time over which accelerations are averaged [s]; at zero they are those of the moment.
     """
-    run, observed = believed.observed.runs[number], believed.observed
+    run, observed = model.observed.runs[number], model.observed
     times = np.arange(len(run.table)) * run.step_s
     # Sensors that are late show the motion of before.
     place = CubicHermiteSpline(motion.time_s, motion.displacement_m, motion.velocity_m_s)
     rate = CubicHermiteSpline(motion.time_s, motion.velocity_m_s, motion.acceleration_m_s2)
-    table = CubicSpline(times, believed.predict(values, None, effects, [number]).before[0][:, -2])
-    floors = believed.structure.floors
+    table = CubicSpline(times, model.predict(values, None, effects, [number]).before[0][:, -2])
+    floors = model.structure.floors
     outputs = np.zeros((len(times), len(observed.names)))
-    modes = believed.plain_modes(assembly)
-    tilted = tilt_series(believed, modes, run) if assembly.table_tilt else None
+    modes = model.plain_modes(assembly)
+    tilted = tilt_series(model, modes, run) if assembly.table_tilt else None
     for c, (quantity, f) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
         late = np.clip(times - assembly.channel_delay_s[c], 0.0, motion.time_s[-1])
         if quantity == ACCELERATION:
             relative = rate(late, 1) if mean_s == 0.0 else _mean_rate(rate, late, mean_s, motion.time_s[-1])
-            shown = _absolute(believed, assembly, number, relative[:, :floors], late)[:, f]
+            shown = _absolute(model, assembly, number, relative[:, :floors], late)[:, f]
         elif quantity == VELOCITY:
             shown = rate(late)[:, f]
         elif quantity == TABLE_DISPLACEMENT:
@@ -64,7 +64,7 @@ def channels(
             pitch, pitching, *_, seen = tilted
             shown = shown + assembly.table_tilt * pitch * seen[c]
             if quantity == ACCELERATION:
-                height = np.concatenate([frame.height_m for frame in believed.structure.frames])
+                height = np.concatenate([frame.height_m for frame in model.structure.frames])
                 shown = shown + assembly.table_tilt * pitching * height[f]
         outputs[:, c] = (1 + assembly.channel_gain[c]) * shown + assembly.channel_offset[c]
     return outputs
@@ -77,9 +77,9 @@ def _mean_rate(velocity: CubicHermiteSpline, at: np.ndarray, over_s: float, end_
 
 
 def _absolute(
-    believed: Believed, assembly: Assembly, number: int, relative: np.ndarray, late: np.ndarray
+    model: Model, assembly: Assembly, number: int, relative: np.ndarray, late: np.ndarray
 ) -> np.ndarray:
-    run = believed.observed.runs[number]
+    run = model.observed.runs[number]
     spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
     table = (1 + assembly.table_gain) * spline(np.clip(late - assembly.table_delay_s, 0.0, None))
     return np.asarray(relative + table[:, None])

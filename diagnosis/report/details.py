@@ -51,8 +51,8 @@ def channels(found: Findings, decision: Decision) -> list[dict[str, Any]]:
     after = found.null.channel_gap[which]
     if decision.verdict in ("effect_named", "effect_class"):
         runs = (found.training, found.held_out)[which]
-        after = channel_gaps(found.believed, after_runs(found, decision, runs), runs)
-    names, columns = found.believed.observed.names, (found.null.channel_gap[which], after, found.floor[which])
+        after = channel_gaps(found.model, after_runs(found, decision, runs), runs)
+    names, columns = found.model.observed.names, (found.null.channel_gap[which], after, found.floor[which])
     return [
         {"channel": name, "before": before, "after": left, "noise_floor": noise}
         for name, before, left, noise in zip(names, *columns, strict=True)
@@ -63,8 +63,8 @@ def after_runs(found: Findings, decision: Decision, runs: tuple[int, ...]) -> li
     """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model."""
     if all(run in found.engine for run in runs):
         return [found.engine[run] for run in runs]
-    fit = decision.judged.fit.baseline
-    return simulate(found.believed, fit.values, fit.effects, runs)
+    fit = decision.judged.fit.filtered
+    return simulate(found.model, fit.values, fit.effects, runs)
 
 
 def _closed(gap: dict[str, Any]) -> float | None:
@@ -75,9 +75,9 @@ def _closed(gap: dict[str, Any]) -> float | None:
 
 def _measured(found: Findings) -> dict[str, list[int]]:
     """Return the floors with a channel, by frame."""
-    structure = found.believed.structure
+    structure = found.model.structure
     floors: dict[str, list[int]] = {}
-    for index in np.unique(found.believed.observed.floor):
+    for index in np.unique(found.model.observed.floor):
         if 0 <= index < structure.floors:
             frame, number = structure.place(int(index))
             floors.setdefault(frame, []).append(number)

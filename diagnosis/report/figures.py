@@ -55,12 +55,12 @@ def _shown(decision: Decision) -> bool:
 
 
 def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
-    believed, observed = found.believed, found.believed.observed
+    model, observed = found.model, found.model.observed
     run = (found.held_out or found.training)[0]
     data = observed.runs[run]
     channel = int(np.nanargmax(found.null.channel_gap[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
-    simulated = {"before": (simulate(believed, found.null.fit.baseline.values, (), [run])[0], BLUE)}
+    simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
     if _shown(decision):
         simulated["after"] = (after_runs(found, decision, (run,))[0], ORANGE)
     measured = data.measured[:, channel] / scale
@@ -68,7 +68,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     upper.plot(data.time_s, measured, color="black", lw=1.6, label="measured")
     for name, (output, colour) in simulated.items():
-        difference = levelled(believed, output - data.measured, data.step_s)[:, channel] / scale
+        difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale
         rms = float(np.sqrt(np.nanmean(difference**2)))
         upper.plot(data.time_s, output[:, channel] / scale, color=colour, lw=0.9, label=f"simulated, {name}")
         label = f"{name}: simulated − measured, rms {rms:.3g} {unit}"
@@ -89,7 +89,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
 
 
 def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figure:
-    believed, names = found.believed, found.believed.observed.names
+    model, names = found.model, found.model.observed.names
     which = 1 if found.held_out else 0
     floor = found.floor[which]
     figure = _figure(9, 1.2 + 0.36 * len(names))
@@ -115,8 +115,8 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
     bars.set_title("held-out run" if which else "runs used", fontsize=10)
     figure.legend(*bars.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
     maps = gap_maps(
-        believed,
-        found.null.fit.baseline,
+        model,
+        found.null.fit.filtered,
         np.nan_to_num(found.floor[0], nan=1.0),
         [*found.training, *found.held_out],
     )

@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.misfit import differences
 from pounding.diagnosis.inference.misfit_map import band, band_edges
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 
 
@@ -33,19 +33,19 @@ class GapMaps:
     run_noise: np.ndarray
 
 
-def gap_maps(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Sequence[int]) -> GapMaps:
+def gap_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> GapMaps:
     """Return where a fit and the measurements disagree, over all the time of the runs.
 
     Args:
-        believed: The believed model.
-        baseline: The fit that is compared with the measurements.
+        model: The baseline model.
+        filtered: The fit that is compared with the measurements.
         floor: Noise floor of each channel as a share of its rms, shape (channels,).
         runs: The runs to look at.
     """
-    edges = band_edges(baseline)
+    edges = band_edges(filtered)
     bands, each, total, samples = [], [], 0.0, 0
     nyquist = np.inf
-    for data, difference in differences(believed, baseline, runs):
+    for data, difference in differences(model, filtered, runs):
         square = np.nan_to_num(root_mean_square(data.measured)) ** 2
         each.append(
             np.nan_to_num(root_mean_square(difference)) / np.sqrt(np.where(square > 0, square, np.nan))
@@ -63,7 +63,7 @@ def gap_maps(believed: Believed, baseline: Baseline, floor: np.ndarray, runs: Se
     width = np.sqrt(np.diff(edges) / nyquist)
     return GapMaps(
         edges_hz=edges,
-        runs=tuple(believed.observed.runs[run].name for run in runs),
+        runs=tuple(model.observed.runs[run].name for run in runs),
         by_band=np.sqrt(np.sum(bands, axis=0) / known),
         by_run=np.array(each).T,
         band_noise=floor[:, None] * width,

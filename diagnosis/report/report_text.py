@@ -149,9 +149,9 @@ def misread(case: Case, effect: dict[str, Any]) -> str | None:
 def assumptions(case: Case, found: Findings) -> list[str]:
     """Return what the verdict rests on."""
     prior = case.prior
-    channels = len(found.believed.observed.names)
+    channels = len(found.model.observed.names)
     return [
-        f"Ordinary parameters are free inside their priors (standard deviations: storey stiffness "
+        f"Nuisance parameters are free inside their priors (standard deviations: storey stiffness "
         f"{prior.storey_stiffness:.1%}, frame stiffness {prior.frame_stiffness:.1%}, floor mass {prior.floor_mass:.1%}, "
         f"each mode's damping {prior.damping_ratio:.0%}, table gain {prior.table_gain:.1%}, table delay "
         f"{prior.table_delay_ms:g} ms), none beyond three of them.",

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.residual_force import Leftover, leftover_forces
+from pounding.diagnosis.inference.residual_force import ResidualForce, residual_forces
 from pounding.diagnosis.inference.storey_force import storey_force
 from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
 
@@ -26,16 +26,16 @@ def leftover_figure(found: Findings, decision: Decision, report: dict[str, Any])
 
     The model is that of the verdict without its effects, so that their force is what is left over.
     """
-    believed = found.believed
+    model = found.model
     named = decision.verdict in ("effect_named", "effect_class")
-    fit = (decision.judged if named else found.null).fit.baseline
-    run = max(found.training, key=lambda number: float(np.ptp(believed.observed.runs[number].table)))
-    left = leftover_forces(believed, replace(fit, effects=()), [run])[0]
+    fit = (decision.judged if named else found.null).fit.filtered
+    run = max(found.training, key=lambda number: float(np.ptp(model.observed.runs[number].table)))
+    left = residual_forces(model, replace(fit, effects=()), [run])[0]
     storey = _storey(found, report, left)
-    frame, number = believed.structure.place(storey)
+    frame, number = model.structure.place(storey)
     force, std = left.force[:, storey], float(left.std[storey])
-    step = believed.observed.runs[run].step_s
-    law = storey_force(believed, fit, storey, left.drift, left.drift_rate, step) if named else None
+    step = model.observed.runs[run].step_s
+    law = storey_force(model, fit, storey, left.drift, left.drift_rate, step) if named else None
     figure = Figure(figsize=(9, 3.6), layout="constrained")
     *axes, storeys = figure.subplots(1, 4, width_ratios=(3, 3, 3, 1.3))
     for one in axes[1:]:
@@ -54,8 +54,8 @@ def leftover_figure(found: Findings, decision: Decision, report: dict[str, Any])
     return figure
 
 
-def _storey(found: Findings, report: dict[str, Any], left: Leftover) -> int:
-    structure = found.believed.structure
+def _storey(found: Findings, report: dict[str, Any], left: ResidualForce) -> int:
+    structure = found.model.structure
     for effect in report["effects"]:
         if effect["storey"] is not None or effect["floor"] is not None:
             place = int(effect["storey"] or effect["floor"])
@@ -81,7 +81,7 @@ def _against(axes: Axes, abscissa: np.ndarray, force: np.ndarray, std: float, la
     axes.axhline(0, color=GREY, lw=0.6)
 
 
-def _in_time(axes: Axes, left: Leftover, force: np.ndarray, std: float, law: np.ndarray | None) -> None:
+def _in_time(axes: Axes, left: ResidualForce, force: np.ndarray, std: float, law: np.ndarray | None) -> None:
     axes.fill_between(left.time_s, force - 2 * std, force + 2 * std, color=GREY, alpha=0.3, lw=0)
     axes.plot(left.time_s, force, color=BLUE, lw=0.8)
     if law is not None:
@@ -93,13 +93,13 @@ def _in_time(axes: Axes, left: Leftover, force: np.ndarray, std: float, law: np.
     axes.set_xlabel("time [s]")
 
 
-def _by_storey(axes: Axes, found: Findings, left: Leftover, storey: int) -> None:
+def _by_storey(axes: Axes, found: Findings, left: ResidualForce, storey: int) -> None:
     """Draw how much is left over in each storey, beside what would be left over by chance."""
     rms = np.sqrt(np.mean(left.force**2, axis=0))
     at = np.arange(len(rms))
     axes.barh(at, rms, 0.6, color=[BLUE if i == storey else "#a0bfe0" for i in at])
     axes.plot(left.std, at, "|", ms=12, mew=2, color=GREY)
-    structure = found.believed.structure
+    structure = found.model.structure
     places = [structure.place(int(i)) for i in at]
     single = len(structure.frames) == 1
     axes.set_yticks(at, [str(number) if single else f"{frame} {number}" for frame, number in places])

@@ -23,7 +23,7 @@ from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed, foretell, weigh
 from pounding.diagnosis.inference.modal_model import Joints
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.studies.thesis_modal import (
     FRAMES,
     FREE_STD,
@@ -51,35 +51,35 @@ def without_swept_first(data: Sequence[ModalDatum]) -> list[ModalDatum]:
     return [datum for datum in data if not (datum.test == SWEEP and datum.mode == 1)]
 
 
-def single(believed: Believed, flexible: Joints) -> dict[str, list[Acting]]:
+def single(model: Model, flexible: Joints) -> dict[str, list[Acting]]:
     """Return the single effects by type, at each of their places."""
-    name = believed.structure.frames[0].name
+    name = model.structure.frames[0].name
     whole: dict[str, list[Effect]] = {
         "joint_flexibility": [flexible],
         "base_rocking": [BaseRocking(frame=name)],
         "p_delta": [PDelta(frame=name)],
-        "stiffness_change (one storey)": list(places(StiffnessChange, believed)),
-        "added_mass (one floor)": list(places(AddedMass, believed)),
+        "stiffness_change (one storey)": list(places(StiffnessChange, model)),
+        "added_mass (one floor)": list(places(AddedMass, model)),
     }
     return {kind: [Acting(effect) for effect in effects] for kind, effects in whole.items()}
 
 
 def best_single(name: str) -> list[dict[str, Any]]:
     """Return for each type of effect its evidence in a frame without the sweep's f1, and what it foretells."""
-    believed, flexible = thesis_belief(name, p_delta=False)
+    model, flexible = thesis_belief(name, p_delta=False)
     data = without_swept_first(thesis_data(name))
-    null = weigh(believed, data)
-    rows = [_single_row(name, "nothing", believed, data, null, [null])]
-    for kind, acting in single(believed, flexible).items():
-        found = [weigh(believed, data, [one]) for one in acting]
-        rows.append(_single_row(name, kind, believed, data, null, found))
+    null = weigh(model, data)
+    rows = [_single_row(name, "nothing", model, data, null, [null])]
+    for kind, acting in single(model, flexible).items():
+        found = [weigh(model, data, [one]) for one in acting]
+        rows.append(_single_row(name, kind, model, data, null, found))
     return rows
 
 
 def _single_row(
     name: str,
     kind: str,
-    believed: Believed,
+    model: Model,
     data: Sequence[ModalDatum],
     null: Weighed,
     found: Sequence[Weighed],
@@ -87,7 +87,7 @@ def _single_row(
     """Return a row; a type with many places has the mean of their evidences."""
     best = max(found, key=lambda one: one.log_evidence)
     evidence = logsumexp([one.log_evidence for one in found]) - np.log(len(found))
-    told = foretell(believed, data, best.acting, [0])
+    told = foretell(model, data, best.acting, [0])
     judged = [i for i, datum in enumerate(data) if i and datum.quantity != "mass"]
     error = [told[i] / data[i].value - 1 for i in judged]
     return {
@@ -123,9 +123,9 @@ def with_gravity(name: str) -> dict[str, Any]:
 
 def why_the_sweep(name: str) -> list[dict[str, Any]]:
     """Return the evidence for what acts in the sweep only, beside joints and gravity, with the sweep's f1."""
-    believed, flexible = thesis_belief(name, p_delta=True)
+    model, flexible = thesis_belief(name, p_delta=True)
     data, first = thesis_data(name), Acting(flexible)
-    roof = believed.structure.floors
+    roof = model.structure.floors
     seconds: dict[str, Effect] = {
         "softer first mode (amplitude)": Softening(frame=name),
         "base_rocking": BaseRocking(frame=name),
@@ -133,7 +133,7 @@ def why_the_sweep(name: str) -> list[dict[str, Any]]:
         "joint_flexibility": flexible,
         "added_mass on the roof": AddedMass(index=roof - 1, frame=name, floor=roof),
     }
-    bare = weigh(believed, data, [first])
+    bare = weigh(model, data, [first])
     rows = [
         {
             "frame": name,
@@ -145,7 +145,7 @@ def why_the_sweep(name: str) -> list[dict[str, Any]]:
         }
     ]
     for kind, effect in seconds.items():
-        found = weigh(believed, data, [first, Acting(effect, SWEEP)])
+        found = weigh(model, data, [first, Acting(effect, SWEEP)])
         rows.append(
             {
                 "frame": name,
@@ -260,7 +260,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     std = result["parameters"]["relative_std"]
     yield (
         f"standard deviations: free vibration {std['free_vibration']:.1%}, sweep {std['sweep']:.1%} (twins), "
-        f"roof stiffness {std['roof']:.0%}, mass {std['mass_kg']:.1f} kg; ordinary parameters inside their priors"
+        f"roof stiffness {std['roof']:.0%}, mass {std['mass_kg']:.1f} kg; nuisance parameters inside their priors"
     )
     yield _pooled_table("1. Rigid joints, no P-Delta; the sweep's f1 left out", result["single_pooled"], True)
     yield table(

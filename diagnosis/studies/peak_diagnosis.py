@@ -22,7 +22,7 @@ from scipy.special import logsumexp
 from pounding.diagnosis.case.case import Case, CaseFrame, Prior
 from pounding.diagnosis.case.numbers import Peak
 from pounding.diagnosis.inference.peaks import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
-from pounding.diagnosis.model.frames import believed_frames
+from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.studies.thesis_modal import FRAMES
 from pounding.experiments.console import options
@@ -69,10 +69,10 @@ def thesis_peaks(frame: str) -> list[Peak]:
     return found
 
 
-def model(name: str, runs: Sequence[RunData]) -> PeakModel:
+def peak_model(name: str, runs: Sequence[RunData]) -> PeakModel:
     """Return a frame of the thesis as believed, with its peaks."""
     case = Case(name, Path(), (CaseFrame(name, FRAMES[name]),), (), ())
-    return PeakModel(believed_frames(case)[0], runs, thesis_peaks(name), Prior())
+    return PeakModel(baseline_frames(case)[0], runs, thesis_peaks(name), Prior())
 
 
 def split_of(peaks: Sequence[Peak], records: Sequence[str]) -> np.ndarray:
@@ -88,7 +88,7 @@ def judge(predicted: dict[str, np.ndarray], peaks: dict[str, tuple[Peak, ...]], 
         peaks: What was measured on each frame.
         each: One size a frame instead of one for all.
     """
-    held, believed, picked, foretold = [], [], [], []
+    held, model, picked, foretold = [], [], [], []
     for train in SPLITS:
         groups = [[name] for name in peaks] if each else [list(peaks)]
         errors, neutral, sizes, gain = [], [], [], 0.0
@@ -104,14 +104,14 @@ def judge(predicted: dict[str, np.ndarray], peaks: dict[str, tuple[Peak, ...]], 
                 errors.append(np.abs(predicted[name][best][test] / truth - 1))
                 neutral.append(np.abs(predicted[name][0][test] / truth - 1))
         held.append(float(np.mean(np.concatenate(errors))))
-        believed.append(float(np.mean(np.concatenate(neutral))))
+        model.append(float(np.mean(np.concatenate(neutral))))
         picked.append(sizes)
         foretold.append(gain)
     return {
         "held_out": float(np.mean(held)),
-        "believed": float(np.mean(believed)),
-        "closed": float(1 - np.mean(held) / np.mean(believed)),
-        "worse_in": int(np.sum(np.array(held) > np.array(believed))),
+        "believed": float(np.mean(model)),
+        "closed": float(1 - np.mean(held) / np.mean(model)),
+        "worse_in": int(np.sum(np.array(held) > np.array(model))),
         "foretold_nats": float(np.mean(foretold)),
         "picked": picked,
         "by_split": held,
@@ -161,8 +161,8 @@ def main(
     found = [shaking(name, records) for name in RECORDS]
     runs = [run for _, run in found]
     with Progress(console=progress_console(), transient=True) as progress:
-        task = progress.add_task("believed frames", total=len(FRAMES) * len(CATALOGUE))
-        models = {name: model(name, runs) for name in FRAMES}
+        task = progress.add_task("baseline frames", total=len(FRAMES) * len(CATALOGUE))
+        models = {name: peak_model(name, runs) for name in FRAMES}
         peaks = {name: one.peaks for name, one in models.items()}
         rows = []
         for effect in CATALOGUE:
@@ -184,7 +184,7 @@ def main(
 def show(result: dict[str, Any]) -> Iterable[Any]:
     """Return the study as tables for a reader."""
     rows = result["effects"]
-    believed = rows[0]["common"]["believed"]
+    unchanged = rows[0]["common"]["believed"]
     lines = []
     for one in rows:
         common, each = one["common"], one["each"]
@@ -205,7 +205,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
         )
     yield table(
         f"{result['peaks']} uncontested peaks of Table 4.1; mean |model - measured| / measured on records not fitted [%], "
-        f"believed model {100 * believed:.1f}; one size for all frames, or one for each",
+        f"baseline model {100 * unchanged:.1f}; one size for all frames, or one for each",
         [
             "effect",
             "all",
@@ -244,7 +244,7 @@ def picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
         for place, one in zip(y, rows, strict=True):
             dots = 100 * np.array(one[key]["by_split"])
             axes.plot(dots, np.full(len(dots), place + shift), "k.", ms=3)
-    axes.axvline(100 * rows[0]["common"]["believed"], color="#c0392b", lw=1, label="believed model")
+    axes.axvline(100 * rows[0]["common"]["believed"], color="#c0392b", lw=1, label="baseline model")
     axes.set_yticks(y, [one["effect"].replace("_", " ") for one in rows])
     axes.set_xlim(0, 60)
     axes.set_xlabel(

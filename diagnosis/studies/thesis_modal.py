@@ -9,8 +9,8 @@ import numpy as np
 from pounding.diagnosis.case.case import Case, CaseFrame, Prior
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.inference.modal_model import Joints, alone, joints
-from pounding.diagnosis.model.frames import believed_frames
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
 from pounding.experiments import published
 
 FRAMES = {"5A": 5, "5B": 5, "10": 10, "15A": 15, "15B": 15}
@@ -58,10 +58,10 @@ def thesis_data(name: str) -> list[ModalDatum]:
     ]
 
 
-def thesis_belief(name: str, *, p_delta: bool) -> tuple[Believed, Joints]:
+def thesis_belief(name: str, *, p_delta: bool) -> tuple[Model, Joints]:
     """Return a frame of the thesis as believed with rigid joints, and its joints as an effect."""
     frame = CaseFrame(name, FRAMES[name], joints="rigid", p_delta=p_delta)
     case = Case(name, Path(), (frame,), (), ())
     flexible = joints(frame)
     assert flexible is not None
-    return alone(believed_frames(case)[0], Prior()), flexible
+    return alone(baseline_frames(case)[0], Prior()), flexible

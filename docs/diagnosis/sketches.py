@@ -37,13 +37,11 @@ def storey(axes: Axes, kind: int, *numbers: float) -> None:
     axes.set_ylabel("force", fontsize=7, labelpad=1)
 
 
-def lines(
-    x: np.ndarray, believed: np.ndarray, true: np.ndarray, across: str, up: str
-) -> Callable[[Axes], None]:
+def lines(x: np.ndarray, model: np.ndarray, true: np.ndarray, across: str, up: str) -> Callable[[Axes], None]:
     """A relation as believed, dashed, and as it is."""
 
     def draw(axes: Axes) -> None:
-        axes.plot(x, believed, "--", color=GREY, lw=1)
+        axes.plot(x, model, "--", color=GREY, lw=1)
         axes.plot(x, true, color=ORANGE, lw=1.2)
         axes.set_xlabel(across, fontsize=7, labelpad=1)
         axes.set_ylabel(up, fontsize=7, labelpad=1)
@@ -95,7 +93,7 @@ def panels() -> list[tuple[str, str, Callable[[Axes], None]]]:
     x = np.linspace(-1, 1, 101)
     t, deep = TIME, np.linspace(0, 1, 101)
     motion = np.sin(2 * np.pi * 2 * t)
-    touch = np.maximum(x, 0.0)
+    event = np.maximum(x, 0.0)
     return [
         ("stiffness_change", "storey", lines(x, x, 0.6 * x, "drift", "force")),
         ("joint_flexibility", "joints", lines(x, x, 0.6 * x, "joint's turn", "moment")),
@@ -120,20 +118,20 @@ def panels() -> list[tuple[str, str, Callable[[Axes], None]]]:
         ("sensor_gain", "sensor", lines(x, x, 1.4 * x, "truth", "reading")),
         ("sensor_delay", "sensor", lines(t, motion, np.sin(2 * np.pi * 2 * (t - 0.06)), "time", "reading")),
         ("sensor_offset", "sensor", lines(t, motion, motion + 0.5, "time", "reading")),
-        ("gap_offset", "contact", lines(x, 2 * touch, 2 * np.maximum(x - 0.3, 0), "closing", "force")),
+        ("gap_offset", "contact", lines(x, 2 * event, 2 * np.maximum(x - 0.3, 0), "closing", "force")),
         ("contact_stiffness", "contact", lines(deep, deep, 0.55 * deep, "deformation", "force")),
         ("contact_damping", "contact", _loops(0.15, 0.4)),
         ("contact_law", "contact", lines(deep, deep, deep**1.5, "deformation", "force")),
-        ("second_contact", "second", lines(x, 0 * x, 2 * touch, "closing", "force")),
+        ("second_contact", "second", lines(x, 0 * x, 2 * event, "closing", "force")),
     ]
 
 
-def _loops(believed: float, true: float) -> Callable[[Axes], None]:
+def _loops(model: float, true: float) -> Callable[[Axes], None]:
     phase = np.linspace(0, np.pi, 200)
     deep, speed = np.sin(phase), np.cos(phase)
 
     def draw(axes: Axes) -> None:
-        for share, style, colour in ((believed, "--", GREY), (true, "-", ORANGE)):
+        for share, style, colour in ((model, "--", GREY), (true, "-", ORANGE)):
             axes.plot(deep, np.maximum(deep + share * speed, 0.0), style, color=colour, lw=1.1)
         axes.set_xlabel("deformation", fontsize=7, labelpad=1)
         axes.set_ylabel("force", fontsize=7, labelpad=1)

@@ -74,7 +74,7 @@ def diagnose(
         ),
     ] = None,
 ) -> None:
-    """Find where measurements and the believed model disagree, name what is missing, and show the gap close.
+    """Find where measurements and the baseline model disagree, name what is missing, and show the gap close.
 
     The exit status is 0 whatever the verdict, and 2 with one sentence for a case that cannot be read.
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.

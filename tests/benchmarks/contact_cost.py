@@ -44,7 +44,7 @@ class Row(NamedTuple):
     coordinates: int
     highest_hz: float
     steps: int
-    touches: int
+    contact_events: int
     cost_s_per_model_s: float
     us_per_step: float
 

@@ -12,9 +12,9 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Run
-from pounding.diagnosis.contact_force.pair import Touched, prepare, touched
+from pounding.diagnosis.contact_force.pair import ContactFindings, contact_findings, prepare
 from pounding.diagnosis.decision.pair_decision import joined
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
@@ -70,7 +70,7 @@ def force(contact: Contact, depth: float, rate: float) -> float:
 
 
 @lru_cache(maxsize=32)
-def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.ndarray:
+def shaken(contact_events: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.ndarray:
     """Return the columns of `CHANNELS` (samples, channels) before noise; the force is that of the first contact."""
     finer = 5
     at = np.arange(SAMPLES) * STEP_S
@@ -89,7 +89,7 @@ def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.nda
                 u[one.floor - 1] - u[FLOORS + one.floor - 1] - one.gap_m,
                 v[one.floor - 1] - v[FLOORS + one.floor - 1],
             )
-            for one in touches
+            for one in contact_events
         ]
 
     def rates(t: float, y: np.ndarray) -> np.ndarray:
@@ -97,7 +97,7 @@ def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.nda
         load = np.concatenate(
             [-stiffness[i] @ u[3 * i : 3 * i + 3] - dampers[i] @ v[3 * i : 3 * i + 3] for i in (0, 1)]
         )
-        for one, push in zip(touches, pushes(u, v), strict=True):
+        for one, push in zip(contact_events, pushes(u, v), strict=True):
             load[one.floor - 1] -= push
             load[FLOORS + one.floor - 1] += push
         return np.concatenate([v, load / MASS - spline(t)])
@@ -111,7 +111,9 @@ def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.nda
         [rates(t, y)[2 * FLOORS :] + spline(t) for t, y in zip(fine, found.y.T, strict=True)]
     )
     cell = (
-        np.array([pushes(a, b)[0] for a, b in zip(u.T, v.T, strict=True)]) if touches else np.zeros(len(fine))
+        np.array([pushes(a, b)[0] for a, b in zip(u.T, v.T, strict=True)])
+        if contact_events
+        else np.zeros(len(fine))
     )
     columns = [spline(fine)]
     for frame in (0, 1):
@@ -123,12 +125,16 @@ def shaken(touches: tuple[Contact, ...], seed: int, peak: float = 5.0) -> np.nda
 
 
 def colliding(
-    *touches: Contact, believed: Contact = CONTACT, measured: bool = True, runs: int = 2, peak: float = 5.0
+    *contact_events: Contact,
+    model: Contact = CONTACT,
+    measured: bool = True,
+    runs: int = 2,
+    peak: float = 5.0,
 ) -> Case:
-    """Return a case in which the frames have the contacts `touches`, with noise of one per cent."""
+    """Return a case in which the frames have the contacts `contact_events`, with noise of one per cent."""
     made = []
     for run in range(runs):
-        values = shaken(touches, run, peak).copy()
+        values = shaken(contact_events, run, peak).copy()
         rng = np.random.default_rng(100 + run)
         noise = 0.01 * values.std(axis=0)
         noise[0], noise[-1] = 0.5 * noise[0], max(noise[-1], 0.5)
@@ -144,21 +150,21 @@ def colliding(
         for name, k in STIFFNESS.items()
     )  # fmt: skip
     channels = CHANNELS if measured else CHANNELS[:-1]
-    return Case("two sticks", Path("two-sticks"), frames, tuple(made), channels, (believed,))
+    return Case("two sticks", Path("two-sticks"), frames, tuple(made), channels, (model,))
 
 
-def model(case: Case) -> Believed:
-    """Return the believed model of a case."""
-    return Believed(structure(), observe(case, structure()), case.prior)
+def model_of(case: Case) -> Model:
+    """Return the baseline model of a case."""
+    return Model(structure(), observe(case, structure()), case.prior)
 
 
 NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
 
 
-def judged(case: Case) -> tuple[Pair, Touched, dict[str, Any]]:
-    believed = model(case)
-    pair = prepare(case, believed)
-    found = touched(case, pair, np.zeros(len(believed.std)), (), (0, 1))
+def judged(case: Case) -> tuple[Pair, ContactFindings, dict[str, Any]]:
+    model = model_of(case)
+    pair = prepare(case, model)
+    found = contact_findings(case, pair, np.zeros(len(model.std)), (), (0, 1))
     return pair, found, joined(case, pair, found, NOTHING)
 
 

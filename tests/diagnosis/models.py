@@ -1,4 +1,4 @@
-"""A small believed model and data made by it, shared by the tests of the diagnosis."""
+"""A small baseline model and data made by it, shared by the tests of the diagnosis."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from pounding.diagnosis.case.case import Prior
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
@@ -39,7 +39,7 @@ def measured(
     noise: float = 0.02,
     samples: int = 2000,
     runs: int = 2,
-) -> Believed:
+) -> Model:
     """Return the model with runs that it made itself, effects included, and white noise."""
     quantity = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
     floor = np.array([0, 1, 2, 0, 2])
@@ -56,7 +56,7 @@ def measured(
         for i in range(runs)
     )
     structure = three_storeys()
-    clean = Believed(structure, Observations(names, np.ones(5), quantity, floor, blank), Prior())
+    clean = Model(structure, Observations(names, np.ones(5), quantity, floor, blank), Prior())
     rng = np.random.default_rng(7)
     filled = []
     for run, output in zip(
@@ -64,4 +64,4 @@ def measured(
     ):
         noisy = output + noise * output.std(axis=0) * rng.standard_normal(output.shape)
         filled.append(replace(run, measured=noisy))
-    return Believed(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())
+    return Model(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())

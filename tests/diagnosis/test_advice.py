@@ -13,7 +13,7 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.search import search
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 
 
@@ -21,15 +21,15 @@ def effect(name: str, storey: int) -> Effect:
     return next(one for one in candidates(measured()) if one.name == name and one.storey == storey)
 
 
-def searched(believed: Believed) -> Findings:
-    effects = [one for one in candidates(believed) if one.name in ("hysteresis", "cubic_stiffness", "bumper")]
-    return search(believed, effects, [0], [1], lambda what, share: None)
+def searched(model: Model) -> Findings:
+    effects = [one for one in candidates(model) if one.name in ("hysteresis", "cubic_stiffness", "bumper")]
+    return search(model, effects, [0], [1], lambda what, share: None)
 
 
 YIELDING = (effect("hysteresis", 2), effect("hysteresis", 2).values(1e4, (0.002,)))
 
 
-def louder(factor: float, noise: float) -> Believed:
+def louder(factor: float, noise: float) -> Model:
     """The bench that yields, shaken harder, with the same noise in SI."""
     quiet = measured([YIELDING], noise=noise)
     rng = np.random.default_rng(5)
@@ -38,10 +38,10 @@ def louder(factor: float, noise: float) -> Believed:
         clean = quiet.predict(np.zeros(len(quiet.std)), None, [YIELDING], [number]).outputs[0]
         std = noise * clean.std(axis=0)
         harder = replace(run, table=factor * run.table)
-        alone = Believed(quiet.structure, replace(quiet.observed, runs=(harder,)), quiet.prior)
+        alone = Model(quiet.structure, replace(quiet.observed, runs=(harder,)), quiet.prior)
         output = alone.predict(np.zeros(len(alone.std)), None, [YIELDING], [0]).outputs[0]
         runs.append(replace(harder, measured=output + std * rng.standard_normal(output.shape)))
-    return Believed(quiet.structure, replace(quiet.observed, runs=tuple(runs)), quiet.prior)
+    return Model(quiet.structure, replace(quiet.observed, runs=tuple(runs)), quiet.prior)
 
 
 @pytest.mark.slow

@@ -18,8 +18,8 @@ from pounding.diagnosis.design.detectability import threshold
 from pounding.diagnosis.design.distinguishing_tests import parting_tests
 from pounding.diagnosis.inference.findings import DETECTED_NATS
 from pounding.diagnosis.model.first_frequencies import frequency_warnings
-from pounding.diagnosis.model.frames import believed_frames
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.sensors import screened
 from pounding.diagnosis.model.storeys import Structure
@@ -211,9 +211,9 @@ def test_an_end_at_which_nothing_is_recorded_is_cut_off() -> None:
 @pytest.mark.parametrize(("believed_hz", "said"), [(6.806, 0), (7.3, 0), (12.0, 1), (3.6, 1)])
 def test_a_first_frequency_that_is_unlikely_is_said(believed_hz: float, said: int) -> None:
     observed = measured(samples=3000, runs=2).observed
-    frames = believed_frames(case_of(observed, replace(FRAME, frequency_hz=(believed_hz,))))
-    believed = Believed(Structure(frames), observed, Prior())
-    assert len(frequency_warnings(believed)) == said
+    frames = baseline_frames(case_of(observed, replace(FRAME, frequency_hz=(believed_hz,))))
+    model = Model(Structure(frames), observed, Prior())
+    assert len(frequency_warnings(model)) == said
 
 
 def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:

@@ -171,7 +171,7 @@ def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
 ) -> None:
     (tmp_path / "cases").mkdir()
     named = Features("effect_named", 500.0, 400.0, 3.0, 1.0, 1)
-    touched = Features("contact_named", 90.0, 80.0, 1.0, 1.0, 1)
+    contact_findings = Features("contact_named", 90.0, 80.0, 1.0, 1.0, 1)
     gap = {**PLACE, "effect": "gap_offset", "contact": 1}
     told: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = [
         (truth(FRICTION), report("effect_named", FRICTION), {"features": vars(named)}),
@@ -179,12 +179,15 @@ def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
         (
             truth(gap),
             report("effect_named", gap),
-            {"features": vars(Features("nothing_missing", 3.0, 0.0, 0.1, 1.0, 0)), "contact": vars(touched)},
+            {
+                "features": vars(Features("nothing_missing", 3.0, 0.0, 0.1, 1.0, 0)),
+                "contact": vars(contact_findings),
+            },
         ),
         (
             truth(FRICTION, gap),
             report("effect_named", FRICTION, gap),
-            {"features": vars(named), "contact": vars(touched)},
+            {"features": vars(named), "contact": vars(contact_findings)},
         ),
     ]
     for index, (hidden, found, basis) in enumerate(told):
@@ -192,11 +195,11 @@ def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
         kept = {"case": {"index": index}, "failure": "", "values": values}
         (tmp_path / "cases" / f"{9 - index}.json").write_text(json.dumps(kept))
     reliability.main(tmp_path, first=3, fit=tmp_path / "pairs.jsonl")
-    assert read_pairs(tmp_path / "pairs.jsonl") == [(named, True), (named, False), (touched, True)]
+    assert read_pairs(tmp_path / "pairs.jsonl") == [(named, True), (named, False), (contact_findings, True)]
     # One effect of a frame and one of the contact are right together or not at all, and give no line.
     reliability.main(tmp_path, skip=3, fit=tmp_path / "none.jsonl", picture=tmp_path / "reliability.png")
     assert read_pairs(tmp_path / "none.jsonl") == []
-    stated = confidence(named) * confidence(touched)
+    stated = confidence(named) * confidence(contact_findings)
     assert f"stated {stated:.2f}, right 1.00 (1 of 1)" in capsys.readouterr().out
     assert (tmp_path / "reliability.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(CaseError, match="no finished case"):

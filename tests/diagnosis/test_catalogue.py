@@ -12,7 +12,7 @@ from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_baseline, whitened
+from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.observations import root_mean_square
@@ -20,7 +20,7 @@ from pounding.diagnosis.model.twin import simulate_engine
 from tests.diagnosis.models import measured
 
 BELIEVED = measured()
-BASELINE = run_baseline(BELIEVED, np.zeros(len(BELIEVED.std)), starting_noise(BELIEVED, (0,), 0.01), (0,))
+BASELINE = run_filter(BELIEVED, np.zeros(len(BELIEVED.std)), starting_noise(BELIEVED, (0,), 0.01), (0,))
 SIZES = scales(BELIEVED, BASELINE)
 
 
@@ -71,7 +71,7 @@ def test_the_force_for_scoring_is_the_effect_itself(effect: Effect) -> None:
 
     def innovations(values: np.ndarray) -> np.ndarray:
         if any("_frequency_ratio" in q.name or q.name == "frequency" for q in effect.quantities):
-            there = run_baseline(BELIEVED, BASELINE.values, BASELINE.noise, (0,), [(effect, values)])
+            there = run_filter(BELIEVED, BASELINE.values, BASELINE.noise, (0,), [(effect, values)])
             return whitened(there.prediction.innovations[0], BASELINE.filters[0]).ravel()
         gains = [steady.gain for steady in BASELINE.filters]
         found = BELIEVED.predict(BASELINE.values, gains, [(effect, values)], (0,)).innovations[0]
@@ -98,18 +98,18 @@ def test_the_engine_agrees_with_the_fast_simulator(effect: Effect) -> None:
             for run in BELIEVED.observed.runs[:1]
         ),
     )  # fmt: skip
-    believed = type(BELIEVED)(BELIEVED.structure, short, BELIEVED.prior)
+    model = type(BELIEVED)(BELIEVED.structure, short, BELIEVED.prior)
     shapes = effect.grid(SIZES)
     shape = shapes[len(shapes) // 2]
-    size = (effect.sign or 1) * 0.5 * effect.size(believed, SIZES, shape)
+    size = (effect.sign or 1) * 0.5 * effect.size(model, SIZES, shape)
     acting = [(effect, effect.values(size, shape))]
-    ordinary = np.zeros(len(believed.std))
-    fast = simulate(believed, ordinary, acting, [0])[0]
-    engine = simulate_engine(believed, ordinary, acting, [0])[0]
+    nuisance = np.zeros(len(model.std))
+    fast = simulate(model, nuisance, acting, [0])[0]
+    engine = simulate_engine(model, nuisance, acting, [0])[0]
     rms = root_mean_square(fast)
     rms[:3] = np.maximum(rms[:3], 1e-9)
     error = root_mean_square(fast - engine) / rms
-    without = root_mean_square(fast - simulate(believed, ordinary, [], [0])[0]) / rms
+    without = root_mean_square(fast - simulate(model, nuisance, [], [0])[0]) / rms
     # Where joints stick or yield the two switch at slightly different moments.
     tolerance = 0.03 if effect.name in ("coulomb_friction", "hysteresis") else 0.006
     assert error.max() < tolerance

@@ -11,10 +11,10 @@ import pytest
 
 from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import leftover, visible
+from pounding.diagnosis.decision.verdict import remaining, visible
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.report.figures import _evidence
-from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model
+from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model_of
 
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
@@ -94,7 +94,7 @@ def test_what_an_effect_needs_in_a_pair() -> None:
     assert found.plain(absorbing(30.0), 0.2)
     pair, *_ = judged(colliding(CONTACT))
     found.pair = pair
-    # Modes are never quite those of the believed frame, and impacts show it.
+    # Modes are never quite those of the baseline frame, and impacts show it.
     assert not found.plain(absorbing(199.0), 0.5)
     assert found.plain(absorbing(200.0), 0.2)
     assert found.plain(absorbing(1000.0), 0.1)
@@ -116,25 +116,25 @@ def test_what_an_effect_needs_in_a_pair() -> None:
 
 def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
     """Whatever is wrong with one frame, the other's channels hardly show it, and may be more."""
-    believed = model(colliding(CONTACT))
+    model = model_of(colliding(CONTACT))
     nothing: Any = None
     found = Findings(
-        believed, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(believed.observed.names)))
+        model_of, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(model.observed.names)))
     )
-    gaps = np.where(believed.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
+    gaps = np.where(model.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
     fit = replace(local(0.0), channel_gap=gaps)
-    assert leftover(found, fit) == pytest.approx(2.0)
+    assert remaining(found, fit) == pytest.approx(2.0)
     # Without a second run only the first counts.
-    assert leftover(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
+    assert remaining(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
 
 
 def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
     """Forces being known, it moves that frame alone: what the other's channels gain is another optimum of its own."""
-    believed = model(colliding(CONTACT))
-    tall = believed.observed.floor < 3
+    model = model_of(colliding(CONTACT))
+    tall = model.observed.floor < 3
     nothing: Any = None
     before = replace(local(0.0), channel_gap=2.0 * np.ones((2, len(tall))))
-    found = Findings(believed, before, nothing, nothing, (0,), (1,), floor=np.ones((2, len(tall))))
+    found = Findings(model, before, nothing, nothing, (0,), (1,), floor=np.ones((2, len(tall))))
     gaps = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
     for frame, size in (("tall", 1.0), ("stiff", np.sqrt(3.0)), (None, np.sqrt(3.0))):
         fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_gap=gaps)

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding.diagnosis.inference.filtering import Baseline, run_baseline
-from pounding.diagnosis.inference.model_checks import doubts, strain, tones
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
+from pounding.diagnosis.inference.model_checks import model_checks, strain, tones
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import STEP_S, measured
 
 SAMPLES = 2000
@@ -21,20 +21,20 @@ def noise(channels: int, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal((SAMPLES, channels))
 
 
-def with_tone(frequency: float, size: float, channels: list[int]) -> Believed:
+def with_tone(frequency: float, size: float, channels: list[int]) -> Model:
     """The bench with a tone on some channels of its first run, as a share of the channel's rms."""
-    believed = measured()
-    first, *others = believed.observed.runs
+    model = measured()
+    first, *others = model.observed.runs
     series = first.measured.copy()
     for channel in channels:
         series[:, channel] += size * series[:, channel].std() * np.sin(2 * np.pi * frequency * TIME)
     runs = (replace(first, measured=series), *others)
-    return Believed(believed.structure, replace(believed.observed, runs=runs), believed.prior)
+    return Model(model.structure, replace(model.observed, runs=runs), model.prior)
 
 
-def null_model(believed: Believed, values: np.ndarray | None = None) -> Baseline:
-    started = np.zeros(len(believed.std)) if values is None else values
-    return run_baseline(believed, started, starting_noise(believed, (0, 1), 0.01), (0, 1))
+def null_model(model: Model, values: np.ndarray | None = None) -> Filtered:
+    started = np.zeros(len(model.std)) if values is None else values
+    return run_filter(model, started, starting_noise(model, (0, 1), 0.01), (0, 1))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -50,13 +50,13 @@ def test_a_tone_in_two_channels_is_found_and_in_one_of_two_it_is_not() -> None:
 
 
 def test_a_good_model_is_not_doubted() -> None:
-    believed = measured()
-    assert doubts(believed, null_model(believed)) == []
+    model = measured()
+    assert model_checks(model, null_model(model)) == []
 
 
 def test_a_fan_is_told_with_its_frequency_and_run() -> None:
-    believed = with_tone(23.0, 0.3, [0, 1, 2])
-    (said,) = doubts(believed, null_model(believed))
+    model = with_tone(23.0, 0.3, [0, 1, 2])
+    (said,) = model_checks(model, null_model(model))
     assert "run1.csv" in said
     assert "23.0 Hz" in said
 
@@ -64,27 +64,27 @@ def test_a_fan_is_told_with_its_frequency_and_run() -> None:
 def test_a_line_beside_a_mode_is_a_fan_and_one_at_a_mode_is_that_mode() -> None:
     own = float(null_model(measured()).modes.omega[1] / (2 * np.pi))
     beside, at = (with_tone(own * ratio, 0.3, [0, 1, 2]) for ratio in (1.025, 1.005))
-    assert len(doubts(beside, null_model(beside))) == 1
-    assert doubts(at, null_model(at)) == []
+    assert len(model_checks(beside, null_model(beside))) == 1
+    assert model_checks(at, null_model(at)) == []
 
 
 def test_hum_of_the_mains_is_no_fan() -> None:
     for frequency in (50.0, 60.0, 100.0, 180.0):
-        believed = with_tone(frequency, 0.3, [0, 1, 2])
-        assert doubts(believed, null_model(believed)) == []
+        model = with_tone(frequency, 0.3, [0, 1, 2])
+        assert model_checks(model, null_model(model)) == []
 
 
 def test_another_frame_is_told() -> None:
-    believed = measured()
-    values = np.zeros(len(believed.std))
+    model = measured()
+    values = np.zeros(len(model.std))
     ours = [
         number
-        for number, one in enumerate(believed.parameters)
+        for number, one in enumerate(model.parameters)
         if one.kind in ("storey_stiffness", "floor_mass")
     ]
-    values[ours] = 3.0 * believed.std[ours]
-    squares, count = strain(believed, null_model(believed, values))
+    values[ours] = 3.0 * model.std[ours]
+    squares, count = strain(model, null_model(model, values))
     assert squares == pytest.approx(6 * 3.0**2)
     assert count == 7
-    said = doubts(believed, null_model(believed, values))
+    said = model_checks(model, null_model(model, values))
     assert any("case.toml" in sentence for sentence in said)

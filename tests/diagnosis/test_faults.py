@@ -27,10 +27,10 @@ CHANNELS = (
 
 @pytest.fixture(scope="module")
 def plain() -> Case:
-    believed = measured(samples=1500, runs=2)
+    model = measured(samples=1500, runs=2)
     rng = np.random.default_rng(1)
     runs = []
-    for run in believed.observed.runs:
+    for run in model.observed.runs:
         table = run.table + 0.005 * rng.standard_normal(len(run.table))
         runs.append(Run(run.name, None, run.time_s, STEP_S, np.column_stack([table, run.measured])))
     return Case("bench", Path("bench"), (FRAME,), tuple(runs), CHANNELS)

@@ -18,18 +18,18 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import prepare
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import decide, leftover
+from pounding.diagnosis.decision.verdict import decide, remaining
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
-from pounding.diagnosis.inference.filtering import Baseline
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Judged
 from pounding.diagnosis.inference.misfit import channel_gaps, simulate
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.workflow import find
-from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model
+from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model_of
 
 TRAINING = (0,)
 
@@ -41,21 +41,21 @@ class Observed:
     runs: tuple[Any, ...] = ()
 
 
-def slow(case: Case) -> Believed:
-    return prepare(case, model(case)).slow
+def slow(case: Case) -> Model:
+    return prepare(case, model_of(case)).slow
 
 
-def with_errors(believed: Believed, share: float) -> Believed:
+def with_errors(model: Model, share: float) -> Model:
     """Return the model with forces whose samples are each off by a share of their size."""
     rng = np.random.default_rng(3)
     runs = []
-    for run in believed.observed.runs:
+    for run in model.observed.runs:
         contact = run.contact * (1 + share * rng.standard_normal(run.contact.shape))
         assert run.fine_contact is not None
         at, fine = np.arange(len(contact)) * run.step_s, np.arange(len(run.fine_contact)) * run.fine_step_s
         added = np.interp(fine, at, (contact - run.contact)[:, 0])
         runs.append(replace(run, contact=contact, fine_contact=run.fine_contact + added[:, None]))
-    return Believed(believed.structure, replace(believed.observed, runs=tuple(runs)), believed.prior)
+    return Model(model.structure, replace(model.observed, runs=tuple(runs)), model.prior)
 
 
 def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() -> None:
@@ -66,12 +66,12 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
     assert frames is not None
     assert frames.runs == TRAINING
 
-    def fitted(believed: Believed) -> Fit:
-        return refine(believed, calibrated(believed, TRAINING), (), (), ())
+    def fitted(model: Model) -> Fit:
+        return refine(model, calibrated(model, TRAINING), (), (), ())
 
-    def held_out(believed: Believed) -> np.ndarray:
-        outputs = simulate(believed, np.zeros(len(believed.std)), (), (1,))
-        return channel_gaps(believed, outputs, (1,))
+    def held_out(model: Model) -> np.ndarray:
+        outputs = simulate(model, np.zeros(len(model.std)), (), (1,))
+        return channel_gaps(model, outputs, (1,))
 
     # As likely as with the right forces, which errors had made far less likely, and the struck floors' noise is one per
     # cent again, as it was made.
@@ -79,7 +79,7 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
     assert likely[1] > likely[0] + 1000.0
     assert likely[2] > likely[1]
     struck = [channel.endswith("a3") for channel in right.observed.names]
-    noise = fitted(found).baseline.noise[0].channel / found.observed.rms(found.observed.runs[0])
+    noise = fitted(found).filtered.noise[0].channel / found.observed.rms(found.observed.runs[0])
     np.testing.assert_allclose(noise[struck], 0.01, rtol=0.15)
     # The other run's motion follows from its forces again: the frames are right, and nothing was fitted to it.
     off = [held_out(one)[~np.array(struck)] for one in (wrong, right, found)]
@@ -89,7 +89,7 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
 
 def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> None:
     case = colliding(CONTACT)
-    lighter = model(case)
+    lighter = model_of(case)
     lighter.structure.frames[0].mass[-1, -1] -= 1.5
     raw = prepare(case, lighter).slow
     without, start = put_right(raw, TRAINING)
@@ -97,25 +97,23 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
     mass = next(one for one in candidates(without) if one.name == "added_mass" and one.floor == FLOORS)
     fit = refine(without, start, (mass,), (np.array([1.5]),), (np.array([1.5]),))
     measured = replace(without.observed, runs=raw.observed.runs)
-    settled, frames = put_right_by(
-        Believed(without.structure, measured, without.prior), without, fit.baseline
-    )
+    settled, frames = put_right_by(Model(without.structure, measured, without.prior), without, fit.filtered)
 
-    def left(believed: Believed, baseline: Baseline) -> float:
-        outputs = simulate(believed, baseline.values, baseline.effects, (1,))
-        return float(np.median(channel_gaps(believed, outputs, (1,))))
+    def left(model: Model, filtered: Filtered) -> float:
+        outputs = simulate(model, filtered.values, filtered.effects, (1,))
+        return float(np.median(channel_gaps(model, outputs, (1,))))
 
     # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
-    assert left(settled, frames) < 0.7 * left(without, fit.baseline)
+    assert left(settled, frames) < 0.7 * left(without, fit.filtered)
 
 
 def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where only those of frames without it left much unexplained, it is named after all; else nothing changes."""
-    effect = SimpleNamespace(foil=False)
-    fit = SimpleNamespace(effects=(effect,), baseline="fitted")
+    effect = SimpleNamespace(rival=False)
+    fit = SimpleNamespace(effects=(effect,), filtered="fitted")
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
     better = replace(chosen, gap=(0.05, 0.05))
-    believed = SimpleNamespace(structure=None, observed=Observed(), prior=None)
+    model = SimpleNamespace(structure=None, observed=Observed(), prior=None)
 
     def decided(found: Any, explained: Judged) -> Decision:
         verdict = "effect_named" if found.judged[0] is explained else "unknown_effect"
@@ -127,7 +125,7 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     for explained, after in ((better, better), (None, chosen)):
         monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
         found: Any = SimpleNamespace(
-            pair=SimpleNamespace(slow=believed), believed=believed, judged=[chosen], settled=None,
+            pair=SimpleNamespace(slow=model), model=model, judged=[chosen], settled=None,
             training=(0,), held_out=(1,),
         )  # fmt: skip
         diagnose._settle(found, ())
@@ -141,15 +139,18 @@ def test_a_calibration_is_not_held_back_by_what_wrong_forces_needed(tmp_path: Pa
     drawn = draw_set(80, 20261208, pairs=True)[38]
     write_hidden(hide(drawn.effects, drawn.frames, seed=drawn.seed), tmp_path / "case")
     found = find(read_case(tmp_path / "case"), lambda what, share: None)
-    assert leftover(found, found.null) < 1.1
+    assert remaining(found, found.null) < 1.1
     assert [effect.label() for effect in decide(found).judged.effects] == ["sensor gain, channel 10_d10"]
 
 
 def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:
     right = slow(colliding(CONTACT))
-    assert {touch.run for touch in right.observed.touches} == {0, 1}
-    assert {touch.run for touch in put_right(right, TRAINING)[0].observed.touches} == {0}
-    assert {touch.run for touch in put_right(right, TRAINING, measured=False)[0].observed.touches} == {0, 1}
+    assert {event.run for event in right.observed.contact_events} == {0, 1}
+    assert {event.run for event in put_right(right, TRAINING)[0].observed.contact_events} == {0}
+    assert {event.run for event in put_right(right, TRAINING, measured=False)[0].observed.contact_events} == {
+        0,
+        1,
+    }
 
 
 def test_a_force_that_is_right_hardly_changes() -> None:
@@ -167,8 +168,8 @@ def test_a_run_without_a_touch_stays_without() -> None:
     quiet = replace(
         quiet, contact=np.zeros(quiet.contact.shape), fine_contact=np.zeros_like(quiet.fine_contact)
     )
-    believed = Believed(right.structure, replace(right.observed, runs=(touching, quiet)), right.prior)
-    found, _ = put_right(believed, TRAINING)
+    model = Model(right.structure, replace(right.observed, runs=(touching, quiet)), right.prior)
+    found, _ = put_right(model, TRAINING)
     assert np.any(found.observed.runs[0].contact != touching.contact)
     assert not np.any(found.observed.runs[1].contact)
     assert not np.any(found.observed.runs[1].fine_contact)

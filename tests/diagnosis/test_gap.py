@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.inference.misfit import by_frame, over_floor
-from pounding.diagnosis.model.model import Believed
-from tests.diagnosis.colliding_models import CONTACT, colliding, model
+from pounding.diagnosis.model.model import Model
+from tests.diagnosis.colliding_models import CONTACT, colliding, model_of
 from tests.diagnosis.models import measured
 
 
-def slowed(believed: Believed, slower: int) -> Believed:
-    return Believed(believed.structure, replace(believed.observed, slower=slower), believed.prior)
+def slowed(model: Model, slower: int) -> Model:
+    return Model(model.structure, replace(model.observed, slower=slower), model.prior)
 
 
 def test_a_gap_over_its_floor_is_their_ratio() -> None:
-    believed = measured(runs=1)
-    assert over_floor(believed, np.array([0.02, 0.06]), np.array([0.02, 0.03])) == pytest.approx([1.0, 2.0])
+    model = measured(runs=1)
+    assert over_floor(model, np.array([0.02, 0.06]), np.array([0.02, 0.03])) == pytest.approx([1.0, 2.0])
 
 
 def test_a_model_error_stands_out_less_of_the_noise_that_was_recorded() -> None:
@@ -34,17 +34,17 @@ def test_what_was_not_measured_stays_so() -> None:
 
 
 def test_what_one_frame_lacks_shows_in_its_own_channels_however_many_others_there_are() -> None:
-    believed = model(colliding(CONTACT))
-    stiff = believed.observed.floor >= 3
+    model = model_of(colliding(CONTACT))
+    stiff = model.observed.floor >= 3
     over = np.where(stiff, 3.0, 1.0)
     over[np.flatnonzero(stiff)[:2]] = np.nan
     assert np.nanmedian(over) == 1.0
-    assert by_frame(believed, over) == pytest.approx([1.0, 3.0])
-    both = by_frame(believed, np.stack([over, np.where(stiff, np.nan, 2.0)]))
+    assert by_frame(model, over) == pytest.approx([1.0, 3.0])
+    both = by_frame(model, np.stack([over, np.where(stiff, np.nan, 2.0)]))
     np.testing.assert_array_equal(both, [[1.0, 3.0], [2.0, np.nan]])
 
 
 def test_a_single_frame_has_all_channels() -> None:
-    believed = measured(runs=1)
-    over = np.arange(1.0, len(believed.observed.names) + 1)
-    assert by_frame(believed, over) == pytest.approx([np.median(over)])
+    model = measured(runs=1)
+    over = np.arange(1.0, len(model.observed.names) + 1)
+    assert by_frame(model, over) == pytest.approx([np.median(over)])

@@ -10,7 +10,7 @@ from pounding import frames
 from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     motions,
-    run_baseline,
+    run_filter,
     whitened,
     whitened_innovations,
 )
@@ -19,19 +19,19 @@ from pounding.diagnosis.model.kalman import discretise, linear_system, steady_fi
 from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.predictor import CUBIC
-from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
 
 
 class Cubic:
-    def apply(self, assembly, values, believed):  # type: ignore[no-untyped-def]
-        assembly.laws.append((CUBIC, believed.structure.drift[1], (float(values[0]),), (0, 0)))
+    def apply(self, assembly, values, model):  # type: ignore[no-untyped-def]
+        assembly.laws.append((CUBIC, model.structure.drift[1], (float(values[0]),), (0, 0)))
 
 
 def test_without_gain_it_is_the_exact_linear_response() -> None:
-    believed = measured(noise=0.0)
-    run = believed.observed.runs[0]
+    model = measured(noise=0.0)
+    run = model.observed.runs[0]
     stick = frames.build(
         frames.StickFrame(
             name="bench",
@@ -44,7 +44,7 @@ def test_without_gain_it_is_the_exact_linear_response() -> None:
     )
     finer = 8
     at = np.arange(finer * (len(run.table) - 1) + 1) * STEP_S / finer
-    table = believed._splines[0](at)
+    table = model._splines[0](at)
     displacement, _ = linear_response(stick, table, STEP_S / finer)
     expected = displacement[::finer][:, [0, 2]]
     simulated = run.measured[:, 3:]
@@ -54,11 +54,11 @@ def test_without_gain_it_is_the_exact_linear_response() -> None:
 
 
 def test_a_law_acts_as_an_integrator_of_another_kind_says() -> None:
-    believed = measured([(Cubic(), np.array([4e8]))], noise=0.0, samples=1000, runs=1)
-    run = believed.observed.runs[0]
-    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
-    row = believed.structure.drift[1] @ modes.floors
-    spline = believed._splines[0]
+    model = measured([(Cubic(), np.array([4e8]))], noise=0.0, samples=1000, runs=1)
+    run = model.observed.runs[0]
+    modes = model.modes(model.assemble(np.zeros(len(model.std))))
+    row = model.structure.drift[1] @ modes.floors
+    spline = model._splines[0]
     n = len(modes.omega)
 
     def rate(t: float, z: np.ndarray) -> np.ndarray:
@@ -76,9 +76,9 @@ def test_a_law_acts_as_an_integrator_of_another_kind_says() -> None:
 
 
 def test_innovations_of_the_right_model_are_white_and_of_the_stated_size() -> None:
-    believed = measured()
-    baseline = calibrated(believed, (0, 1))
-    for series, steady in zip(baseline.prediction.innovations, baseline.filters, strict=True):
+    model = measured()
+    filtered = calibrated(model, (0, 1))
+    for series, steady in zip(filtered.prediction.innovations, filtered.filters, strict=True):
         white = whitened(series, steady)
         assert np.mean(white**2, axis=0) == pytest.approx(np.ones(5), abs=0.15)
         neighbours = np.mean(white[1:] * white[:-1], axis=0)
@@ -87,14 +87,14 @@ def test_innovations_of_the_right_model_are_white_and_of_the_stated_size() -> No
 
 
 def test_the_filter_solves_its_riccati_equation() -> None:
-    believed = measured()
-    modes = believed.modes(believed.assemble(np.zeros(len(believed.std))))
-    noise = starting_noise(believed, (0,), 0.1)[0]
+    model = measured()
+    modes = model.modes(model.assemble(np.zeros(len(model.std))))
+    noise = starting_noise(model, (0,), 0.1)[0]
     system = linear_system(
         modes,
-        believed.structure.drift @ modes.floors,
-        believed.observed.quantity,
-        believed.observed.floor,
+        model.structure.drift @ modes.floors,
+        model.observed.quantity,
+        model.observed.floor,
     )
     steady = steady_filter(system, noise, STEP_S)
     closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
@@ -113,20 +113,20 @@ def test_discretisation_is_that_of_twice_half_a_step() -> None:
 
 
 def test_signatures_are_derivatives_of_the_innovations() -> None:
-    believed = measured()
-    noise = starting_noise(believed, (0,), 0.003)
-    baseline = run_baseline(believed, np.zeros(len(believed.std)), noise, (0,))
-    groups = [ordinary_terms(believed, baseline.modes, motion) for motion in motions(believed, baseline)]
-    columns = grouped_signatures(believed, baseline, groups)[0]
-    start = whitened_innovations(believed, baseline)[0]
-    gains = [steady.gain for steady in baseline.filters]
-    for j, parameter in enumerate(believed.parameters):
+    model = measured()
+    noise = starting_noise(model, (0,), 0.003)
+    filtered = run_filter(model, np.zeros(len(model.std)), noise, (0,))
+    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+    columns = grouped_signatures(model, filtered, groups)[0]
+    start = whitened_innovations(model, filtered)[0]
+    gains = [steady.gain for steady in filtered.filters]
+    for j, parameter in enumerate(model.parameters):
         if parameter.kind == "channel_delay":
             continue  # A shift moves the noise as well, which no prediction knows; tested below by itself.
-        moved = np.zeros(len(believed.std))
-        moved[j] = 0.02 * believed.std[j]
-        there = believed.predict(moved, gains, (), (0,)).innovations[0]
-        change = (start - whitened(there, baseline.filters[0]).ravel()) / moved[j]
+        moved = np.zeros(len(model.std))
+        moved[j] = 0.02 * model.std[j]
+        there = model.predict(moved, gains, (), (0,)).innovations[0]
+        change = (start - whitened(there, filtered.filters[0]).ravel()) / moved[j]
         cosine = columns[:, j] @ change / np.linalg.norm(columns[:, j]) / np.linalg.norm(change)
         assert cosine > 0.98, parameter
 

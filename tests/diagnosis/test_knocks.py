@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from pounding.diagnosis.decision.impulses import BESIDE_TOUCH_S, knocks
+from pounding.diagnosis.decision.impulses import BESIDE_TOUCH_S, impulses
 from pounding.diagnosis.effects.storey import CubicStiffness
-from pounding.diagnosis.inference.filtering import Baseline, run_baseline
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import STEP_S, measured, three_storeys
 
 WIDTH_S = 0.005
 
 
-def null_model(believed: Believed) -> Baseline:
-    return run_baseline(believed, np.zeros(len(believed.std)), starting_noise(believed, (0, 1), 0.01), (0, 1))
+def null_model(model: Model) -> Filtered:
+    return run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), 0.01), (0, 1))
 
 
 def answered(force: np.ndarray, floor: int) -> np.ndarray:
@@ -36,22 +36,22 @@ def answered(force: np.ndarray, floor: int) -> np.ndarray:
     return np.column_stack([acceleration, states[:, [0, 2]]])
 
 
-def knocked(times: list[float], floor: int, momentum: float) -> Believed:
+def knocked(times: list[float], floor: int, momentum: float) -> Model:
     """Return the bench, knocked on a floor at some times of its first run."""
-    believed = measured()
-    first, second = believed.observed.runs
+    model = measured()
+    first, second = model.observed.runs
     at = STEP_S * np.arange(len(first.table))
     force = np.zeros(len(at))
     for time in times:
         inside = (at >= time) & (at < time + WIDTH_S)
         force[inside] += momentum / WIDTH_S * np.sin(np.pi * (at[inside] - time) / WIDTH_S)
     runs = (replace(first, measured=first.measured + answered(force, floor)), second)
-    return Believed(believed.structure, replace(believed.observed, runs=runs), believed.prior)
+    return Model(model.structure, replace(model.observed, runs=runs), model.prior)
 
 
 def test_knocks_are_told_with_their_floor_and_times() -> None:
-    believed = knocked([1.3, 2.6], 2, 0.1)
-    found = knocks(believed, null_model(believed))
+    model = knocked([1.3, 2.6], 2, 0.1)
+    found = impulses(model, null_model(model))
     assert found is not None
     assert found.place == ("bench", 2)
     assert [name for name, _ in found.times] == ["run1.csv", "run1.csv"]
@@ -61,31 +61,31 @@ def test_knocks_are_told_with_their_floor_and_times() -> None:
 
 
 def test_a_good_model_and_one_knock_are_no_knocks() -> None:
-    assert knocks(measured(), null_model(measured())) is None
+    assert impulses(measured(), null_model(measured())) is None
     once = knocked([1.3], 2, 0.1)
-    assert knocks(once, null_model(once)) is None
+    assert impulses(once, null_model(once)) is None
 
 
 def test_the_ends_of_a_run_are_no_knocks() -> None:
     """A low-pass has no samples beyond them, and what it makes up answers like a push."""
     end = STEP_S * len(measured().observed.runs[0].table)
-    believed = knocked([0.03, end - 0.04], 2, 0.1)
-    assert knocks(believed, null_model(believed)) is None
+    model = knocked([0.03, end - 0.04], 2, 0.1)
+    assert impulses(model, null_model(model)) is None
 
 
 def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
     spring = CubicStiffness(index=1, frame="bench", storey=2)
-    believed = measured([(spring, np.array([2e10]))])
-    assert knocks(believed, null_model(believed)) is None
+    model = measured([(spring, np.array([2e10]))])
+    assert impulses(model, null_model(model)) is None
 
 
 def test_the_flank_of_a_touch_is_no_knock() -> None:
     pushed = knocked([1.3, 2.6], 2, 0.1)
-    baseline = null_model(pushed)
+    filtered = null_model(pushed)
     # The time about a touch in which no push is looked for ends with the largest answer, 1 ms after a push began.
     at = STEP_S * np.arange(len(pushed.observed.runs[0].table))
     ends = [time + 0.003 - BESIDE_TOUCH_S for time in (1.3, 2.6)]
     touching = np.any([(at > end - 0.02) & (at < end) for end in ends], axis=0).astype(float)
     runs = tuple(replace(run, contact=touching[: len(run.table), None]) for run in pushed.observed.runs)
-    told = Believed(pushed.structure, replace(pushed.observed, runs=runs), pushed.prior)
-    assert knocks(told, baseline) is None
+    told = Model(pushed.structure, replace(pushed.observed, runs=runs), pushed.prior)
+    assert impulses(told, filtered) is None

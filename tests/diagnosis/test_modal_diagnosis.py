@@ -35,7 +35,7 @@ damping_ratio = [0.01]
 
 def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0.01) -> list[ModalDatum]:
     """What two tests of the bench would find with effects in it, exactly."""
-    believed = alone(three_storeys().frames[0], Prior())
+    model = alone(three_storeys().frames[0], Prior())
     blank = [
         ModalDatum("bench", "frequency", mode, test, 1.0, noise)
         for test in ("free", "sweep")
@@ -43,7 +43,7 @@ def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0
     ]
     blank.append(ModalDatum("bench", "roof_stiffness", None, "push", 1.0, noise))
     blank.append(ModalDatum("bench", "mass", None, "scales", 1.0, noise))
-    found = shows(believed, blank, effects, [np.array([value]) for value in values])
+    found = shows(model, blank, effects, [np.array([value]) for value in values])
     return [
         ModalDatum("bench", one.quantity, one.mode, one.test, float(value), noise * float(value))
         for one, value in zip(blank, found, strict=True)
@@ -51,11 +51,11 @@ def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0
 
 
 def acting(name: str, test: str | None = None, storey: int | None = None) -> Acting:
-    believed = alone(three_storeys().frames[0], Prior())
+    model = alone(three_storeys().frames[0], Prior())
     data = numbers([], [])
     return next(
         one
-        for one in modal_candidates(believed, None, data)
+        for one in modal_candidates(model, None, data)
         if one.effect.name == name
         and one.test == test
         and storey in (None, one.effect.storey, one.effect.floor)
@@ -74,10 +74,10 @@ def acting(name: str, test: str | None = None, storey: int | None = None) -> Act
     ids=lambda one: one.label() if isinstance(one, Acting) else "",
 )
 def test_what_was_put_in_is_found_with_its_size(hidden: Acting, value: float) -> None:
-    believed = alone(three_storeys().frames[0], Prior())
+    model = alone(three_storeys().frames[0], Prior())
     data = numbers([hidden], [value])
-    null = weigh(believed, data)
-    found = [weigh(believed, data, [one]) for one in modal_candidates(believed, None, data)]
+    null = weigh(model, data)
+    found = [weigh(model, data, [one]) for one in modal_candidates(model, None, data)]
     best = max(found, key=lambda one: one.log_evidence)
     assert best.acting == (hidden,)
     assert best.log_evidence > null.log_evidence + 3
@@ -86,21 +86,21 @@ def test_what_was_put_in_is_found_with_its_size(hidden: Acting, value: float) ->
 
 
 def test_nothing_is_claimed_where_nothing_was_put_in() -> None:
-    believed = alone(three_storeys().frames[0], Prior())
-    found = examine(believed, None, numbers([], []))
+    model = alone(three_storeys().frames[0], Prior())
+    found = examine(model, None, numbers([], []))
     assert found.best is found.null
     assert found.fits
 
 
 def test_a_number_is_foretold_without_itself() -> None:
-    believed = alone(three_storeys().frames[0], Prior())
+    model = alone(three_storeys().frames[0], Prior())
     data = numbers([], [])
     wrong = [*data[:-1], ModalDatum("bench", "mass", None, "scales", 40.0, 0.1)]
-    clean, spoilt = weigh(believed, data), weigh(believed, wrong)
+    clean, spoilt = weigh(model, data), weigh(model, wrong)
     # The mass as foretold from the others does not know what the scales said.
     assert spoilt.foretold[-1] == pytest.approx(clean.foretold[-1])
     assert spoilt.surprise[-1] > 5
-    told = foretell(believed, data, (), [0])
+    told = foretell(model, data, (), [0])
     assert told[1] == pytest.approx(data[1].value, rel=0.01)
 
 
@@ -131,10 +131,10 @@ def test_the_fall_of_the_swept_frequency_grows_with_drift() -> None:
 
 
 def test_joints_are_followed_from_rigid_to_soft() -> None:
-    believed, flexible = thesis_belief("5A", p_delta=False)
+    model, flexible = thesis_belief("5A", p_delta=False)
     data = thesis_data("5A")
     stiff, soft = (
-        shows(believed, data, [Acting(flexible)], [np.array([stiffness])]) for stiffness in (1e9, 1015.0)
+        shows(model, data, [Acting(flexible)], [np.array([stiffness])]) for stiffness in (1e9, 1015.0)
     )
     # Table 3.1 of the docs, with the frame rebuilt: 8.46 Hz rigid; 6.93, 21.12, 35.89 Hz and 29.97 N/mm at 1015 N m/rad.
     assert stiff[0] == pytest.approx(8.46, rel=1e-3)

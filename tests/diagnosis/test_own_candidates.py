@@ -18,12 +18,12 @@ from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.user import user_kinds
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_baseline, whitened
+from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.twin import simulate_engine
@@ -52,7 +52,7 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> list[type[Effect]]:
     return user_kinds(read_candidates(file))
 
 
-def hidden(storey: int, damping: float, noise: float = 0.02) -> Believed:
+def hidden(storey: int, damping: float, noise: float = 0.02) -> Model:
     """Measurements of the bench with a one-sided damper in a storey, made by scipy's own integrator."""
     structure = three_storeys()
     frame = structure.frames[0]
@@ -82,22 +82,22 @@ def hidden(storey: int, damping: float, noise: float = 0.02) -> Believed:
     kinds_of = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
     channels = ("a1", "a2", "a3", "d1", "d3")
     seen = Observations(channels, np.ones(5), kinds_of, np.array([0, 1, 2, 0, 2]), tuple(runs))
-    return Believed(structure, seen, Prior())
+    return Model(structure, seen, Prior())
 
 
-def found(believed: Believed, own: list[type[Effect]]) -> Findings:
-    effects = [effect for effect in candidates(believed) if effect.name != "joint_flexibility"]
-    effects += [effect for kind in own for effect in places(kind, believed)]
-    return search(believed, effects, [0], [1], lambda what, share: None)
+def found(model: Model, own: list[type[Effect]]) -> Findings:
+    effects = [effect for effect in candidates(model) if effect.name != "joint_flexibility"]
+    effects += [effect for kind in own for effect in places(kind, model)]
+    return search(model, effects, [0], [1], lambda what, share: None)
 
 
 @pytest.mark.slow
 def test_what_nothing_in_the_catalogue_fits_is_named_once_the_user_offers_it(
     kinds: list[type[Effect]],
 ) -> None:
-    believed = hidden(storey=1, damping=150.0)
-    assert decide(found(believed, [])).verdict == "unknown_effect"
-    with_own = found(believed, kinds)
+    model = hidden(storey=1, damping=150.0)
+    assert decide(found(model, [])).verdict == "unknown_effect"
+    with_own = found(model, kinds)
     decision = decide(with_own)
     assert decision.verdict == "effect_named"
     effect = decision.judged.effects[0]
@@ -125,29 +125,29 @@ def test_scoring_simulator_and_engine_are_the_same_function(kinds: list[type[Eff
                 contact=run.contact[:700])
         for run in full.observed.runs[:1]
     )  # fmt: skip
-    believed = Believed(full.structure, replace(full.observed, runs=runs), full.prior)
-    baseline = run_baseline(believed, np.zeros(len(believed.std)), starting_noise(believed, (0,), 0.01), (0,))
-    effect = places(kinds[number], believed)[1]
-    shape = effect.grid(scales(believed, baseline))[0]
-    size = effect.size(believed, scales(believed, baseline), shape)
-    motion = motions(believed, baseline)[0]
-    groups = [[effect.terms(believed, baseline.modes, motion, shape)]]
-    column = grouped_signatures(believed, baseline, groups)[0][:, 0]
+    model = Model(full.structure, replace(full.observed, runs=runs), full.prior)
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
+    effect = places(kinds[number], model)[1]
+    shape = effect.grid(scales(model, filtered))[0]
+    size = effect.size(model, scales(model, filtered), shape)
+    motion = motions(model, filtered)[0]
+    groups = [[effect.terms(model, filtered.modes, motion, shape)]]
+    column = grouped_signatures(model, filtered, groups)[0][:, 0]
 
     def innovations(amplitude: float) -> np.ndarray:
         acting = [(effect, effect.values(amplitude, shape))]
-        gains = [steady.gain for steady in baseline.filters]
-        series = believed.predict(baseline.values, gains, acting, (0,)).innovations[0]
-        return whitened(series, baseline.filters[0]).ravel()
+        gains = [steady.gain for steady in filtered.filters]
+        series = model.predict(filtered.values, gains, acting, (0,)).innovations[0]
+        return whitened(series, filtered.filters[0]).ravel()
 
     change = (innovations(0.01 * size) - innovations(0.02 * size)) / (0.01 * size)
     assert column @ change / np.linalg.norm(column) / np.linalg.norm(change) > 0.95
 
-    ordinary, acting = np.zeros(len(believed.std)), [(effect, effect.values(size, shape))]
-    fast = simulate(believed, ordinary, acting, [0])[0]
-    engine = simulate_engine(believed, ordinary, acting, [0])[0]
+    nuisance, acting = np.zeros(len(model.std)), [(effect, effect.values(size, shape))]
+    fast = simulate(model, nuisance, acting, [0])[0]
+    engine = simulate_engine(model, nuisance, acting, [0])[0]
     error = root_mean_square(fast - engine) / root_mean_square(fast)
-    without = root_mean_square(fast - simulate(believed, ordinary, [], [0])[0]) / root_mean_square(fast)
+    without = root_mean_square(fast - simulate(model, nuisance, [], [0])[0]) / root_mean_square(fast)
     # A damper that switches at the zero of its drift does so at slightly different moments in the two.
     assert error.max() < 0.01
     assert without.max() > 3 * error.max()

@@ -11,8 +11,8 @@ import pytest
 
 from pounding.contact.parameters import make_law
 from pounding.diagnosis.case.case import Case, Contact
-from pounding.diagnosis.contact_force.pair import Touched
-from pounding.diagnosis.contact_force.pairs import quick_baseline
+from pounding.diagnosis.contact_force.pair import ContactFindings
+from pounding.diagnosis.contact_force.pairs import quick_filter
 from pounding.diagnosis.decision.confidence import CONTACT as CONTACT_CLAIM
 from pounding.diagnosis.decision.confidence import Features
 from pounding.diagnosis.decision.pair_calibration import Truth, right, simulate_and_judge, simulated, truths
@@ -20,9 +20,18 @@ from pounding.diagnosis.decision.pair_decision import place
 from pounding.diagnosis.decision.rig_calibration import turn
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.model.model import Believed
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.twin import Between, simulate_touching
-from tests.diagnosis.colliding_models import CONTACT, FLOORS, MASS, STEP_S, colliding, judged, model, shaken
+from tests.diagnosis.colliding_models import (
+    CONTACT,
+    FLOORS,
+    MASS,
+    STEP_S,
+    colliding,
+    judged,
+    model_of,
+    shaken,
+)
 
 OFFSET = replace(CONTACT, gap_m=0.0048)
 
@@ -30,9 +39,9 @@ OFFSET = replace(CONTACT, gap_m=0.0048)
 @pytest.mark.parametrize("contact", [CONTACT, replace(CONTACT, law="hertz", stiffness=1e9, restitution=None)])
 def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contact) -> None:
     wanted = shaken((contact,), 0)
-    believed = model(colliding(contact, measured=False))
-    run = replace(believed.observed.runs[0], table=wanted[:, 0])
-    alone = Believed(believed.structure, replace(believed.observed, runs=(run,)), believed.prior)
+    model = model_of(colliding(contact, measured=False))
+    run = replace(model.observed.runs[0], table=wanted[:, 0])
+    alone = Model(model.structure, replace(model.observed, runs=(run,)), model.prior)
     law = make_law(
         contact.law, stiffness=contact.stiffness, restitution=contact.restitution, masses=(MASS, MASS)
     )
@@ -49,17 +58,17 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
         assert float(np.sqrt(np.mean((mine - other) ** 2))) < 0.03 * rms, name
 
 
-def findings(case: Case) -> tuple[Findings, Touched]:
+def findings(case: Case) -> tuple[Findings, ContactFindings]:
     """Return findings on a pair whose frames are as believed, and what its impacts say."""
-    pair, touched, _ = judged(case)
-    null = SimpleNamespace(fit=SimpleNamespace(baseline=quick_baseline(pair.slow, [0])), nats=0.0)
-    found = SimpleNamespace(pair=pair, judged=[], null=null, believed=pair.slow, claimable=lambda: [])
-    return cast(Findings, found), touched
+    pair, contact_findings, _ = judged(case)
+    null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), nats=0.0)
+    found = SimpleNamespace(pair=pair, judged=[], null=null, model=pair.slow, claimable=lambda: [])
+    return cast(Findings, found), contact_findings
 
 
 def test_nothing_and_the_contacts_rivals_take_turns() -> None:
-    found, touched = findings(colliding(OFFSET))
-    tried = truths(found, touched)
+    found, contact_findings = findings(colliding(OFFSET))
+    tried = truths(found, contact_findings)
     assert [one.label for one in tried][:2] == ["nothing missing", "gap offset"]
     assert len(tried) == 3
     assert [turn(number, 2) for number in range(6)] == [0, 1, 2, 0, 1, 2]
@@ -86,8 +95,8 @@ def test_a_simulated_pair_is_recorded_as_the_measured_one_was() -> None:
 @pytest.mark.slow
 def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
     case = colliding(OFFSET)
-    found, touched = findings(case)
-    offset = truths(found, touched)[1]
+    found, contact_findings = findings(case)
+    offset = truths(found, contact_findings)[1]
     assert offset.contact is not None
     made = simulated(case, found, offset, np.random.default_rng(5))
     _, _, report = judged(made)
@@ -112,7 +121,7 @@ def test_a_verdict_is_right_by_type_and_place_alone() -> None:
 
 def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
     case = colliding(CONTACT)
-    found, touched = findings(case)
+    found, contact_findings = findings(case)
     frames, contact = (Features(name, 12.0, 3.0, 1.0, 1.0, 1) for name in ("nothing_missing", CONTACT_CLAIM))
 
     def diagnose(made: Case) -> dict[str, Any]:
@@ -120,7 +129,7 @@ def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
         basis = {"features": vars(frames), "contact": vars(contact)}
         return {"verdict": "effect_named", "effects": [], "confidence_basis": basis}
 
-    outcome = simulate_and_judge(case, found, touched, diagnose, 0)
+    outcome = simulate_and_judge(case, found, contact_findings, diagnose, 0)
     assert (outcome.truth, outcome.right, outcome.features) == ("nothing missing", False, contact)
 
 

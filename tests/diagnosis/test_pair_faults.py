@@ -14,9 +14,9 @@ from scipy.signal import StateSpace, lsim
 from pounding.diagnosis import workflow as diagnose
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import pairs
-from pounding.diagnosis.contact_force.pair import Touched, cell_at_its_word, prepare
+from pounding.diagnosis.contact_force.pair import ContactFindings, cell_at_its_word, prepare
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.impulses import knocks
+from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.decision.pair_decision import candidates, joined
 from pounding.diagnosis.decision.verdict import report_of
 from pounding.diagnosis.workflow import find, report_on_pair
@@ -33,7 +33,7 @@ from tests.diagnosis.colliding_models import (
     colliding,
     damping,
     judged,
-    model,
+    model_of,
     value,
 )
 
@@ -68,7 +68,7 @@ def test_a_force_cell_is_not_judged_by_a_sensor_that_is_wrong_itself(monkeypatch
 
     def findings(case: Case, progress: Any, own: Any, against_motion: bool = True) -> Any:
         asked.append(against_motion)
-        return SimpleNamespace(pair=prepare(case, model(case), against_motion))
+        return SimpleNamespace(pair=prepare(case, model_of(case), against_motion))
 
     def naming(channel: str | None) -> Any:
         effect = SimpleNamespace(channel=channel)
@@ -96,10 +96,10 @@ def test_a_force_cell_is_put_right_only_if_calibrated_frames_like_it_better() ->
     for gain, kept in ((1.25, True), (1.0, False)):
         case = changed(colliding(CONTACT), lambda force, by=gain: by * force)
         less = changed(case, lambda force: force / 1.25)
-        right = prepare(less, model(less), against_motion=False)
+        right = prepare(less, model_of(less), against_motion=False)
         assert right.cell is not None
         pair = replace(right, cell=replace(right.cell, faults=told))
-        kept_or_not = cell_at_its_word(case, model(case), pair, [0, 1])
+        kept_or_not = cell_at_its_word(case, model_of(case), pair, [0, 1])
         assert kept_or_not.cell is not None
         assert kept_or_not.cell.corrected == kept
 
@@ -115,7 +115,7 @@ def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
 
 def test_a_contact_that_never_closes_is_said() -> None:
     far = replace(CONTACT, gap_m=0.2)
-    _, found, report = judged(colliding(far, believed=far))
+    _, found, report = judged(colliding(far, model=far))
     assert found.impacts == 0
     assert report["verdict"] == "nothing_missing"
     assert any("never closes" in warning for warning in report["warnings"])
@@ -129,7 +129,7 @@ def test_floors_that_pass_through_the_believed_contact_have_a_wider_gap() -> Non
 
 
 def test_a_gap_believed_closed_is_corrected() -> None:
-    case = colliding(CONTACT, believed=replace(CONTACT, gap_m=0.0))
+    case = colliding(CONTACT, model=replace(CONTACT, gap_m=0.0))
     _, found, report = judged(case)
     assert claimed(report)[0] == "gap_offset"
     assert value(report, "offset") == pytest.approx(1e3 * GAP_M, abs=0.1)
@@ -138,8 +138,8 @@ def test_a_gap_believed_closed_is_corrected() -> None:
 
 def test_poor_forces_that_no_cell_measured_are_said() -> None:
     case = colliding(CONTACT, measured=False)
-    pair = prepare(case, model(case))
-    silent = Touched(None, impacts=3)
+    pair = prepare(case, model_of(case))
+    silent = ContactFindings(None, impacts=3)
     for left, said in ((0.02, False), (0.2, True)):
         gap = {"training": {"before": left, "after": left, "noise_floor": 0.02}, "held_out": None}
         report = joined(case, pair, silent, NOTHING | {"gap": gap})
@@ -177,8 +177,8 @@ def test_knocks_on_one_frame_are_no_second_contact() -> None:
 
 @pytest.mark.parametrize("floor", [2, FLOORS])
 def test_knocks_on_one_frame_are_told_even_where_the_frames_meet(floor: int) -> None:
-    believed = prepare(case := knocked(colliding(CONTACT), floor, (0.47, 0.82)), model(case)).slow
-    found = knocks(believed, pairs.quick_baseline(believed, (0, 1)))
+    model = prepare(case := knocked(colliding(CONTACT), floor, (0.47, 0.82)), model_of(case)).slow
+    found = impulses(model, pairs.quick_filter(model, (0, 1)))
     assert found is not None
     assert found.place == ("stiff", floor)
 
@@ -191,15 +191,15 @@ def test_touches_that_the_force_cell_did_not_show_are_no_knocks() -> None:
         third = STEP_S * np.arange(len(values)) > 2 * STEP_S * len(values) / 3
         values[third, -1] = 0.0
         runs.append(replace(run, values=values))
-    believed = prepare(case, model(case)).slow
-    blinded = prepare(part := replace(case, runs=tuple(runs)), model(part)).slow
+    model = prepare(case, model_of(case)).slow
+    blinded = prepare(part := replace(case, runs=tuple(runs)), model_of(part)).slow
     lost = [
         np.abs(a.contact - b.contact).max()
-        for a, b in zip(believed.observed.runs, blinded.observed.runs, strict=True)
+        for a, b in zip(model.observed.runs, blinded.observed.runs, strict=True)
     ]
     assert max(lost) > 100.0
-    assert knocks(blinded, pairs.quick_baseline(blinded, (0, 1))) is None
-    assert knocks(believed, pairs.quick_baseline(believed, (0, 1))) is None
+    assert impulses(blinded, pairs.quick_filter(blinded, (0, 1))) is None
+    assert impulses(model, pairs.quick_filter(model, (0, 1))) is None
 
 
 @pytest.mark.slow

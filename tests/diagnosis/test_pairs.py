@@ -14,14 +14,14 @@ from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law, strike
-from pounding.diagnosis.contact_force.pair import Foretold, Touched, foretold, found_again, prepare
+from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold, foretold, found_again, prepare
 from pounding.diagnosis.decision.pair_decision import CLAIM_NATS, joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
 from pounding.diagnosis.inference.findings import BLIND_FACTOR, Findings
 from pounding.diagnosis.inference.misfit import simulate, touch_response
 from pounding.diagnosis.model.pair import Pair
-from pounding.diagnosis.model.terms import ordinary_terms
+from pounding.diagnosis.model.terms import nuisance_terms
 from tests.diagnosis.colliding_models import (
     CONTACT,
     MASS,
@@ -30,7 +30,7 @@ from tests.diagnosis.colliding_models import (
     claimed,
     colliding,
     judged,
-    model,
+    model_of,
     value,
 )
 
@@ -108,15 +108,15 @@ def test_what_is_different_in_a_contact_is_named(
     assert value(report, parameter) == pytest.approx(wanted, abs=within)
 
 
-def foretold_by(case: Case, pair: Pair, found: Touched) -> Foretold | None:
+def foretold_by(case: Case, pair: Pair, found: ContactFindings) -> Foretold | None:
     """Return what the third run says of what the first two did, the frames being as believed."""
     return foretold(case, cast(Findings, still_frames(pair)), NOTHING, found)
 
 
 def still_frames(pair: Pair) -> SimpleNamespace:
     """Return findings on a pair whose frames are as believed, the third run being held out."""
-    baseline = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
-    fit = SimpleNamespace(fit=SimpleNamespace(baseline=baseline))
+    filtered = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
+    fit = SimpleNamespace(fit=SimpleNamespace(filtered=filtered))
     return SimpleNamespace(pair=pair, held_out=(2,), judged=[], null=fit)
 
 
@@ -156,23 +156,23 @@ def test_a_second_contact_is_named_though_its_force_leaves_more_than_noise() -> 
     poor = NOTHING | {"verdict": "unknown_effect", "gap": {}}
     assert claimed(joined(case, pair, found, poor)) == ["second_contact"]
     # Another frame than the believed one, or a tone, is something else.
-    assert joined(case, pair, found, poor, doubted=True)["verdict"] == "unknown_effect"
+    assert joined(case, pair, found, poor, objections=True)["verdict"] == "unknown_effect"
     alone = replace(pair, second=None)
     assert joined(case, alone, found, poor)["verdict"] == "unknown_effect"
 
 
 def test_the_sticks_are_those_of_the_case() -> None:
-    assert model(colliding(CONTACT)).structure.frames[0].floor_mass == pytest.approx(MASS)
+    assert model_of(colliding(CONTACT)).structure.frames[0].floor_mass == pytest.approx(MASS)
 
 
 def test_what_a_cell_reads_between_touches_shakes_no_frame() -> None:
     pair, *_ = judged(colliding(CONTACT))
     force = pair.slow.observed.runs[0].contact[:, 0]
-    touches = [touch for touch in pair.slow.observed.touches if touch.run == 0]
+    contact_events = [event for event in pair.slow.observed.contact_events if event.run == 0]
     times = np.arange(len(force)) * pair.slow.observed.runs[0].step_s
     # The filter of the lower rate rings for some samples beyond a touch.
-    near = np.any([(times > t.first_s - 0.05) & (times < t.last_s + 0.05) for t in touches], axis=0)
-    assert len(touches) > 3
+    near = np.any([(times > t.first_s - 0.05) & (times < t.last_s + 0.05) for t in contact_events], axis=0)
+    assert len(contact_events) > 3
     assert force[near].max() > 50.0
     assert not near.all()
     assert np.abs(force[~near]).max() < 1e-3
@@ -186,7 +186,7 @@ def test_a_touch_too_weak_to_judge_the_contact_by_moves_the_frames_all_the_same(
     values = first.values.copy()
     weak = 0.02 * values[:, -1].max()
     values[at, -1] += weak
-    pair = prepare(case, model(replace(case, runs=(replace(first, values=values), *others))))
+    pair = prepare(case, model_of(replace(case, runs=(replace(first, values=values), *others))))
     step_s = pair.full.observed.runs[0].step_s
     assert impacts.groups(pair.full.observed.runs[0].contact[:, 0], pair.noise[0], step_s)[0][0] > 20
     slow = pair.slow.observed.runs[0]
@@ -233,56 +233,56 @@ def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:
 
 def test_the_size_of_a_touch_changes_that_push_alone() -> None:
     pair, *_ = judged(colliding(CONTACT))
-    believed = pair.slow
-    place, touch = 1, pair.slow.observed.touches[1]
+    model = pair.slow
+    place, event = 1, pair.slow.observed.contact_events[1]
     number = next(
-        i for i, one in enumerate(believed.parameters) if (one.kind, one.place) == ("touch_gain", place)
+        i for i, one in enumerate(model.parameters) if (one.kind, one.place) == ("event_gain", place)
     )
-    values = np.zeros(len(believed.std))
+    values = np.zeros(len(model.std))
     values[number] = 0.1
-    times = np.linspace(0.0, believed.observed.runs[touch.run].time_s[-1], 4001)
+    times = np.linspace(0.0, model.observed.runs[event.run].time_s[-1], 4001)
     plain, larger = (
-        believed.contact_force(believed.assemble(v), touch.run, touch.column, times)
-        for v in (np.zeros(len(believed.std)), values)
+        model.contact_force(model.assemble(v), event.run, event.column, times)
+        for v in (np.zeros(len(model.std)), values)
     )
-    within = touch.within(times)
+    within = event.within(times)
     assert larger[within] == pytest.approx(1.1 * plain[within])
     assert np.array_equal(larger[~within], plain[~within])
 
 
 def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
     pair, *_ = judged(colliding(CONTACT))
-    believed = pair.slow
-    start = pairs.quick_baseline(believed, (0, 1))
-    number = next(i for i, one in enumerate(believed.parameters) if one.kind == "touch_gain")
-    touch = believed.observed.touches[0]
-    values = np.zeros(len(believed.std))
+    model = pair.slow
+    start = pairs.quick_filter(model, (0, 1))
+    number = next(i for i, one in enumerate(model.parameters) if one.kind == "event_gain")
+    event = model.observed.contact_events[0]
+    values = np.zeros(len(model.std))
     values[number] = 0.01
     gains = [steady.gain for steady in start.filters]
-    place = start.runs.index(touch.run)
+    place = start.runs.index(event.run)
     before, after = (
-        whitened(believed.predict(v, gains, (), start.runs).innovations[place], start.filters[place]).ravel()
+        whitened(model.predict(v, gains, (), start.runs).innovations[place], start.filters[place]).ravel()
         for v in (start.values, start.values + values)
     )
-    groups = [ordinary_terms(believed, start.modes, motion) for motion in motions(believed, start)]
-    column = grouped_signatures(believed, start, groups)[place][:, number]
+    groups = [nuisance_terms(model, start.modes, motion) for motion in motions(model, start)]
+    column = grouped_signatures(model, start, groups)[place][:, number]
     change = (before - after) / 0.01
     assert column @ change / np.linalg.norm(column) / np.linalg.norm(change) > 0.95
 
 
 def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
     pair, *_ = judged(colliding(CONTACT))
-    believed = pair.slow
-    start = pairs.quick_baseline(believed, (0, 1))
-    plain = simulate(believed, start.values, (), [0])[0]
+    model = pair.slow
+    start = pairs.quick_filter(model, (0, 1))
+    plain = simulate(model, start.values, (), [0])[0]
     added = np.zeros(plain.shape[1])
-    for number, parameter in enumerate(believed.parameters):
-        if parameter.kind == "touch_gain" and believed.observed.touches[parameter.place].run == 0:
+    for number, parameter in enumerate(model.parameters):
+        if parameter.kind == "event_gain" and model.observed.contact_events[parameter.place].run == 0:
             values = start.values.copy()
             values[number] = parameter.std
-            added += np.mean((simulate(believed, values, (), [0])[0] - plain) ** 2, axis=0)
-    expected = touch_response(believed, start.modes, 0)
-    displaced = np.array(["_d" in name for name in believed.observed.names])
+            added += np.mean((simulate(model, values, (), [0])[0] - plain) ** 2, axis=0)
+    expected = touch_response(model, start.modes, 0)
+    displaced = np.array(["_d" in name for name in model.observed.names])
     assert expected[displaced] == pytest.approx(added[displaced], rel=0.15)
 
 
@@ -293,12 +293,12 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     told = foretold(case, cast(Findings, findings), NOTHING, found)
     assert told is not None
     assert told.impacts >= 5
-    assert told.believed > 1.25 * told.likeliest
+    assert told.model > 1.25 * told.likeliest
     assert told.likeliest == pytest.approx(1.0, abs=0.35)
     shown = joined(case, pair, found, NOTHING | {"gap": {}}, told)["gap"]["contact"]
-    assert shown == {"impacts": told.impacts, "before": told.believed, "after": told.likeliest}
+    assert shown == {"impacts": told.impacts, "before": told.model, "after": told.likeliest}
     kept = joined(case, pair, replace(found, ranked=()), NOTHING | {"gap": {}}, told)["gap"]["contact"]
-    assert kept["after"] == told.believed
+    assert kept["after"] == told.model
     # An effect that the held-out impacts do not like is not claimed.
     assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, told)) == ["contact_damping"]
     worse = replace(told, gained=-10.0)
@@ -321,10 +321,10 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
     case = colliding(CONTACT)
     cell = [run.values[:, -1] for run in case.runs]
     blind = colliding(CONTACT, measured=False)
-    believed = model(blind)
-    for frame in believed.structure.frames:
+    model = model_of(blind)
+    for frame in model.structure.frames:
         frame.stiffness[:] *= 1.1
-    quick = prepare(blind, believed)
+    quick = prepare(blind, model)
     better = found_again(quick, (0, 1))
 
     def errors(pair: Pair) -> float:
@@ -335,7 +335,7 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
         return float(np.abs(off).max())
 
     assert errors(better) < min(0.05, errors(quick))
-    measured = prepare(case, model(case))
+    measured = prepare(case, model_of(case))
     assert found_again(measured, (0, 1)) is measured
 
 

@@ -62,11 +62,11 @@ def test_the_effect_behind_the_peaks_wins_on_records_not_fitted(name: str, index
 
 def test_no_effect_is_the_believed_model_for_every_kind() -> None:
     model = bench(peaks_of("table_gain", 0.0))
-    believed = np.array([peak.value for peak in model.peaks])
+    expected = np.array([peak.value for peak in model.peaks])
     for effect in CATALOGUE:
         assert effect.sizes[0] == 0
-        assert model.predict(effect, 0.0) == pytest.approx(believed)
-        assert np.abs(model.predict(effect, effect.sizes[-1]) / believed - 1).max() > 1e-4
+        assert model.predict(effect, 0.0) == pytest.approx(expected)
+        assert np.abs(model.predict(effect, effect.sizes[-1]) / expected - 1).max() > 1e-4
 
 
 def test_a_frame_that_runs_away_is_infinitely_far() -> None:

@@ -33,13 +33,13 @@ CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffne
 
 @pytest.fixture(scope="module")
 def found() -> Findings:
-    believed = measured([(CUBIC, np.array([2e9]))])
-    effects = [one for one in candidates(believed) if one.name in ("cubic_stiffness", "damping_change")]
-    return search(believed, effects, [0], [1], lambda what, share: None)
+    model = measured([(CUBIC, np.array([2e9]))])
+    effects = [one for one in candidates(model) if one.name in ("cubic_stiffness", "damping_change")]
+    return search(model, effects, [0], [1], lambda what, share: None)
 
 
 def test_simulated_data_have_the_noise_and_the_dropouts_of_the_measured(found: Findings) -> None:
-    found.believed.observed.runs[0].measured[10:20, 1] = np.nan
+    found.model.observed.runs[0].measured[10:20, 1] = np.nan
     truth = hypotheses(found)[1]
     made = [simulated(found, truth, np.random.default_rng(seed)) for seed in (1, 1, 2)]
     first = [one.observed.runs[0].measured for one in made]
@@ -48,7 +48,7 @@ def test_simulated_data_have_the_noise_and_the_dropouts_of_the_measured(found: F
     assert not np.allclose(first[0][30:], first[2][30:])
     clean = made[0].predict(np.zeros(len(made[0].std)), None, []).outputs[0]
     assert np.nanstd(first[0] - clean, axis=0).min() > 0
-    found.believed.observed.runs[0].measured[10:20, 1] = 0.0
+    found.model.observed.runs[0].measured[10:20, 1] = 0.0
 
 
 @pytest.mark.slow
@@ -73,9 +73,9 @@ def test_an_interrupted_calibration_goes_on_and_a_finished_one_costs_nothing(
 def test_another_record_is_another_calibration(found: Findings) -> None:
     before = fingerprint(found, ["cubic stiffness"])
     assert fingerprint(found, ["another"]) != before
-    found.believed.observed.runs[1].table[5] += 1e-3
+    found.model.observed.runs[1].table[5] += 1e-3
     assert fingerprint(found, ["cubic stiffness"]) != before
-    found.believed.observed.runs[1].table[5] -= 1e-3
+    found.model.observed.runs[1].table[5] -= 1e-3
 
 
 def outcomes(found: Findings, right: int, of: int) -> list[Outcome]:

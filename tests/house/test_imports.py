@@ -160,11 +160,11 @@ def test_no_modules_import_each_other_in_a_circle() -> None:
 
 @pytest.mark.parametrize("engine", TOUCHED_ONLY_IN)
 def test_engines_are_touched_in_named_modules_only(engine: str) -> None:
-    touched = {
+    contact_findings = {
         place(path) for path in sources() if engine in {one.partition(".")[0] for one in imported(path)}
     }
-    assert touched <= TOUCHED_ONLY_IN[engine]
-    assert touched, f"nothing imports {engine}: the rule has lost its object"
+    assert contact_findings <= TOUCHED_ONLY_IN[engine]
+    assert contact_findings, f"nothing imports {engine}: the rule has lost its object"
 
 
 def test_no_record_of_the_tests_is_committed() -> None:
