@@ -1,6 +1,6 @@
 """How sure a verdict is: the odds that it is right, from its evidence and margins, by coefficients fitted to cases.
 
-The form is logistic regression, one set of coefficients a verdict, in `data/confidence.toml` with a note where they come
+The form is logistic regression, one set of coefficients a verdict, in `confidence.toml` with a note where they come
 from. ``python -m pounding.diagnosis.benchmark.fitting PAIRS.jsonl NOTE`` fits them: each line of the file is a report's
 `confidence_basis` `features` with a key `right` (whether type and place of every effect were right and nothing else was
 claimed).

@@ -13,9 +13,9 @@ from pounding.diagnosis.hidden.scenario import Scenario
 
 
 def _stated(setting: Setting) -> Touch:
-    if setting.believed_touch is None:
+    if setting.stated_contact is None:
         raise CaseError("nothing touches on a single frame; name two frames")
-    return setting.believed_touch
+    return setting.stated_contact
 
 
 def _changed(setting: Setting, **fields: float | str | None) -> Scenario:
@@ -25,9 +25,9 @@ def _changed(setting: Setting, **fields: float | str | None) -> Scenario:
 
 def gap_offset(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
     """Set the frames nearer or further apart than they are believed to stand."""
-    believed = _stated(setting)
-    offset = size * believed.gap_m
-    return _changed(setting, gap_m=believed.gap_m + offset), {"offset": (1e3 * offset, "mm")}
+    baseline = _stated(setting)
+    offset = size * baseline.gap_m
+    return _changed(setting, gap_m=baseline.gap_m + offset), {"offset": (1e3 * offset, "mm")}
 
 
 def contact_stiffness(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:

@@ -25,7 +25,7 @@ from pounding.diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
 class Setting:
     """Where an effect is put: the scenario so far, the frame's typical sizes, and the place.
 
-    `storey` and `floor` count from 1; `channel` is a name, with its root mean square in SI. `believed_touch`
+    `storey` and `floor` count from 1; `channel` is a name, with its root mean square in SI. `stated_contact`
     is the contact as the case states it, `nearness` how near the frames' `floor`s come to each other over
     how near those of the stated contact come, if nothing stops them.
     """
@@ -38,7 +38,7 @@ class Setting:
     channel: str = ""
     channel_rms: float = 0.0
     channel_to_si: float = 1.0
-    believed_touch: Touch | None = None
+    stated_contact: Touch | None = None
     nearness: float = 0.0
 
     @property
@@ -111,8 +111,8 @@ def joint_flexibility(setting: Setting, size: float, rng: np.random.Generator) -
     """Change all joints by the same factor; a little unevenly."""
     uneven = rng.normal(1.0, 0.03, len(setting.beams.joint))
     factor = np.exp(size)
-    believed = setting.beams.joint_stated
-    value = believed * factor * float(np.mean(uneven))
+    baseline = setting.beams.joint_stated
+    value = baseline * factor * float(np.mean(uneven))
     return setting.with_beams(joint=setting.beams.joint * factor * uneven), {
         "joint_stiffness": (value, "N m/rad")
     }

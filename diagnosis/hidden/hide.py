@@ -85,7 +85,7 @@ def hide(
         for run in range(RUNS)
     )
     known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
-    contacts = tuple(Contact(**vars(touch)) for touch in rig.believed)
+    contacts = tuple(Contact(**vars(touch)) for touch in rig.baseline)
     case = Case(title or f"hidden {seed}", Path(), known, runs, rig.channels, contacts)
     return Hidden(case, _truth(rig, seed, source, stated, scenario.touches))
 
@@ -194,11 +194,11 @@ def _setting(rig: Rig, where: Place) -> Setting:
     if where.left and where.right and where.floor:
         near, listed = (
             approach(rig.bare, free, where.left, where.right, floor)
-            for floor in (where.floor, rig.believed[0].floor)
+            for floor in (where.floor, rig.baseline[0].floor)
         )
         setting = replace(setting, nearness=near / listed)
-    if rig.believed:
-        setting = replace(setting, believed_touch=rig.believed[0])
+    if rig.baseline:
+        setting = replace(setting, stated_contact=rig.baseline[0])
     if where.channel is None:
         return setting
     column = [channel.name for channel in rig.channels].index(where.channel)

@@ -10,7 +10,7 @@ import numpy as np
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden import motions
-from pounding.diagnosis.hidden.belief import believed
+from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
 from pounding.diagnosis.hidden.instruments import Logger, logger, place, sampled
 from pounding.diagnosis.hidden.motions import Motion
@@ -30,7 +30,7 @@ class Rig:
     """All that is drawn before any effect is put in."""
 
     bare: Scenario
-    believed: tuple[Touch, ...]
+    baseline: tuple[Touch, ...]
     channels: tuple[Channel, ...]
     log: Logger
     shakings: tuple[Motion, ...]
@@ -73,7 +73,7 @@ def draw_rig(
     """
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
         raise CaseError(f"frames {', '.join(names)}: give one, or two different ones that stand side by side")
-    frames = {name: built(rng, believed(name)) for name in names}
+    frames = {name: built(rng, baseline(name)) for name in names}
     pair = len(frames) == 2
     channels = place(rng, frames)
     log = logger(rng, channels, pair=pair)
@@ -82,7 +82,7 @@ def draw_rig(
     bare = set_up(rng, frames, channels)
     if not pair:
         return Rig(bare, (), channels, log, shakings)
-    stated = _believed_touch(rng, bare, shakings[0], DAMPED if damped else tuple(STIFFNESS))
+    stated = _stated_contact(rng, bare, shakings[0], DAMPED if damped else tuple(STIFFNESS))
     return Rig(replace(bare, touches=(_built(rng, stated),)), (stated,), channels, log, shakings)
 
 
@@ -94,7 +94,7 @@ def approach(scenario: Scenario, happened: Happened, left: str, right: str, floo
     return float(nearer.max())
 
 
-def _believed_touch(rng: np.random.Generator, bare: Scenario, motion: Motion, laws: Sequence[str]) -> Touch:
+def _stated_contact(rng: np.random.Generator, bare: Scenario, motion: Motion, laws: Sequence[str]) -> Touch:
     left, right = bare.frames
     floor = min(beams.storeys for beams in bare.frames.values())
     gap = rng.uniform(*GAPS) * approach(bare, happen(bare, motion, 0), left, right, floor)

@@ -14,27 +14,27 @@ RAYLEIGH_SHARE = 0.3
 """Share of the frames whose damping is of Rayleigh's kind; the others have one ratio for each mode."""
 
 
-def built(rng: np.random.Generator, believed: Beams) -> Beams:
+def built(rng: np.random.Generator, baseline: Beams) -> Beams:
     """Return a frame as it may have been built."""
-    storeys = believed.storeys
+    storeys = baseline.storeys
     whole = rng.normal(1.0, 0.03)
     # A storey's shear over drift follows its columns about half, the joints do the rest.
-    bending = believed.bending * whole * rng.normal(1.0, 2 * rng.uniform(0.008, 0.02), storeys)
-    joint = believed.joint * whole * rng.normal(1.0, 0.01, storeys + 1)
-    mass = believed.floor_mass * rng.normal(1.0, rng.uniform(0.003, 0.008), storeys)
+    bending = baseline.bending * whole * rng.normal(1.0, 2 * rng.uniform(0.008, 0.02), storeys)
+    joint = baseline.joint * whole * rng.normal(1.0, 0.01, storeys + 1)
+    mass = baseline.floor_mass * rng.normal(1.0, rng.uniform(0.003, 0.008), storeys)
     return replace(
-        believed,
+        baseline,
         bending=bending,
         joint=joint,
         floor_mass=mass,
-        ratios=_ratios(rng, float(believed.ratios[0]), storeys),
+        ratios=_ratios(rng, float(baseline.ratios[0]), storeys),
         dashpots=np.zeros(storeys),
     )
 
 
-def _ratios(rng: np.random.Generator, believed: float, storeys: int) -> np.ndarray:
+def _ratios(rng: np.random.Generator, baseline: float, storeys: int) -> np.ndarray:
     """Return damping ratios, mode by mode."""
-    ratio = believed * np.exp(rng.normal(0.0, 0.1))
+    ratio = baseline * np.exp(rng.normal(0.0, 0.1))
     if storeys > 2 and rng.random() < RAYLEIGH_SHARE:
         # Mass- and stiffness-proportional, equal in the first mode and half-way up; shear-beam frequencies.
         order = np.arange(1, storeys + 1)

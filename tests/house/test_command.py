@@ -109,7 +109,7 @@ def test_bad_input_leaves_no_folder(words: list[str], tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("verb", [["shake", "5A"], ["pound", "10", "5B", "--gap", "5"]])
 def test_a_folder_that_cannot_be_is_said_before_anything_is_computed(verb: list[str], tmp_path: Path) -> None:
-    (tmp_path / "file").event()
+    (tmp_path / "file").touch()
     done = pounding(*verb, "--record", "elcentro-chopra", "--out", str(tmp_path / "file"))
     assert done.returncode == 2
     assert done.stderr.endswith("file: cannot be made (File exists)\n")

@@ -17,7 +17,7 @@ FITTED_MODES = 4
 
 
 @lru_cache
-def believed(name: str) -> Beams:
+def baseline(name: str) -> Beams:
     """Return a frame of the thesis as beams, its two stiffnesses fitted to the software's modes.
 
     Args:
