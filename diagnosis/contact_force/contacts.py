@@ -1,30 +1,35 @@
 """What the impacts say of a contact: the believed one against another gap, stiffness, loss or law, in nats.
 
 All impacts share the contact's numbers and an unknown filter; each has its own small errors of relative displacement and
-velocity. All have Gaussian priors, are fitted together by Gauss-Newton, and leave as evidence the fit's cost and the
-log determinant of its information (Laplace).
+velocity. All have Gaussian priors; descent and evidence are those of every kind of data (`inference.posterior`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
+from pounding.diagnosis.inference.posterior import Posterior, descend
 
 GAIN, DELAY_S = 0.01, 1.5e-4
 BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 """The filter: gain, delay, logarithmic magnitude that grows with the square of frequency, what departs from that, and
 phase that grows with the cube [rad], at the highest frequency."""
+REACH = 30.0
+"""Prior standard deviations that an unknown may move in one step."""
 ROBUST = 4.0
 """Standard deviations from which an impact counts less (Huber)."""
 MOST_NATS = 12.0
 """What one impact may say against a contact: floors that press on each other at a millimetre a second bounce as chance has
 it, and a single one of these decided between stiffnesses and laws where forty plain impacts had no opinion."""
-ITERATIONS = 25
+ITERATIONS, ENOUGH = 25, 0.02
+DAMPINGS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
+"""Steps of a descent, the gain at which it ends, and the dampings of a step: an impact that misses makes no force, so far steps
+often fail."""
 LOST, ROUNDS = 4.0, 4
 REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
 """Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of
@@ -101,15 +106,18 @@ def fit(
         x[COMMON + 2 * i] = (law.gap_m - first) / impact.prior[0]
     if others is not None:
         x[:FILTER], x[COMMON:] = others[:FILTER], others[COMMON:]
-    x, gram = _descended(bodies, hypothesis, x)
+    impacts = Impacts(bodies, hypothesis)
+    x = _descended(impacts, x)
     for _ in range(ROUNDS):
         regained = _regained(bodies, hypothesis, x)
         if regained is None:
             break
-        x, gram = _descended(bodies, hypothesis, regained)
+        x = _descended(impacts, regained)
     counted = _robust(_residuals(bodies, hypothesis, x)[0]) < MOST_NATS
     if not counted.all():
-        x, gram = _descended(bodies, hypothesis, x, counted)
+        impacts = Impacts(bodies, hypothesis, counted)
+        x = _descended(impacts, x)
+    gram = impacts.posterior().normal_equations(x)[0] + np.eye(len(x))
     residual, _ = _residuals(bodies, hypothesis, x)
     cost = float(np.minimum(_robust(residual), MOST_NATS).sum() + 0.5 * x @ x)
     freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
@@ -128,36 +136,47 @@ def fit(
     )
 
 
-def _descended(
-    bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counted: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the unknowns at the end of a damped Gauss-Newton descent on the impacts that count, and the information."""
-    counts = np.ones(len(bodies.impacts)) if counted is None else counted.astype(float)
-    cost = _cost(bodies, hypothesis, x, counts)
-    damping = 1e-2
-    gram = np.eye(len(x))
-    for _ in range(ITERATIONS):
-        residual, weight = _residuals(bodies, hypothesis, x)
-        slope = _slopes(bodies, hypothesis, x, residual)
-        scaled = slope * np.repeat(weight * counts, 7)[:, None]
-        gram = slope.T @ scaled + np.eye(len(x))
-        pull = -scaled.T @ residual.ravel() - x
-        better = False
-        for _ in range(6):
-            step = np.linalg.solve(gram + damping * np.diag(np.diag(gram)), pull)
-            trial = x + np.clip(step, -30.0, 30.0)
-            found = _cost(bodies, hypothesis, trial, counts)
-            if found < cost:
-                better = True
-                break
-            damping *= 6.0
-        if not better:
-            break
-        gained, x, cost = cost - found, trial, found
-        damping = max(damping / 10.0, 1e-6)
-        if gained < 0.02:
-            break
-    return x, gram
+class Impacts:
+    """The impacts of a contact as a term of the inference: what is left of each counts by Huber's measure.
+
+    Args:
+        bodies: The two floors and their impacts.
+        hypothesis: What the contact may be.
+        counted: Which impacts count, all by default, shape (impacts,).
+    """
+
+    log_normaliser = 0.0
+
+    def __init__(self, bodies: Bodies, hypothesis: Hypothesis, counted: np.ndarray | None = None) -> None:
+        self.bodies, self.hypothesis = bodies, hypothesis
+        self.counts = np.ones(len(bodies.impacts)) if counted is None else counted.astype(float)
+
+    def posterior(self) -> Posterior:
+        """Return the posterior of the filter's, the contact's and the impacts' unknowns."""
+        unknowns = COMMON + 2 * len(self.bodies.impacts)
+        free = np.full(unknowns, np.inf)
+        return Posterior((self,), -free, free, np.full(unknowns, REACH))
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return what the impacts say against a contact [nats]."""
+        return float(self.counts @ _robust(_residuals(self.bodies, self.hypothesis, theta)[0]))
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield whitened residuals, measured less made, of all impacts, and their slopes, both weighted."""
+        residual, weight = _residuals(self.bodies, self.hypothesis, theta)
+        scale = np.repeat(np.sqrt(weight * self.counts), 7)
+        slopes = _slopes(self.bodies, self.hypothesis, theta, residual)
+        yield -scale * residual.ravel(), scale[:, None] * slopes
+
+    def settled(self, theta: np.ndarray) -> Impacts:
+        """Return the term itself."""
+        del theta
+        return self
+
+
+def _descended(impacts: Impacts, x: np.ndarray) -> np.ndarray:
+    """Return the unknowns at the end of a descent on the impacts that count."""
+    return descend(impacts.posterior(), x, ITERATIONS, DAMPINGS, ENOUGH)[1]
 
 
 def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | None:
@@ -174,10 +193,6 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
         if min(left) < size[i] ** 2:
             found[own] = tried[int(np.argmin(left))]
     return None if np.array_equal(found, x) else found
-
-
-def _cost(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, counts: np.ndarray) -> float:
-    return float(counts @ _robust(_residuals(bodies, hypothesis, x)[0]) + 0.5 * x @ x)
 
 
 def _robust(residual: np.ndarray) -> np.ndarray:

@@ -16,9 +16,9 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
 from pounding.diagnosis.contact_force import pairs
-from pounding.diagnosis.inference.filtering import Filtered, descend, matched_noise, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, matched_noise, run_filter
 from pounding.diagnosis.inference.misfit import expected_noise
-from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.refine import calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
@@ -117,7 +117,7 @@ def _quieter(model: Model, filtered: Filtered) -> Filtered:
     start = run_filter(model, filtered.values, filtered.noise, filtered.runs, filtered.effects)
     noise = matched_noise(model, start)
     start = run_filter(model, start.values, noise, start.runs, start.effects)
-    return descend(model, start, 2)
+    return calibrated_further(model, start, 2)
 
 
 def _of_all_runs(model: Model, filtered: Filtered) -> Filtered:

@@ -16,22 +16,20 @@ import numpy as np
 
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
-    Filtered,
-    grouped_signatures,
-    motions,
     run_filter,
     whitened_innovations,
 )
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.refine import Coordinates, Fit, effect_columns
+from pounding.diagnosis.inference.histories import Histories
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.search import widths
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.storeys import Structure
-from pounding.diagnosis.model.terms import nuisance_terms
 
 WEAK_NATS = 20.0
 """A named effect whose rival is within this of it is weakly named."""
@@ -254,11 +252,12 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     widths_of = [
         widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
     ]
-    coordinates = Coordinates.of(other.effects, other.values, widths_of)
-    columns = effect_columns(model, filtered, coordinates, np.zeros(len(coordinates.start)))[0]
+    coordinates = Coordinates.of(model, other.effects, other.values, widths_of)
+    histories = Histories(model, filtered, coordinates)
+    columns = histories.effect_columns(coordinates.theta(filtered.values))[0]
     # A channel that only this measurement has brings gain and delay of its own: they are no part of the other's matrix.
     shared = [j for j, parameter in enumerate(model.parameters) if not parameter.kind.startswith("channel")]
-    both = np.hstack([_nuisance_columns(model, filtered)[:, shared], columns]).astype(float)
+    both = np.hstack([histories.nuisance_columns()[0][:, shared], columns]).astype(float)
     residual = whitened_innovations(model, filtered)[0]
     return both.T @ both, both.T @ residual, float(residual @ residual)
 
@@ -271,11 +270,6 @@ def _ordinary(model: Model, found: Findings, fit: Fit) -> np.ndarray:
         if not parameter.kind.startswith("channel")
     }
     return np.array([known.get((one.kind, one.place), 0.0) for one in model.parameters])
-
-
-def _nuisance_columns(model: Model, filtered: Filtered) -> np.ndarray:
-    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
-    return np.asarray(grouped_signatures(model, filtered, groups)[0] * model.std)
 
 
 def _sum(one: Normal, other: Normal) -> Normal:

@@ -11,8 +11,9 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.verdict import parameters
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.evidence import Score, Scores
-from pounding.diagnosis.inference.filtering import Filtered, boxed_step
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.model.model import Model
@@ -170,5 +171,8 @@ class _Sight:
         if not np.isfinite(change).all():
             return 0.0
         start = self.filtered.values / self.model.std
-        left = change - self.nuisance @ boxed_step(self.gram, self.nuisance.T @ change + start, start)
+        imitation = Coordinates.of(self.model, (), (), ()).posterior(())
+        left = change - self.nuisance @ imitation.step(
+            self.gram, self.nuisance.T @ change + start, start, 0.0
+        )
         return float(root_mean_square(left.reshape(self.output.shape)).max())

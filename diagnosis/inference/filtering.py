@@ -1,4 +1,4 @@
-"""Calibration inside the priors: Gauss-Newton on the filter's innovations, the latent forces going from large to small."""
+"""The model filtered over its runs: steady filters, innovations and their likelihood, motions, and signatures of terms."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from pounding.diagnosis.model.kalman import Noise, SteadyFilter, linear_system, steady_filter
 from pounding.diagnosis.model.model import Acting, Model, Prediction
@@ -14,10 +13,7 @@ from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.terms import Motion, nuisance_terms
-
-BOX = 3.0
-"""Prior standard deviations that an nuisance parameter may move: what lies beyond is not ordinary."""
+from pounding.diagnosis.model.terms import Motion
 
 
 @dataclass(frozen=True)
@@ -184,84 +180,6 @@ def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
             filtered.prediction.innovations, filtered.filters, filtered.runs, strict=True
         )
     ]
-
-
-def normal_equations(model: Model, filtered: Filtered) -> tuple[np.ndarray, np.ndarray]:
-    """Return the Gauss-Newton matrix and slope of the nuisance parameters in units of their priors, priors left out."""
-    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
-    signature = grouped_signatures(model, filtered, groups)
-    innovations = whitened_innovations(model, filtered)
-    count = len(model.std)
-    gram, slope = np.zeros((count, count)), np.zeros(count)
-    for columns, series in zip(signature, innovations, strict=True):
-        scaled = columns.astype(float) * model.std
-        gram += scaled.T @ scaled
-        slope += scaled.T @ series
-    return gram, slope
-
-
-def boxed_step(gram: np.ndarray, slope: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Return the step from `start` (in prior standard deviations) that stays within `BOX` of them."""
-    return bounded_step(
-        gram + np.eye(len(gram)),
-        slope - start,
-        np.full(len(start), -BOX) - start,
-        np.full(len(start), BOX) - start,
-    )
-
-
-def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return the least of s' precision s / 2 - pull' s between bounds (bounded least squares on its factor)."""
-    factor = np.linalg.cholesky(precision).T
-    free = np.linalg.solve(precision, pull)
-    if np.all((free >= lower) & (free <= upper)):
-        return np.asarray(free)
-    # The start may lie on a bound, or past it by a rounding.
-    bounds = (np.minimum(lower, -1e-9), np.maximum(upper, 1e-9))
-    return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)
-
-
-def misfit(model: Model, filtered: Filtered, values: np.ndarray) -> float:
-    """Return half the sum of squares of whitened innovations and scaled parameters with the baseline's gains kept."""
-    prediction = model.predict(
-        values, [steady.gain for steady in filtered.filters], filtered.effects, filtered.runs
-    )
-    total = 0.5 * float(np.sum((values / model.std) ** 2))
-    for series, steady, run in zip(prediction.innovations, filtered.filters, filtered.runs, strict=True):
-        good = np.isfinite(model.observed.runs[run].measured)
-        # A trial step may well blow up: its misfit is then infinite, and the step is not taken.
-        with np.errstate(over="ignore", invalid="ignore"):
-            total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
-    return total if np.isfinite(total) else float("inf")
-
-
-def descend(model: Model, filtered: Filtered, iterations: int, enough: float = 0.5) -> Filtered:
-    """Take up to `iterations` Gauss-Newton steps inside the priors, each halved until it helps.
-
-    Gain and innovation covariance stay while a step is judged: were they to follow the parameters, a likelihood with
-    too large a latent force would be improved by modes that shrink it rather than by ones that fit.
-    """
-    for _ in range(iterations):
-        gram, slope = normal_equations(model, filtered)
-        start = filtered.values / model.std
-        step = boxed_step(gram, slope, start) * model.std
-        before = misfit(model, filtered, filtered.values)
-        for fraction in (1.0, 0.5, 0.2, 0.05):
-            after = misfit(model, filtered, filtered.values + fraction * step)
-            if after < before:
-                break
-        else:
-            return filtered
-        values = filtered.values + fraction * step
-        filtered = run_filter(model, values, filtered.noise, filtered.runs, filtered.effects)
-        if before - after < enough:
-            break
-    return filtered
-
-
-def penalised(model: Model, filtered: Filtered) -> float:
-    """Return log likelihood plus log prior of the nuisance parameters [nats]."""
-    return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
 
 
 def matched_noise(model: Model, filtered: Filtered) -> tuple[Noise, ...]:

@@ -10,8 +10,9 @@ from pounding.diagnosis.case.quantities import STANDARD_GRAVITY
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.storey import CoulombFriction, FadingFriction
+from pounding.diagnosis.inference.coordinates import BOX
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
-from pounding.diagnosis.inference.filtering import BOX, Filtered, log_likelihood, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import RESCUE_LEVEL, best_null, null_again, unswapped

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Filtered, descend, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
+from pounding.diagnosis.inference.refine import calibrated_further
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.noise import spectral_floor
@@ -50,12 +51,12 @@ def starting_noise(model: Model, runs: Sequence[int], level: float = FIRST_LEVEL
 def calibrated(model: Model, runs: Sequence[int]) -> Filtered:
     """Return the null model, its latent forces going from large to as small as the data like."""
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, runs), runs)
-    filtered = descend(model, filtered, 2)
+    filtered = calibrated_further(model, filtered, 2)
     level = FIRST_LEVEL
     while level > LAST_LEVEL:
         level *= REDUCTION
         noise = [replace(one, latent=REDUCTION * one.latent) for one in filtered.noise]
-        trial = descend(model, run_filter(model, filtered.values, noise, runs), 2)
+        trial = calibrated_further(model, run_filter(model, filtered.values, noise, runs), 2)
         if trial.log_likelihood < filtered.log_likelihood:
             break
         filtered = trial

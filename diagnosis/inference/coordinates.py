@@ -1,0 +1,105 @@
+"""The parameters theta of an inference: nuisance parameters and effects in units of their priors' standard deviations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.posterior import Likelihood, Posterior
+from pounding.diagnosis.model.model import Acting, Model
+
+BOX = 3.0
+"""Prior standard deviations that a nuisance parameter may move: what lies beyond is not nuisance."""
+REACH = 1.0
+"""Prior standard deviations that an effect's parameter may move in one step."""
+LOG_WIDTH = 1.5
+"""Prior standard deviation of a parameter that is refined as a logarithm."""
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """How nuisance parameters and effects follow from theta, shape (nuisance + effects' parameters,).
+
+    Attributes:
+        scale: Prior standard deviations of the nuisance parameters in their own units.
+        effects: The effects, whose parameters follow the nuisance parameters in theta.
+        start: SI parameters about which those that are refined as logarithms are centred, all effects' in turn.
+        width: Prior standard deviations of the effects' parameters; of a logarithm where `logarithmic`.
+        logarithmic: Which of them are refined as logarithms; the others are centred on zero.
+        fixed: Other effects that act, with SI parameters that stay.
+    """
+
+    scale: np.ndarray
+    effects: tuple[Effect, ...]
+    start: np.ndarray
+    width: np.ndarray
+    logarithmic: np.ndarray
+    fixed: tuple[tuple[Acting, np.ndarray], ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        effects: Sequence[Effect],
+        values: Sequence[np.ndarray],
+        widths: Sequence[np.ndarray],
+        fixed: Sequence[tuple[Acting, np.ndarray]] = (),
+    ) -> Coordinates:
+        """Return coordinates about effects' SI parameters `values` with prior standard deviations `widths`."""
+        logarithmic = np.concatenate(
+            [np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)]
+        )
+        start = np.concatenate([np.asarray(v, float) for v in values] or [np.zeros(0)])
+        width = np.concatenate([np.asarray(w, float) for w in widths] or [np.zeros(0)])
+        wide = np.where(logarithmic, LOG_WIDTH, width)
+        return cls(model.std, tuple(effects), start, wide, logarithmic, tuple(fixed))
+
+    def theta(self, nuisance: np.ndarray) -> np.ndarray:
+        """Return theta at nuisance parameters in their own units and the effects' start."""
+        return np.concatenate(
+            [nuisance / self.scale, np.where(self.logarithmic, 0.0, self.start / self.width)]
+        )
+
+    def nuisance(self, theta: np.ndarray) -> np.ndarray:
+        """Return the nuisance parameters in their own units, shape (nuisance,)."""
+        return np.asarray(theta[: len(self.scale)] * self.scale)
+
+    def values(self, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the SI parameters of each effect."""
+        own = theta[len(self.scale) :]
+        moved = np.where(
+            self.logarithmic, self.start * np.exp(np.clip(own * self.width, -6, 6)), own * self.width
+        )
+        ends = np.cumsum([len(effect.quantities) for effect in self.effects])
+        return tuple(np.split(moved, ends[:-1])) if self.effects else ()
+
+    def acting(self, theta: np.ndarray) -> tuple[tuple[Acting, np.ndarray], ...]:
+        """Return all effects that act, with their SI parameters."""
+        return (*self.fixed, *zip(self.effects, self.values(theta), strict=True))
+
+    def slopes(self, theta: np.ndarray) -> np.ndarray:
+        """Return the derivative of each SI parameter of the effects with respect to its coordinate."""
+        flat = np.concatenate(self.values(theta)) if self.effects else np.zeros(0)
+        return np.where(self.logarithmic, flat * self.width, self.width)
+
+    def nudge(self, theta: np.ndarray, number: int) -> float:
+        """Return the change of an effect's coordinate (counted after the nuisance) by which slopes are taken."""
+        size = abs(float(theta[len(self.scale) + number]))
+        return 1e-3 if self.logarithmic[number] else 1e-3 * max(1.0, size)
+
+    def posterior(self, terms: Sequence[Likelihood]) -> Posterior:
+        """Return the posterior of terms: nuisance parameters stay within `BOX`, effects move by `REACH` at most."""
+        own = len(self.start)
+        free = np.full(own, np.inf)
+        box = np.full(len(self.scale), BOX)
+        kinked = tuple(range(len(self.scale), len(self.scale) + own))
+        return Posterior(
+            tuple(terms),
+            np.concatenate([-box, -free]),
+            np.concatenate([box, free]),
+            np.concatenate([np.full(len(box), np.inf), np.full(own, REACH)]),
+            kinked,
+        )

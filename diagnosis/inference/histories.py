@@ -1,0 +1,167 @@
+"""Histories as a term of the inference: whitened innovations of the steady filter, run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.filtering import (
+    Filtered,
+    grouped_signatures,
+    motions,
+    run_filter,
+    whitened,
+    whitened_innovations,
+)
+from pounding.diagnosis.model.model import Acting, Model
+from pounding.diagnosis.model.terms import nuisance_terms
+
+WORSE = 5.0
+"""Loss of log likelihood at which a step is taken back: the gain that fits the new parameters likes them less than the old
+one did."""
+LARGEST_SLOPE = 1e12
+"""Whitened derivative from which on the simulation has blown up."""
+
+
+class Histories:
+    """The runs' innovations about a filtered model, whose gains stay while a step is judged.
+
+    Were gain and innovation covariance to follow the parameters, a likelihood with too large a latent force would be
+    improved by modes that shrink it rather than by ones that fit.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        filtered: Filtered,
+        coordinates: Coordinates,
+        nuisance_columns: list[np.ndarray] | None = None,
+    ) -> None:
+        """Take the model, its filter at the parameters in question, and how these follow from theta.
+
+        Args:
+            model: The baseline model.
+            filtered: The filter.
+            coordinates: Nuisance parameters and effects.
+            nuisance_columns: Signatures of the nuisance parameters of a filter near this one, which are good enough.
+        """
+        self.model, self.filtered, self.coordinates = model, filtered, coordinates
+        self._fresh = nuisance_columns is None
+        self._columns = nuisance_columns
+        self._effects: tuple[bytes, list[np.ndarray]] | None = None
+
+    @property
+    def log_normaliser(self) -> float:
+        """Log likelihood of the innovations beyond half their sum of squares."""
+        return self.filtered.log_likelihood + self._half_squares(self.filtered.prediction.innovations)
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return half the sum of squares of the whitened innovations, with the filter's gains as they are."""
+        nuisance, acting = self.coordinates.nuisance(theta), self.coordinates.acting(theta)
+        if self._is_here(nuisance, acting):
+            return self._half_squares(self.filtered.prediction.innovations)
+        gains = [steady.gain for steady in self.filtered.filters]
+        return self._half_squares(self.model.predict(nuisance, gains, acting, self.filtered.runs).innovations)
+
+    def _is_here(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]]) -> bool:
+        """Return whether the filter was run with just these parameters."""
+        own = self.filtered.effects
+        return (
+            np.array_equal(nuisance, self.filtered.values)
+            and len(own) == len(acting)
+            and all(
+                one[0] == other[0] and np.array_equal(one[1], other[1])
+                for one, other in zip(own, acting, strict=True)
+            )
+        )
+
+    def _half_squares(self, innovations: Sequence[np.ndarray]) -> float:
+        total = 0.0
+        for series, steady, run in zip(innovations, self.filtered.filters, self.filtered.runs, strict=True):
+            good = np.isfinite(self.model.observed.runs[run].measured)
+            # A trial step may well blow up: it costs infinitely much, and is not taken.
+            with np.errstate(over="ignore", invalid="ignore"):
+                total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
+        return total
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield whitened innovations and signatures of each run."""
+        residuals = whitened_innovations(self.model, self.filtered)
+        effects = self.effect_columns(theta)
+        for residual, nuisance, own in zip(residuals, self.nuisance_columns(), effects, strict=True):
+            yield residual, np.hstack([nuisance, own])
+
+    def settled(self, theta: np.ndarray) -> Histories | None:
+        """Return the term with the filter run again at `theta`, None if that is much less likely."""
+        filtered = run_filter(
+            self.model,
+            self.coordinates.nuisance(theta),
+            self.filtered.noise,
+            self.filtered.runs,
+            self.coordinates.acting(theta),
+        )
+        if filtered.log_likelihood < self.filtered.log_likelihood - WORSE:
+            return None
+        # The nuisance parameters' signatures are good for one step more.
+        return Histories(self.model, filtered, self.coordinates, self._columns if self._fresh else None)
+
+    def nuisance_columns(self) -> list[np.ndarray]:
+        """Return whitened signatures of the nuisance parameters in units of their priors, (samples * channels, nuisance)."""
+        if self._columns is None:
+            model, filtered = self.model, self.filtered
+            groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+            self._columns = [
+                columns * model.std.astype(columns.dtype)
+                for columns in grouped_signatures(model, filtered, groups)
+            ]
+        return self._columns
+
+    def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
+        """Return for each run whitened signatures of the effects' coordinates, (samples * channels, coordinates)."""
+        key = theta[len(self.coordinates.scale) :].tobytes()
+        if self._effects is None or self._effects[0] != key:
+            self._effects = key, self._effect_columns(theta)
+        return self._effects[1]
+
+    def _effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
+        model, filtered, coordinates = self.model, self.filtered, self.coordinates
+        found = [
+            np.zeros((series.size, len(coordinates.start)), np.float32)
+            for series in filtered.prediction.innovations
+        ]
+        slopes = coordinates.slopes(theta)
+        first = 0
+        for effect in coordinates.effects:
+            if effect.linear:
+                # As the nuisance parameters' columns are made: two that mean the same must not differ by an approximation.
+                groups = [
+                    [effect.terms(model, filtered.modes, motion, ())] for motion in motions(model, filtered)
+                ]
+                for store, column in zip(found, grouped_signatures(model, filtered, groups), strict=True):
+                    store[:, first] = column[:, 0] * slopes[first]
+            else:
+                for j in range(first, first + len(effect.quantities)):
+                    for store, column in zip(found, self._difference(theta, j), strict=True):
+                        store[:, j] = column
+            first += len(effect.quantities)
+        return found
+
+    def _difference(self, theta: np.ndarray, number: int) -> list[np.ndarray]:
+        """Return for each run the whitened derivative with respect to one of the effects' coordinates, by a small change."""
+        filtered, coordinates = self.filtered, self.coordinates
+        delta = coordinates.nudge(theta, number)
+        moved = theta.copy()
+        moved[len(coordinates.scale) + number] += delta
+        gains = [steady.gain for steady in filtered.filters]
+        prediction = self.model.predict(filtered.values, gains, coordinates.acting(moved), filtered.runs)
+        found = []
+        for index, run in enumerate(filtered.runs):
+            change = filtered.prediction.innovations[index] - prediction.innovations[index]
+            good = np.isfinite(self.model.observed.runs[run].measured)
+            with np.errstate(over="ignore", invalid="ignore"):
+                column = whitened(change / delta, filtered.filters[index], good).ravel()
+            # A model that blows up at the small change has no slope there.
+            found.append(column if np.all(np.abs(column) < LARGEST_SLOPE) else np.zeros_like(column))
+        return found

@@ -1,0 +1,168 @@
+"""One inference for every kind of data: Gaussian parameters, sums of squares, one descent, one evidence.
+
+The parameters theta are nuisance parameters and effects (or the numbers of a contact), each in units of its prior's
+standard deviation and centred on the prior's mean. Each kind of data is a `Likelihood`: histories, impacts, modal data
+and peaks are terms of one sum. The maximum is found by damped Gauss-Newton steps inside bounds (Levenberg 1944,
+Marquardt 1963), and the evidence is Laplace's approximation about it (MacKay 1992).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol, Self
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+DAMPINGS = (0.0, 0.1, 1.0, 10.0)
+"""Damping of the steps that are tried in turn, as a share of the information's diagonal."""
+ENOUGH = 0.2
+"""Gain of log posterior below which a descent ends."""
+STRIDES = (0.1, 0.03, 0.01)
+STRIDES_BELOW, STRIDE_GAIN = 20.0, 0.1
+"""Strides of the search along single coordinates, the gain of a step below which it is made, and the gain of a stride that
+counts."""
+
+
+class Likelihood(Protocol):
+    """One kind of data: minus its log likelihood is half a sum of squares of whitened residuals, less `log_normaliser`."""
+
+    @property
+    def log_normaliser(self) -> float:
+        """What the log likelihood has beside the sum of squares, up to a constant of the data."""
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return half the sum of squares at `theta`, shape (parameters,); infinite where the model blows up."""
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield whitened residuals, measured less predicted, (n,), and the prediction's whitened slopes, (n, parameters)."""
+
+    def settled(self, theta: np.ndarray) -> Self | None:
+        """Return the term as it is about `theta`, itself if it does not change, or None if it is much less likely there."""
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """Terms of a sum, and how far the parameters may go.
+
+    Attributes:
+        terms: The kinds of data.
+        lower, upper: Bounds of the parameters in prior standard deviations, shape (parameters,).
+        reach: Largest change of each in one step, (parameters,).
+        kinked: Numbers of the parameters that are also searched one by one: sticking and touching make kinks that a
+            slope does not see.
+    """
+
+    terms: tuple[Likelihood, ...]
+    lower: np.ndarray
+    upper: np.ndarray
+    reach: np.ndarray
+    kinked: tuple[int, ...] = field(default=())
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return minus the log posterior at `theta`, up to the normalisers."""
+        total = 0.5 * float(theta @ theta) + sum(term.cost(theta) for term in self.terms)
+        return total if np.isfinite(total) else float("inf")
+
+    def normal_equations(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the information (parameters, parameters) and the slope (parameters,) of the data, the prior left out."""
+        gram, slope = np.zeros((len(theta), len(theta))), np.zeros(len(theta))
+        for term in self.terms:
+            for residual, columns in term.blocks(theta):
+                wide = columns.astype(float)
+                gram += wide.T @ wide
+                slope += wide.T @ residual
+        return gram, slope
+
+    def settled(self, theta: np.ndarray) -> Posterior | None:
+        """Return the posterior with its terms as they are about `theta`, None if one is much less likely there."""
+        terms = [term.settled(theta) for term in self.terms]
+        kept = [term for term in terms if term is not None]
+        return replace(self, terms=tuple(kept)) if len(kept) == len(terms) else None
+
+    def log_evidence(self, theta: np.ndarray, gram: np.ndarray) -> float:
+        """Return Laplace's log evidence about a maximum with this information of the data (`normal_equations`)."""
+        normaliser = sum(term.log_normaliser for term in self.terms)
+        return normaliser - self.cost(theta) - 0.5 * float(np.linalg.slogdet(gram + np.eye(len(gram)))[1])
+
+    def step(self, gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, damping: float) -> np.ndarray:
+        """Return the damped Gauss-Newton step inside the bounds."""
+        precision = gram + np.eye(len(gram)) + damping * np.diag(np.diag(gram))
+        lower = np.maximum(self.lower - theta, -self.reach)
+        upper = np.minimum(self.upper - theta, self.reach)
+        return bounded_step(precision, slope - theta, lower, upper)
+
+
+def descend(
+    posterior: Posterior,
+    theta: np.ndarray,
+    iterations: int,
+    dampings: Sequence[float] = DAMPINGS,
+    enough: float = ENOUGH,
+) -> tuple[Posterior, np.ndarray]:
+    """Return the posterior about the end of a descent, and the parameters there.
+
+    Args:
+        posterior: Where to descend.
+        theta: Parameters to start from, shape (parameters,).
+        iterations: Steps at most.
+        dampings: Dampings that are tried for each step until one helps.
+        enough: Gain below which the descent ends.
+    """
+    for _ in range(iterations):
+        gram, slope = posterior.normal_equations(theta)
+        if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
+            # Where an effect blows up there is no direction to go.
+            break
+        before = after = posterior.cost(theta)
+        moved = theta
+        for damping in dampings:
+            trial = theta + posterior.step(gram, slope, theta, damping)
+            after = posterior.cost(trial)
+            if after < before:
+                moved = trial
+                break
+        if posterior.kinked and before - after < STRIDES_BELOW:
+            moved, after = _strides(posterior, moved, min(after, before))
+        if after >= before:
+            break
+        settled = posterior.settled(moved)
+        if settled is None:
+            break
+        posterior, theta = settled, moved
+        if before - after < enough:
+            break
+    return posterior, theta
+
+
+def _strides(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.ndarray, float]:
+    """Return parameters and cost after a search along single coordinates."""
+    for stride in STRIDES:
+        for j in posterior.kinked:
+            for sign in (1.0, -1.0):
+                while True:
+                    moved = theta.copy()
+                    moved[j] += sign * stride
+                    tried = posterior.cost(moved)
+                    if tried > cost - STRIDE_GAIN:
+                        break
+                    theta, cost = moved, tried
+    return theta, cost
+
+
+def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Return the least of s' precision s / 2 - pull' s between bounds (bounded least squares on its factor).
+
+    Args:
+        precision: Positive definite, shape (n, n).
+        pull: Slope at zero, (n,).
+        lower, upper: Bounds, (n,).
+    """
+    free = np.linalg.solve(precision, pull)
+    if np.all((free >= lower) & (free <= upper)):
+        return np.asarray(free)
+    factor = np.linalg.cholesky(precision).T
+    # The start may lie on a bound, or past it by a rounding.
+    bounds = (np.minimum(lower, -1e-9), np.maximum(upper, 1e-9))
+    return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)
