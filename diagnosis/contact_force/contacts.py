@@ -28,8 +28,8 @@ MOST_NATS = 12.0
 it, and a single one of these decided between stiffnesses and laws where forty plain impacts had no opinion."""
 ITERATIONS, ENOUGH = 25, 0.02
 DAMPINGS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
-"""Steps of a descent, the gain at which it ends, and the dampings of a step: an impact that misses makes no force, so far steps
-often fail."""
+"""Steps of a descent, the gain at which it ends, and dampings of a step: far steps often fail, because an impact that misses
+makes no force."""
 LOST, ROUNDS = 4.0, 4
 REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
 """Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of

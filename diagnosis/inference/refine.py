@@ -98,8 +98,8 @@ def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Fil
 def _descended(
     model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray, iterations: int
 ) -> tuple[Filtered, np.ndarray]:
-    histories = Histories(model, filtered, coordinates)
-    posterior, theta = descend(coordinates.posterior([histories]), theta, iterations)
+    start = coordinates.posterior([Histories(model, filtered, coordinates)])
+    posterior, theta = descend(start, theta, iterations)
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.filtered, theta
