@@ -243,12 +243,16 @@ Normal = tuple[np.ndarray, np.ndarray, float]
 def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     """Return Gauss-Newton matrix, slope and sum of squares of the imitator on the data that the true rival makes."""
     model = one.model
-    made = model.predict(_ordinary(model, found, true), None, true.filtered.effects, [0]).outputs[0]
+    made = model.predict(
+        model.carried(found.model, true.filtered.values), None, true.filtered.effects, [0]
+    ).outputs[0]
     run = replace(model.observed.runs[0], measured=made)
     model = Model(model.structure, replace(model.observed, runs=(run,)), model.prior)
     known = other.filtered.noise[0]
     noise = Noise(np.asarray(known.latent), known.table, one.noise)
-    filtered = run_filter(model, _ordinary(model, found, other), [noise], [0], other.filtered.effects)
+    filtered = run_filter(
+        model, model.carried(found.model, other.filtered.values), [noise], [0], other.filtered.effects
+    )
     widths_of = [
         widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
     ]
@@ -260,16 +264,6 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     both = np.hstack([histories.nuisance_columns()[0][:, shared], columns]).astype(float)
     residual = whitened_innovations(model, filtered)[0]
     return both.T @ both, both.T @ residual, float(residual @ residual)
-
-
-def _ordinary(model: Model, found: Findings, fit: Fit) -> np.ndarray:
-    """Return a fit's nuisance parameters for a model with other channels."""
-    known = {
-        (parameter.kind, parameter.place): value
-        for parameter, value in zip(found.model.parameters, fit.filtered.values, strict=True)
-        if not parameter.kind.startswith("channel")
-    }
-    return np.array([known.get((one.kind, one.place), 0.0) for one in model.parameters])
 
 
 def _sum(one: Normal, other: Normal) -> Normal:

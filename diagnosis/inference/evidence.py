@@ -9,6 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.filtering import Filtered, grouped_signatures, motions, whitened_innovations
+from pounding.diagnosis.inference.numbers import PROBE, Numbers, numbers_of
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.sensitivity import Term
@@ -127,8 +128,32 @@ def score(
             signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
+    numbers = numbers_of(model, filtered.runs)
+    if len(numbers):
+        block = _number_columns(numbers, filtered, columns, width)
+        if present:
+            block = np.hstack([block[:, : len(model.std)], present[-1], block[:, len(model.std) :]])
+        gram += block.T @ block
+        slope += block.T @ numbers.residual(filtered.values, filtered.effects)
     slope[: len(model.std)] -= filtered.values / model.std
     return _rank(columns, width, gram, slope, free, model.std)
+
+
+def _number_columns(
+    numbers: Numbers,
+    filtered: Filtered,
+    columns: Sequence[tuple[Effect, tuple[float, ...]]],
+    width: np.ndarray,
+) -> np.ndarray:
+    """Return whitened, prior-scaled slopes of the numbers: of the nuisance parameters, then of the candidates."""
+    here = numbers.residual(filtered.values, filtered.effects)
+    found = []
+    for (effect, shape), size in zip(columns, width, strict=True):
+        sign = effect.sign or 1
+        values = effect.values(sign * PROBE * size, shape)
+        acting = [*filtered.effects, (effect, values)]
+        found.append((here - numbers.residual(filtered.values, acting)) / (sign * PROBE))
+    return np.hstack([numbers.nuisance_columns(filtered.values, filtered.effects), np.array(found).T])
 
 
 def _rank(

@@ -11,7 +11,8 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
-from pounding.diagnosis.inference.posterior import descend
+from pounding.diagnosis.inference.numbers import NumbersTerm, numbers_of
+from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 from pounding.diagnosis.model.model import Model
 
 LAST = 6
@@ -33,7 +34,7 @@ class Fit:
         std: Standard errors of those.
         filtered: The predictor with them.
         log_posterior: Log likelihood plus log prior less half the log determinant of the information [nats].
-        columns: Whitened, prior-scaled signatures of the effects' parameters in each run.
+        columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
     """
 
     effects: tuple[Effect, ...]
@@ -98,11 +99,17 @@ def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Fil
 def _descended(
     model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray, iterations: int
 ) -> tuple[Filtered, np.ndarray]:
-    start = coordinates.posterior([Histories(model, filtered, coordinates)])
-    posterior, theta = descend(start, theta, iterations)
+    posterior, theta = descend(_posterior(model, filtered, coordinates), theta, iterations)
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.filtered, theta
+
+
+def _posterior(model: Model, filtered: Filtered, coordinates: Coordinates) -> Posterior:
+    """Return the posterior of the runs' histories and of the numbers that stand beside them, the histories first."""
+    numbers = numbers_of(model, filtered.runs)
+    beside = [NumbersTerm(numbers, coordinates)] if len(numbers) else []
+    return coordinates.posterior([Histories(model, filtered, coordinates), *beside])
 
 
 def _start(
@@ -113,8 +120,7 @@ def _start(
     starts = [coordinates.theta(values) for values in tried]
 
     def cost(theta: np.ndarray) -> float:
-        there = Histories(model, _at(model, filtered, coordinates, theta), coordinates)
-        return coordinates.posterior([there]).cost(theta)
+        return _posterior(model, _at(model, filtered, coordinates, theta), coordinates).cost(theta)
 
     return min(starts, key=cost)
 
@@ -155,9 +161,14 @@ def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
     return run_filter(model, one.values, noise, one.runs, one.effects)
 
 
+def _effect_columns(term: Likelihood, theta: np.ndarray) -> list[np.ndarray]:
+    if isinstance(term, Histories):
+        return term.effect_columns(theta)
+    return [term.effect_columns(theta)] if isinstance(term, NumbersTerm) else []
+
+
 def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray) -> Fit:
-    histories = Histories(model, filtered, coordinates)
-    posterior = coordinates.posterior([histories])
+    posterior = _posterior(model, filtered, coordinates)
     gram, _ = posterior.normal_equations(theta)
     own = len(model.std)
     spread = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))[own:] * np.abs(
@@ -170,5 +181,5 @@ def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta:
         std=tuple(np.split(spread, ends[:-1])) if coordinates.effects else (),
         filtered=filtered,
         log_posterior=posterior.log_evidence(theta, gram),
-        columns=tuple(histories.effect_columns(theta)),
+        columns=tuple(column for term in posterior.terms for column in _effect_columns(term, theta)),
     )

@@ -114,6 +114,20 @@ class Model:
             self._own = self.plain_modes(assembly).floors.T @ assembly.mass
         return np.square(self._own @ modes.floors)
 
+    def carried(self, other: Model, values: np.ndarray) -> np.ndarray:
+        """Return another model's nuisance parameters of the same frames for this one, whose own sensors' are zero.
+
+        Args:
+            other: A model with other sensors.
+            values: Its nuisance parameters in their own units, shape (nuisance of the other,).
+        """
+        known = {
+            (one.kind, one.place): value
+            for one, value in zip(other.parameters, values, strict=True)
+            if not one.kind.startswith("channel")
+        }
+        return np.array([known.get((one.kind, one.place), 0.0) for one in self.parameters])
+
     def predict(
         self,
         values: np.ndarray,

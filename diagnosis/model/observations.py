@@ -8,6 +8,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Case, Run
+from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
@@ -95,6 +96,7 @@ class Observations:
         touching: Whether frames may touch: contact forces, measured or found, have a clock of their own.
         slower: How many samples of the logger one of these stands for, if they were made fewer.
         touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
+        modal, peaks: Numbers that stand beside the runs.
         warnings: What was odd.
     """
 
@@ -107,6 +109,8 @@ class Observations:
     touching: bool = False
     contact_events: tuple[ContactEvent, ...] = ()
     slower: int = 1
+    modal: tuple[ModalDatum, ...] = ()
+    peaks: tuple[Peak, ...] = ()
     warnings: list[str] = field(default_factory=list)
 
     def rms(self, run: RunData) -> np.ndarray:
@@ -156,6 +160,8 @@ def observe(case: Case, structure: Structure) -> Observations:
         runs=runs,
         contact_floors=pairs,
         touching=bool(case.contacts),
+        modal=case.modal,
+        peaks=case.peaks,
         warnings=warnings,
     )
 

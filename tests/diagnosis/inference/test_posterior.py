@@ -1,0 +1,124 @@
+"""The one inference: its descent and its evidence on problems whose answers are known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from pounding.diagnosis.inference.posterior import Posterior, descend
+
+RNG = np.random.default_rng(3)
+COLUMNS = RNG.normal(size=(40, 3)) * [3.0, 1.0, 0.2]
+TRUTH = np.array([0.8, -1.5, 0.4])
+
+
+class Curve:
+    """Data y = J theta + bend (J theta)^2 + unit noise, in two blocks."""
+
+    log_normaliser = -0.5 * 40 * np.log(2 * np.pi)
+
+    def __init__(self, bend: float = 0.0) -> None:
+        self.bend = bend
+        self.data = self.shown(TRUTH) + np.random.default_rng(4).normal(size=40)
+
+    def shown(self, theta: np.ndarray) -> np.ndarray:
+        line = COLUMNS @ theta
+        return np.asarray(line + self.bend * line**2)
+
+    def cost(self, theta: np.ndarray) -> float:
+        return 0.5 * float(np.sum((self.data - self.shown(theta)) ** 2))
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        slopes = COLUMNS * (1 + 2 * self.bend * (COLUMNS @ theta))[:, None]
+        for rows in (slice(0, 15), slice(15, 40)):
+            yield (self.data - self.shown(theta))[rows], slopes[rows]
+
+    def settled(self, theta: np.ndarray) -> Curve:
+        del theta
+        return self
+
+
+def posterior(*terms: Curve, box: float = np.inf, reach: float = np.inf) -> Posterior:
+    return Posterior(tuple(terms), np.full(3, -box), np.full(3, box), np.full(3, reach))
+
+
+def exact(*terms: Curve) -> np.ndarray:
+    information = len(terms) * COLUMNS.T @ COLUMNS + np.eye(3)
+    return np.linalg.solve(information, COLUMNS.T @ sum(term.data for term in terms))
+
+
+@pytest.mark.parametrize("terms", [(Curve(),), (Curve(), Curve())], ids=["one term", "two terms"])
+def test_a_linear_problem_is_solved_in_one_step(terms: tuple[Curve, ...]) -> None:
+    _, theta = descend(posterior(*terms), np.zeros(3), 1)
+    assert theta == pytest.approx(exact(*terms), rel=1e-9)
+
+
+def test_the_evidence_of_a_linear_problem_is_exact() -> None:
+    whole, term = posterior(Curve()), Curve()
+    theta = exact(term)
+    gram, _ = whole.normal_equations(theta)
+    known = multivariate_normal(np.zeros(40), COLUMNS @ COLUMNS.T + np.eye(40)).logpdf(term.data)
+    assert whole.log_evidence(theta, gram) == pytest.approx(known, abs=1e-8)
+
+
+@pytest.mark.parametrize("bend", [0.02, 0.1])
+@pytest.mark.parametrize("reach", [0.3, np.inf])
+def test_a_bent_problem_ends_where_its_slope_is_zero(bend: float, reach: float) -> None:
+    whole = posterior(Curve(bend), reach=reach)
+    whole, theta = descend(whole, np.zeros(3), 40, enough=1e-10)
+    _, slope = whole.normal_equations(theta)
+    assert slope - theta == pytest.approx(np.zeros(3), abs=1e-3)
+    assert theta == pytest.approx(TRUTH, abs=0.5)
+
+
+def test_bounds_hold_and_the_rest_makes_the_best_of_it() -> None:
+    whole = posterior(Curve(), box=1.0)
+    _, theta = descend(whole, np.zeros(3), 20)
+    assert theta[1] == pytest.approx(-1.0)
+    assert np.abs(theta).max() <= 1.0 + 1e-9
+    _, slope = whole.normal_equations(theta)
+    free = np.abs(theta) < 1.0 - 1e-6
+    assert (slope - theta)[free] == pytest.approx(np.zeros(free.sum()), abs=1e-6)
+
+
+class Kink(Curve):
+    """A problem whose slopes say nothing of its last parameter."""
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        for residual, slopes in super().blocks(theta):
+            yield residual, slopes * [1.0, 1.0, 0.0]
+
+
+def test_what_slopes_do_not_see_is_searched_along_its_coordinate() -> None:
+    whole = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
+    blind = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0))
+    costs = [one.cost(descend(one, np.zeros(3), 20)[1]) for one in (whole, blind)]
+    best = whole.cost(exact(Curve()))
+    assert costs[0] < best + 0.5 < costs[1]
+
+
+class Explosive(Curve):
+    """A model that blows up a little beyond its start."""
+
+    def cost(self, theta: np.ndarray) -> float:
+        return float("nan") if np.abs(theta).max() > 0.2 else super().cost(theta)
+
+
+def test_a_step_at_which_the_model_blows_up_is_not_taken() -> None:
+    _, theta = descend(posterior(Explosive()), np.zeros(3), 10)
+    assert np.abs(theta).max() <= 0.2
+
+
+class Worse(Curve):
+    """A term that is much less likely wherever it is settled again."""
+
+    def settled(self, theta: np.ndarray) -> Worse | None:  # type: ignore[override]
+        return None
+
+
+def test_a_step_that_a_term_does_not_stand_by_is_taken_back() -> None:
+    _, theta = descend(posterior(Worse()), np.zeros(3), 10)
+    assert theta == pytest.approx(np.zeros(3))
