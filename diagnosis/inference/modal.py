@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,15 @@ from scipy.stats import chi2
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.numbers import ModalDatum
-from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed, modal_candidates, weigh
-from pounding.diagnosis.inference.modal_model import Joints, alone, joints, scatter
+from pounding.diagnosis.inference.modal_evidence import (
+    Acting,
+    Softening,
+    Weighed,
+    foretold_from_others,
+    modal_candidates,
+    weigh,
+)
+from pounding.diagnosis.inference.modal_model import Joints, alone, joints
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 
@@ -34,11 +41,22 @@ Progress = Callable[[str, float], None]
 class ModalFindings:
     """What was found of one frame: data, the baseline model, single effects and pairs, best first."""
 
-    frame: str
+    model: Model
     data: tuple[ModalDatum, ...]
     null: Weighed
     singles: tuple[Weighed, ...]
     pairs: tuple[Weighed, ...]
+
+    @property
+    def frame(self) -> str:
+        """The frame's name."""
+        return self.model.structure.frames[0].name
+
+    @cached_property
+    def foretold(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Each datum as foretold from the others, SI, and its surprise, by the baseline model and the best explanation."""
+        chosen = {"null": self.null, "best": self.best}
+        return {key: foretold_from_others(self.model, self.data, one.acting) for key, one in chosen.items()}
 
     @property
     def best(self) -> Weighed:
@@ -74,13 +92,12 @@ def examine(
     told: Callable[[str], None] = lambda what: None,
 ) -> ModalFindings:
     """Return what modal data of one frame say of single effects and of pairs with the best one."""
-    covariance = scatter(model, data)
     candidates = modal_candidates(model, flexible, data)
-    null = weigh(model, data, (), covariance)
+    null = weigh(model, data)
     singles = []
     for one in candidates:
         told(one.label())
-        singles.append(weigh(model, data, [one], covariance))
+        singles.append(weigh(model, data, [one]))
     singles.sort(key=lambda one: -one.log_evidence)
     pairs: list[Weighed] = []
     if singles[0].log_evidence > null.log_evidence + DETECTED_NATS:
@@ -92,9 +109,9 @@ def examine(
                     and {one, first} not in [set(pair.acting) for pair in pairs]
                 ):
                     told(f"{first.label()} with {one.label()}")
-                    pairs.append(weigh(model, data, [first, one], covariance))
+                    pairs.append(weigh(model, data, [first, one]))
     pairs.sort(key=lambda one: -one.log_evidence)
-    return ModalFindings(model.structure.frames[0].name, tuple(data), null, tuple(singles), tuple(pairs))
+    return ModalFindings(model, tuple(data), null, tuple(singles), tuple(pairs))
 
 
 def leaders(singles: Sequence[Weighed]) -> list[Acting]:
@@ -211,8 +228,8 @@ def _gaps(found: Sequence[ModalFindings]) -> dict[str, Any]:
         },
         "held_out": {
             "run": "each number foretold from the others",
-            "before": errors(lambda one: one.null.foretold),
-            "after": errors(lambda one: one.best.foretold),
+            "before": errors(lambda one: one.foretold["null"][0]),
+            "after": errors(lambda one: one.foretold["best"][0]),
             "noise_floor": noise,
         },
     }
@@ -238,8 +255,8 @@ def _rows(found: ModalFindings) -> list[dict[str, Any]]:
             "std": datum.std,
             "believed": float(found.null.fitted[i]),
             "fitted": float(found.best.fitted[i]),
-            "foretold": float(found.best.foretold[i]),
-            "surprise": float(found.best.surprise[i]),
+            "foretold": float(found.foretold["best"][0][i]),
+            "surprise": float(found.foretold["best"][1][i]),
         }
         for i, datum in enumerate(found.data)
     ]

@@ -1,33 +1,39 @@
-"""Evidence of effects in modal data: the likelihood over a grid of their sizes, weighed by the priors of these sizes.
+"""Evidence of effects in modal data alone: the one inference (`inference.posterior`), for effects in all tests or in one.
 
-The logarithms of the data are Gaussian about what the model with the effect would show, with the covariance of
-`modal_model.scatter`: their own uncertainty and the nuisance parameters inside their priors. With one or two sizes the
-integral over the prior is a sum over a grid, with no approximation but the grid's.
+The logarithms of the data are Gaussian about what the model with the effect would show. Nuisance parameters act on them
+linearly, by their slopes in the baseline model: those hardly change with an effect.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import ClassVar
 
 import numpy as np
-from scipy.special import logsumexp
 
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales, places
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
-from pounding.diagnosis.inference.modal_model import Joints, predicted, scatter
+from pounding.diagnosis.inference.modal_model import Joints
+from pounding.diagnosis.inference.posterior import Posterior, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.numbers_shown import modal_numbers
 
-POINTS = {1: 121, 2: 31}
-"""Grid points of a size, by how many sizes there are."""
-QUANTILES = (0.16, 0.5, 0.84)
 WIDEST = 4.0
-"""Prior standard deviations to which the grid reaches."""
+"""Prior standard deviations that a size may reach."""
+STARTS = (0.3, 1.0, 2.5)
+"""Sizes in prior standard deviations from which a descent starts, of each sign that a size may have."""
+STEPS = 40
+LINEAR = ("frame_stiffness", "storey_stiffness", "floor_mass")
+"""Nuisance parameters that a frequency depends on."""
+NUDGE = 1e-4
+GONE = -10.0
+"""Logarithm that stands for a number of a frame that has buckled, which nobody tested."""
 
 
 @dataclass(frozen=True)
@@ -68,12 +74,10 @@ class Weighed:
     """What modal data say of a set of effects.
 
     Attributes:
-        acting: The effects. log_evidence: Of the data with them [nats].
-        value, std: Posterior median of each size and half its 68 % interval, SI.
-        fitted: Data as the model with the posterior's best sizes shows them, SI.
-        foretold: Each datum as foretold from the others, SI. surprise: Its distance in standard deviations.
-        log_predictive: Log density of each datum's logarithm given the others [nats].
-        misfit: Chi-square of the data at the best sizes.
+        acting: The effects. log_evidence: Of the data with them.
+        value, std: Likeliest size of each and its standard error, SI.
+        fitted: Data as the model with these sizes and the likeliest nuisance parameters inside shows them, SI.
+        misfit: Chi-square of the data and nuisance parameters at these sizes.
     """
 
     acting: tuple[Acting, ...]
@@ -81,9 +85,6 @@ class Weighed:
     value: np.ndarray
     std: np.ndarray
     fitted: np.ndarray
-    foretold: np.ndarray
-    surprise: np.ndarray
-    log_predictive: np.ndarray
     misfit: float
 
 
@@ -105,102 +106,165 @@ def modal_candidates(model: Model, joints: Joints | None, data: Sequence[ModalDa
     return found
 
 
-def weigh(
-    model: Model,
-    data: Sequence[ModalDatum],
-    acting: Sequence[Acting] = (),
-    covariance: np.ndarray | None = None,
-) -> Weighed:
+class ModalTerm:
+    """Modal data as a likelihood of nuisance parameters and sizes of effects.
+
+    Args:
+        model: The baseline model of one frame.
+        data: The data.
+        acting: Effects, each in all tests or in one.
+        known: Which data count, all by default.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        data: Sequence[ModalDatum],
+        acting: Sequence[Acting] = (),
+        known: Sequence[int] | None = None,
+    ) -> None:
+        self.model, self.data, self.acting = model, tuple(data), tuple(acting)
+        self.known = list(range(len(data))) if known is None else list(known)
+        self.measured = np.log([datum.value for datum in data])
+        self.own = np.array([datum.std / datum.value for datum in data])
+        self.sizes = np.array([one.effect.size(model, None, ()) for one in acting])  # type: ignore[arg-type]
+
+    @property
+    def log_normaliser(self) -> float:
+        """Of the Gaussian density of the logarithms that count."""
+        return -float(np.sum(np.log(self.own[self.known] * np.sqrt(2 * np.pi))))
+
+    @cached_property
+    def nuisance(self) -> np.ndarray:
+        """Slopes of the logarithms for the nuisance parameters in prior standard deviations, (data, nuisance)."""
+        return nuisance_slopes(self.model, self.data)
+
+    def values(self, theta: np.ndarray) -> list[np.ndarray]:
+        """Return the SI parameters of each effect."""
+        amplitudes = theta[self.nuisance.shape[1] :] * self.sizes
+        return [one.effect.values(float(a), ()) for one, a in zip(self.acting, amplitudes, strict=True)]
+
+    def shown(self, theta: np.ndarray) -> np.ndarray:
+        """Return the logarithms of all data as the model shows them, shape (data,)."""
+        alone = shows(self.model, self.data, self.acting, self.values(theta))
+        good = np.isfinite(alone) & (alone > 0)
+        logs = np.where(good, np.log(np.where(good, alone, 1.0)), GONE)
+        return np.asarray(logs + self.nuisance @ theta[: self.nuisance.shape[1]])
+
+    def columns(self, theta: np.ndarray) -> np.ndarray:
+        """Return the slopes of all logarithms, (data, parameters)."""
+        found = [self.nuisance]
+        for j in range(self.nuisance.shape[1], len(theta)):
+            moved = [theta.copy(), theta.copy()]
+            for sign, one in zip((1.0, -1.0), moved, strict=True):
+                one[j] += sign * NUDGE
+            found.append(((self.shown(moved[0]) - self.shown(moved[1])) / (2 * NUDGE))[:, None])
+        return np.hstack(found)
+
+    def cost(self, theta: np.ndarray) -> float:
+        """Return half the sum of squares of the data that count."""
+        left = ((self.measured - self.shown(theta)) / self.own)[self.known]
+        return 0.5 * float(left @ left)
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """Yield residuals and slopes of the data that count."""
+        left = (self.measured - self.shown(theta)) / self.own
+        yield left[self.known], (self.columns(theta) / self.own[:, None])[self.known]
+
+    def settled(self, theta: np.ndarray) -> ModalTerm:
+        """Return the term itself."""
+        del theta
+        return self
+
+    def posterior(self) -> Posterior:
+        """Return the posterior; a size whose sign is known has a prior cut in half."""
+        count = self.nuisance.shape[1]
+        signs = np.array([one.effect.sign for one in self.acting], int)
+        lower = np.where(signs > 0, 0.0, -WIDEST)
+        upper = np.where(signs < 0, 0.0, WIDEST)
+        free = np.full(count, np.inf)
+        cut = tuple(count + j for j in np.flatnonzero(signs))
+        return Posterior(
+            (self,),
+            np.concatenate([-free, lower]),
+            np.concatenate([free, upper]),
+            np.concatenate([free, np.ones(len(signs))]),
+            truncated=cut,
+        )
+
+    def likeliest(self) -> tuple[Posterior, np.ndarray]:
+        """Return the posterior and its maximum, from several sizes."""
+        posterior = self.posterior()
+        axes = []
+        for one in self.acting:
+            sides = (1.0, -1.0) if one.effect.sign == 0 else (float(one.effect.sign),)
+            axes.append([side * start for side in sides for start in STARTS])
+        ends = []
+        for sizes in product(*axes):
+            theta = np.concatenate([np.zeros(self.nuisance.shape[1]), sizes])
+            ends.append(descend(posterior, theta, STEPS, enough=1e-6)[1])
+        return posterior, min(ends, key=posterior.cost)
+
+
+def nuisance_slopes(model: Model, data: Sequence[ModalDatum]) -> np.ndarray:
+    """Return slopes of the logarithms of data for the nuisance parameters in prior standard deviations, (data, nuisance)."""
+    columns = []
+    for number, parameter in enumerate(model.parameters):
+        if parameter.kind in LINEAR:
+            ends = []
+            for sign in (1.0, -1.0):
+                values = np.zeros(len(model.std))
+                values[number] = sign * NUDGE
+                ends.append(np.log(modal_numbers(model.structure, model.assemble(values), data)))
+            columns.append((ends[0] - ends[1]) / (2 * NUDGE) * parameter.std)
+    return np.array(columns).T
+
+
+def weigh(model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting] = ()) -> Weighed:
     """Return what data say of effects that act together (none for the baseline model)."""
-    covariance = scatter(model, data) if covariance is None else covariance
-    z, prior = grid(acting)
-    sizes = np.array([_size(one, model) for one in acting])
-    values = [_values(acting, model, row * sizes) for row in z]
-    shown = np.log(np.array([shows(model, data, acting, each) for each in values]))
-    measured = np.log([datum.value for datum in data])
-    # A frame that has buckled was not tested.
-    stands = np.isfinite(shown).all(axis=1)
-    shown, z, values = (
-        shown[stands],
-        z[stands],
-        [each for each, one in zip(values, stands, strict=True) if one],
-    )
-    prior = prior[stands] - logsumexp(prior[stands])
-    residual = measured - shown
-    log_joint = prior + gaussian(residual, covariance)
-    evidence = float(logsumexp(log_joint))
-    weight = np.exp(log_joint - evidence)
-    best = int(np.argmax(log_joint))
-    flat = np.array([[float(v[0]) for v in each] for each in values]).reshape(len(z), len(acting))
-    low, middle, high = (
-        np.array([_quantile(flat[:, j], weight, q) for j in range(flat.shape[1])]) for q in QUANTILES
-    )
-    foretold, surprise, predictive = _left_out(shown, residual, prior, covariance)
+    term = ModalTerm(model, data, acting)
+    posterior, theta = term.likeliest()
+    gram, slope = posterior.normal_equations(theta)
+    count = term.nuisance.shape[1]
+    spread = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))[count:]
+    value = np.array([float(one[0]) for one in term.values(theta)])
+    moved = theta.copy()
+    moved[count:] += NUDGE
+    slopes = (np.array([float(one[0]) for one in term.values(moved)]) - value) / NUDGE
+    at_size = theta.copy()
+    at_size[:count] = 0.0
     return Weighed(
         acting=tuple(acting),
-        log_evidence=evidence,
-        value=middle,
-        std=(high - low) / 2,
-        fitted=np.exp(shown[best]),
-        foretold=foretold,
-        surprise=surprise,
-        log_predictive=predictive,
-        misfit=float(residual[best] @ np.linalg.solve(covariance, residual[best])),
+        log_evidence=posterior.log_evidence(theta, gram, slope),
+        value=value,
+        std=np.abs(slopes) * spread,
+        fitted=np.exp(term.shown(at_size)),
+        misfit=2 * term.cost(theta) + float(theta[:count] @ theta[:count]),
     )
 
 
 def foretell(
     model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting], known: Sequence[int]
-) -> np.ndarray:
-    """Return all data, SI, as foretold from the `known` ones alone, shape (data,)."""
-    covariance = scatter(model, data)
-    z, prior = grid(acting)
-    sizes = np.array([_size(one, model) for one in acting])
-    shown = np.log([shows(model, data, acting, _values(acting, model, row * sizes)) for row in z])
-    stands = np.isfinite(shown).all(axis=1)
-    shown, prior = shown[stands], prior[stands]
-    seen = list(known)
-    residual = np.log([data[i].value for i in seen]) - shown[:, seen]
-    within = covariance[np.ix_(seen, seen)]
-    log_weight = prior + gaussian(residual, within)
-    weight = np.exp(log_weight - logsumexp(log_weight))
-    told = shown + residual @ np.linalg.solve(within, covariance[seen])
-    return np.exp(weight @ told)
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return all data, SI, as foretold from the `known` ones alone, and how far each lies off in standard deviations."""
+    term = ModalTerm(model, data, acting, known)
+    posterior, theta = term.likeliest()
+    gram, _ = posterior.normal_equations(theta)
+    columns, told = term.columns(theta), term.shown(theta)
+    uncertain = np.einsum("ij,jk,ik->i", columns, np.linalg.inv(gram + np.eye(len(gram))), columns)
+    return np.exp(told), (term.measured - told) / np.sqrt(term.own**2 + uncertain)
 
 
-def _quantile(values: np.ndarray, weight: np.ndarray, share: float) -> float:
-    order = np.argsort(values)
-    below = np.cumsum(weight[order]) - weight[order] / 2
-    return float(np.interp(share, below, values[order]))
-
-
-def grid(acting: Sequence[Acting]) -> tuple[np.ndarray, np.ndarray]:
-    """Return sizes in prior standard deviations (points, effects) and the logarithm of their prior weights."""
-    if not acting:
-        return np.zeros((1, 0)), np.zeros(1)
-    axes = []
-    for one in acting:
-        ends = {0: (-WIDEST, WIDEST), 1: (0.0, WIDEST), -1: (-WIDEST, 0.0)}[one.effect.sign]
-        axes.append(np.linspace(*ends, POINTS[len(acting)]))
-    z = np.array(list(product(*axes)))
-    prior = -0.5 * np.sum(z**2, axis=1)
-    return z, prior - logsumexp(prior)
-
-
-def gaussian(residual: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Return the log density of residuals (points, data) [nats]."""
-    factor = np.linalg.cholesky(covariance)
-    scaled = np.linalg.solve(factor, residual.T)
-    constant = np.log(np.diag(factor)).sum() + 0.5 * len(covariance) * np.log(2 * np.pi)
-    return np.asarray(-0.5 * np.sum(scaled**2, axis=0) - constant)
-
-
-def _size(one: Acting, model: Model) -> float:
-    return one.effect.size(model, None, ())  # type: ignore[arg-type]
-
-
-def _values(acting: Sequence[Acting], model: Model, amplitudes: np.ndarray) -> list[np.ndarray]:
-    return [one.effect.values(float(a), ()) for one, a in zip(acting, amplitudes, strict=True)]
+def foretold_from_others(
+    model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return each datum, SI, as foretold from all others, and its surprise in standard deviations, each (data,)."""
+    numbers = range(len(data))
+    each = [foretell(model, data, acting, [i for i in numbers if i != j]) for j in numbers]
+    return (
+        np.array([told[j] for j, (told, _) in enumerate(each)]),
+        np.array([surprise[j] for j, (_, surprise) in enumerate(each)]),
+    )
 
 
 def shows(
@@ -217,36 +281,9 @@ def shows(
             (one.effect, value) for one, value in zip(acting, values, strict=True) if one.test in (None, test)
         ]
         chosen = [data[i] for i in which]
-        found[which] = predicted(model, model.assemble(nuisance, present), chosen)
+        found[which] = modal_numbers(model.structure, model.assemble(nuisance, present), chosen)
         for effect, value in present:
             if isinstance(effect, Softening):
                 first = [i for i in which if data[i].mode == 1]
                 found[first] *= np.sqrt(max(1.0 + float(value[0]), 0.01))
     return found
-
-
-def _left_out(
-    shown: np.ndarray, residual: np.ndarray, prior: np.ndarray, covariance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return each datum as foretold from the others, its surprise, and the log density of what was measured."""
-    count = residual.shape[1]
-    mean, surprise, density = np.zeros(count), np.zeros(count), np.zeros(count)
-    for i in range(count):
-        rest = np.flatnonzero(np.arange(count) != i)
-        if not len(rest):
-            log_weight, shift, variance = prior, np.zeros(len(residual)), covariance[i, i]
-        else:
-            gain = np.linalg.solve(covariance[np.ix_(rest, rest)], covariance[rest, i])
-            log_weight = prior + gaussian(residual[:, rest], covariance[np.ix_(rest, rest)])
-            log_weight = log_weight - logsumexp(log_weight)
-            shift = residual[:, rest] @ gain
-            variance = covariance[i, i] - covariance[i, rest] @ gain
-        left = residual[:, i] - shift
-        weight, told = np.exp(log_weight), shown[:, i] + shift
-        centre = weight @ told
-        spread = np.sqrt(variance + weight @ (told - centre) ** 2)
-        mean[i] = np.exp(centre)
-        surprise[i] = (shown[0, i] + residual[0, i] - centre) / spread
-        log_normal = -0.5 * left**2 / variance - 0.5 * np.log(2 * np.pi * variance)
-        density[i] = logsumexp(log_normal + log_weight)
-    return mean, surprise, density

@@ -9,11 +9,12 @@ Marquardt 1963), and the evidence is Laplace's approximation about it (MacKay 19
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
 from scipy.optimize import lsq_linear
+from scipy.special import log_ndtr
 
 DAMPINGS = (0.0, 0.1, 1.0, 10.0)
 """Damping of the steps that are tried in turn, as a share of the information's diagonal."""
@@ -52,13 +53,15 @@ class Posterior:
         reach: Largest change of each in one step, (parameters,).
         kinked: Numbers of the parameters that are also searched one by one: sticking and touching make kinks that a
             slope does not see.
+        truncated: Numbers of the parameters whose prior ends at their bounds: the evidence counts what lies inside.
     """
 
     terms: tuple[Likelihood, ...]
     lower: np.ndarray
     upper: np.ndarray
     reach: np.ndarray
-    kinked: tuple[int, ...] = field(default=())
+    kinked: tuple[int, ...] = ()
+    truncated: tuple[int, ...] = ()
 
     def cost(self, theta: np.ndarray) -> float:
         """Return minus the log posterior at `theta`, up to the normalisers."""
@@ -81,10 +84,28 @@ class Posterior:
         kept = [term for term in terms if term is not None]
         return replace(self, terms=tuple(kept)) if len(kept) == len(terms) else None
 
-    def log_evidence(self, theta: np.ndarray, gram: np.ndarray) -> float:
-        """Return Laplace's log evidence about a maximum with this information of the data (`normal_equations`)."""
-        normaliser = sum(term.log_normaliser for term in self.terms)
-        return normaliser - self.cost(theta) - 0.5 * float(np.linalg.slogdet(gram + np.eye(len(gram)))[1])
+    def log_evidence(self, theta: np.ndarray, gram: np.ndarray, slope: np.ndarray | None = None) -> float:
+        """Return Laplace's log evidence about a maximum.
+
+        Args:
+            theta: The maximum, shape (parameters,).
+            gram, slope: `normal_equations` there; the slope is wanted where parameters are `truncated`, and may lie at
+                the end of their prior.
+        """
+        information = gram + np.eye(len(gram))
+        found = sum(term.log_normaliser for term in self.terms) - self.cost(theta)
+        found -= 0.5 * float(np.linalg.slogdet(information)[1])
+        if not self.truncated or slope is None:
+            return found
+        covariance = np.linalg.inv(information)
+        pull = slope - theta
+        centre = theta + covariance @ pull
+        found += 0.5 * float(pull @ covariance @ pull)
+        for j in self.truncated:
+            spread = float(np.sqrt(covariance[j, j]))
+            inside = _log_inside((self.lower[j] - centre[j]) / spread, (self.upper[j] - centre[j]) / spread)
+            found += inside - _log_inside(float(self.lower[j]), float(self.upper[j]))
+        return found
 
     def step(self, gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, damping: float) -> np.ndarray:
         """Return the damped Gauss-Newton step inside the bounds."""
@@ -149,6 +170,14 @@ def _strides(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.n
                         break
                     theta, cost = moved, tried
     return theta, cost
+
+
+def _log_inside(lower: float, upper: float) -> float:
+    """Return the logarithm of a standard normal's probability between two bounds."""
+    if lower > 0:
+        lower, upper = -upper, -lower
+    high, low = float(log_ndtr(upper)), float(log_ndtr(lower))
+    return high + float(np.log1p(-np.exp(min(low - high, -1e-300))))
 
 
 def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

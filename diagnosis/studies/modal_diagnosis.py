@@ -87,7 +87,7 @@ def _single_row(
     """Return a row; a type with many places has the mean of their evidences."""
     best = max(found, key=lambda one: one.log_evidence)
     evidence = logsumexp([one.log_evidence for one in found]) - np.log(len(found))
-    told = foretell(model, data, best.acting, [0])
+    told, _ = foretell(model, data, best.acting, [0])
     judged = [i for i, datum in enumerate(data) if i and datum.quantity != "mass"]
     error = [told[i] / data[i].value - 1 for i in judged]
     return {

@@ -21,10 +21,10 @@ from scipy.special import logsumexp
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Prior
 from pounding.diagnosis.case.numbers import Peak
-from pounding.diagnosis.inference.peaks import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.studies.thesis_modal import FRAMES
+from pounding.diagnosis.studies.whole_frames import CATALOGUE, PeakModel, WholeFrame, evidence, log_likelihood
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, plain, progress_console, table

@@ -15,7 +15,14 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.modal import examine
-from pounding.diagnosis.inference.modal_evidence import Acting, foretell, modal_candidates, shows, weigh
+from pounding.diagnosis.inference.modal_evidence import (
+    Acting,
+    foretell,
+    foretold_from_others,
+    modal_candidates,
+    shows,
+    weigh,
+)
 from pounding.diagnosis.inference.modal_model import alone
 from pounding.diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
 from pounding.diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
@@ -96,11 +103,11 @@ def test_a_number_is_foretold_without_itself() -> None:
     model = alone(three_storeys().frames[0], Prior())
     data = numbers([], [])
     wrong = [*data[:-1], ModalDatum("bench", "mass", None, "scales", 40.0, 0.1)]
-    clean, spoilt = weigh(model, data), weigh(model, wrong)
+    (clean, _), (spoilt, surprise) = (foretold_from_others(model, one, ()) for one in (data, wrong))
     # The mass as foretold from the others does not know what the scales said.
-    assert spoilt.foretold[-1] == pytest.approx(clean.foretold[-1])
-    assert spoilt.surprise[-1] > 5
-    told = foretell(model, data, (), [0])
+    assert spoilt[-1] == pytest.approx(clean[-1])
+    assert surprise[-1] > 5
+    told, _ = foretell(model, data, (), [0])
     assert told[1] == pytest.approx(data[1].value, rel=0.01)
 
 

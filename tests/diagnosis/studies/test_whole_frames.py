@@ -11,9 +11,9 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.case.numbers import Peak
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.inference.peaks import CATALOGUE, PeakModel, evidence, log_likelihood
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.studies.peak_diagnosis import RECORDS, judge, thesis_peaks
+from pounding.diagnosis.studies.whole_frames import CATALOGUE, PeakModel, evidence, log_likelihood
 from tests.diagnosis.models import STEP_S, shaking, three_storeys
 
 EFFECTS = {effect.name: effect for effect in CATALOGUE}
