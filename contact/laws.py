@@ -64,6 +64,7 @@ class Law:
     name: ClassVar[str] = ""
     unit: ClassVar[str] = "N/m"
     latches: ClassVar[bool] = False  # does the formula need the velocity at first touch?
+    damped: ClassVar[bool] = True  # does an impact lose energy?
 
     stiffness: float
     tension: bool = False
@@ -112,6 +113,7 @@ class LinearSpring(Law):
     """Hooke's law; no loss (thesis eq. 2.4). stiffness [N/m]."""
 
     name: ClassVar[str] = "linear_spring"
+    damped: ClassVar[bool] = False
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
         """Spring [N], eq. 2.4."""
@@ -144,6 +146,7 @@ class Hertz(Law):
 
     name: ClassVar[str] = "hertz"
     unit: ClassVar[str] = "N/m^1.5"
+    damped: ClassVar[bool] = False
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
         """Spring [N], eq. 2.9."""
@@ -207,6 +210,10 @@ class HertzDamp(Law):
         ratio = hertz_damp_ratio(self.restitution, self.formula)
         relative = rate / xp.maximum(approach, self.slowest_approach)
         return self.stiffness * xp.power(deformation, 1.5) * (1.0 + ratio * relative)
+
+
+BUILT_IN = tuple(LAWS)
+"""Names of the package's five laws, in the order of the thesis."""
 
 
 def names() -> list[str]:

@@ -36,7 +36,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     return ReducedFrame(
         name=frame.name,
         storeys=frame.storeys,
-        heights_m=np.cumsum(frame.storey_heights_m),
+        heights_m=np.array(frame.floor_heights_m),
         plan_m=frame.plan_m,
         definition=frame,
         options={"damping_ratio": float(ratios[0])},

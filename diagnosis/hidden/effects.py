@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.hidden import laws
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contacts import Touch
 from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
 from pounding.diagnosis.hidden.reference import Typical
-from pounding.diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
+from pounding.diagnosis.hidden.scenario import Scenario, Spring
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ def added_mass(setting: Setting, size: float, rng: np.random.Generator) -> tuple
     floors = setting.beams.floor_mass.copy()
     floors[setting.floor - 1] += mass
     axial = setting.beams.axial.copy()
-    axial[: setting.floor] += GRAVITY * mass
+    axial[: setting.floor] += STANDARD_GRAVITY * mass
     return setting.with_beams(floor_mass=floors, axial=axial), {"mass": (mass, "kg")}
 
 

@@ -9,8 +9,9 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfiltfilt
 from scipy.signal.windows import tukey
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import STANDARD_GRAVITY, find
+from pounding.experiments.records import find
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")

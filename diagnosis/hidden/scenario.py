@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contacts import Contact, Touch
 from pounding.diagnosis.hidden.modes import Modes, joined, modes
 from pounding.diagnosis.hidden.motions import Motion
 from pounding.diagnosis.hidden.stepping import Law, Local, Response, integrate
-
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     table = (1 + scenario.table_gain) * shifted(motion.acceleration, scenario.table_delay_s / step)
     pitch = scenario.table_tilt * table
     pitching = np.gradient(np.gradient(pitch, step), step)
-    drive = -np.outer(whole.gamma, table - GRAVITY * pitch) - np.outer(whole.pitch, pitching)
+    drive = -np.outer(whole.gamma, table - STANDARD_GRAVITY * pitch) - np.outer(whole.pitch, pitching)
     time = step * np.arange(count)
     for load in scenario.loads:
         drive += np.outer(whole.floors[scenario.row(load.frame, load.floor)], load.history(run, time))

@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pounding.contact.laws import Law
-from pounding.contact.parameters import PRINTED, STIFFNESS_SETS, thesis_law, viscoelastic_of
+from pounding.contact.laws import BUILT_IN, Law
+from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.impacts import all_impacts
@@ -30,7 +30,7 @@ from pounding.experiments.sweeps.sweep import sweep
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
-LAWS = tuple(PRINTED)
+LAWS = BUILT_IN
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 OTHER_MERGING_MS = (5, 10, 50)
 """Merging times to show how much the counts depend on it [ms]."""

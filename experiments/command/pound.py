@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
-from pounding.contact.laws import Law
-from pounding.contact.parameters import PRINTED, make_law, thesis_law
+from pounding.contact.laws import BUILT_IN, Law
+from pounding.contact.parameters import make_law, thesis_law
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.output import collision_folder as collision_files
@@ -23,7 +23,6 @@ from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig
 from pounding.experiments.rig.pounding import pound as run_one
 
 DEFAULT_LAW = "linear_viscoelastic"
-FIVE_LAWS = tuple(PRINTED)
 
 
 def pound(
@@ -74,7 +73,7 @@ def pound(
     masses = floor_masses(*pair, floors[0])
     laws = [
         _changed(thesis_law(name, parameters, masses=masses, tension=tension), stiffness, restitution, masses)
-        for name in (FIVE_LAWS if law == "all" else [law])
+        for name in (BUILT_IN if law == "all" else [law])
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown

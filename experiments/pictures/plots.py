@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from pounding.experiments.records.record import STANDARD_GRAVITY
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.records.spectra import fourier_spectrum, response_spectrum
 from pounding.frames.files import replacing
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.frames import ReducedFrame
+from pounding.frames.floors import level_floors
 from pounding.frames.response.exact import Poles, poles, refine, run, select
 
 FINEST_STEP_S = 1e-3
@@ -24,9 +25,6 @@ FINEST_STEP_S = 1e-3
 
 NEGLIGIBLE_MODE = 1e-6
 """A mode with less than this share of the largest static part is left out: below any digit shown."""
-
-SAME_HEIGHT = 0.01
-"""Floors meet when their heights differ by at most this share of the lower floor's height."""
 
 
 @dataclass(frozen=True)
@@ -84,17 +82,6 @@ def required_gap(
     )
 
 
-def shared_floors(left: ReducedFrame, right: ReducedFrame) -> list[tuple[int, int]]:
-    """Return the floors that lie at the same height, as pairs of floor numbers, from the table up."""
-    pairs = []
-    for number, height in enumerate(left.heights_m, start=1):
-        away = np.abs(np.asarray(right.heights_m) - height)
-        nearest = int(away.argmin())
-        if away[nearest] <= SAME_HEIGHT * height:
-            pairs.append((number, nearest + 1))
-    return pairs
-
-
 def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[int, int]:
     """Return the numbers of the floors that would meet, of the left and the right frame.
 
@@ -114,7 +101,7 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
             f"floor {wanted} cannot meet: frame {lower.name} has the floors 1 to {lower.storeys} "
             f"beside {other.name}"
         )
-    for pair in shared_floors(left, right):
+    for pair in level_floors(left.heights_m, right.heights_m):
         if pair[0 if lower_is_left else 1] == wanted:
             return pair
     raise ExperimentError(
@@ -184,7 +171,7 @@ def pair_gap(
 
 def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> list[tuple[int, RequiredGap]]:
     """Return the required gap at every shared floor, each with the floor's number in the lower frame."""
-    pairs = shared_floors(left, right)
+    pairs = level_floors(left.heights_m, right.heights_m)
     if not pairs:
         raise ExperimentError(f"frames {left.name} and {right.name} have no floor at a shared height")
     step = record.step_s / fine_step(record.step_s)

@@ -18,11 +18,11 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import eigh
 
 from pounding import frames
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.records import Record
 from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def with_yielding_base(body: Storeys, flexibility: float) -> Storeys:
 
 def with_p_delta(body: Storeys, weight_factor: float) -> Storeys:
     """Return storeys with gravity's geometric stiffness of `weight_factor` times the weight added."""
-    above = np.cumsum(body.floor_mass[::-1])[::-1] * GRAVITY
+    above = np.cumsum(body.floor_mass[::-1])[::-1] * STANDARD_GRAVITY
     per_drift = above / np.diff(body.height_m, prepend=0.0)
     difference = np.eye(len(above)) - np.eye(len(above), k=-1)
     softening = difference.T @ np.diag(per_drift) @ difference

@@ -15,7 +15,6 @@ from pounding.experiments.rig.required_gap import (
     motions,
     pair_gap,
     required_gap,
-    shared_floors,
 )
 from pounding.experiments.rig.rig import Contact, Rig
 from pounding.experiments.separation.gaps.confirm import confirm, touches
@@ -84,7 +83,6 @@ def test_gap_grows_with_the_record(tall, short) -> None:
 def test_floors_that_meet(tall, short) -> None:
     assert contact_floors(tall, short) == (5, 5)
     assert contact_floors(short, tall, 3) == (3, 3)
-    assert shared_floors(tall, short) == [(n, n) for n in range(1, 6)]
     with pytest.raises(ExperimentError, match="floors 1 to 5"):
         contact_floors(tall, short, 6)
     with pytest.raises(ExperimentError, match="floors 1 to 5"):
