@@ -69,7 +69,8 @@ def force_function(law: Law) -> Force:
         if apart is not None and rate > 0.0:
             approach = _at_touch(apart, deformation, rate)
             apart = None
-        return law.force(deformation, rate, approach, FloatOperations)
+        value: float = law.force(deformation, rate, approach, FloatOperations)
+        return value
 
     return force
 

@@ -56,7 +56,7 @@ class Contact:
             if damper is None:
                 damper = 2 * self.ratio * math.sqrt(touch.stiffness * self.reduced_mass)
             return max(touch.stiffness * depth + damper * rate, 0.0)
-        elastic = touch.stiffness * depth**1.5
+        elastic: float = touch.stiffness * depth**1.5
         if touch.law == "hertz":
             return elastic
         if touch.law == "hertz_damp":

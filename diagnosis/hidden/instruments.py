@@ -62,7 +62,7 @@ class Logger:
         level = np.where([channel.is_table for channel in channels], self.table_noise, self.noise)
         noise = level * np.sqrt(np.mean((clean - clean.mean(axis=0)) ** 2, axis=0))
         cells = np.array([channel.quantity == "contact_force" for channel in channels])
-        return np.where(cells, np.maximum(noise, FORCE_NOISE_N), noise)
+        return np.asarray(np.where(cells, np.maximum(noise, FORCE_NOISE_N), noise))
 
 
 def place(rng: np.random.Generator, frames: Mapping[str, Beams]) -> tuple[Channel, ...]:

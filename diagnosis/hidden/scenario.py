@@ -164,7 +164,7 @@ def shifted(values: np.ndarray, samples: float) -> np.ndarray:
     if samples == 0:
         return values
     at = np.arange(len(values)) - samples
-    return np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1])
+    return np.asarray(np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1]))
 
 
 def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ...]) -> np.ndarray:
@@ -190,10 +190,10 @@ def _true(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarra
         return np.zeros_like(happened.table) if apart else happened.contact_force[number]
     row = scenario.row(str(channel.frame), int(channel.floor or 0))
     if channel.quantity == "absolute_acceleration":
-        return happened.acceleration[row]
+        return np.asarray(happened.acceleration[row])
     if channel.quantity == "relative_velocity":
-        return happened.velocity[row]
+        return np.asarray(happened.velocity[row])
     if channel.quantity == "absolute_displacement":
         moved = Motion("", happened.motion.step_s, happened.table).displacement
-        return happened.displacement[row] + moved
-    return happened.displacement[row]
+        return np.asarray(happened.displacement[row] + moved)
+    return np.asarray(happened.displacement[row])

@@ -16,8 +16,9 @@ are computed again. What several independent pairs contradict in the same histor
 from __future__ import annotations
 
 import math
+import operator
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import pandas as pd
@@ -134,7 +135,8 @@ def check_rule(
     peaks: Peaks, printed: Mapping[Pair, float], rule: str, tolerance_mm: float = RULE_TOLERANCE_MM
 ) -> list[Contradiction]:
     """Return the printed sums (`abs`) or roots of squares (`srss`) that do not follow from the peaks."""
-    combine = {"abs": lambda a, b: a + b, "srss": math.hypot}[rule]
+    rules: dict[str, Callable[[float, float], float]] = {"abs": operator.add, "srss": math.hypot}
+    combine = rules[rule]
     found = []
     for pair, value in printed.items():
         sides = _sides(peaks, pair)

@@ -145,7 +145,7 @@ def floor_motions(
     counted = static > NEGLIGIBLE_MODE * static.max()
     states = run(frame.rates[counted], history, step_s)
     weights = weights[counted]
-    return states.real.T @ weights.real - states.imag.T @ weights.imag
+    return np.asarray(states.real.T @ weights.real - states.imag.T @ weights.imag)
 
 
 def pair_gap(

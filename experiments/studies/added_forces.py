@@ -105,7 +105,7 @@ def softening(body: Storeys, values: Real) -> Force:
     ]
 
     def force(u: Real, v: Real, w: Real) -> Real:
-        return np.sum([spring(u, v, w) for spring in springs], axis=0)
+        return np.asarray(np.sum([spring(u, v, w) for spring in springs], axis=0))
 
     return force
 

@@ -11,12 +11,13 @@ import time
 from pathlib import Path
 from typing import Any
 
-from pounding.experiments.campaign.cases import LAWS, chapter_5, chapter_6, run_all, shaking
+from pounding.experiments.campaign.cases import LAWS, chapter_5, chapter_6, run_all
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.pounding import shaking
 from pounding.experiments.studies.shared import Kept, Workers
 
 

@@ -210,7 +210,8 @@ def _cell(value: Any) -> Any:
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:
-    return frame.reset_index().to_dict("records")
+    rows: list[dict[Any, Any]] = frame.reset_index().to_dict("records")
+    return rows
 
 
 if __name__ == "__main__":

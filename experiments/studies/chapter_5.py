@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pounding.contact.parameters import STIFFNESS_SETS, viscoelastic_of
-from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all, shaking
+from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
@@ -23,7 +23,7 @@ from pounding.experiments.console.output import emit, table
 from pounding.experiments.pictures import contact_plots as plots_contact
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from pounding.experiments.rig.pounding import built, pound
+from pounding.experiments.rig.pounding import built, pound, shaking
 from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
 
 SOURCES = tuple(STIFFNESS_SETS)

@@ -53,12 +53,12 @@ class Storeys:
         couplings = np.append(max(float(self.stiffness[0].sum()), float(between[0])), between)
         difference = np.eye(len(couplings)) - np.eye(len(couplings), k=-1)
         chain = difference.T @ np.diag(couplings) @ difference
-        return couplings * eigh(self.stiffness, chain, eigvals_only=True)[0]
+        return np.asarray(couplings * eigh(self.stiffness, chain, eigvals_only=True)[0])
 
     @property
     def floor_mass(self) -> Real:
         """Mass of each floor (n,) [kg]."""
-        return self.mass.sum(axis=1)
+        return np.asarray(self.mass.sum(axis=1))
 
 
 def storeys(reduced: frames.ReducedFrame) -> Storeys:

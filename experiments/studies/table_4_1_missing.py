@@ -77,8 +77,9 @@ def all_peaks(
     if failed:
         raise ExperimentError(f"{len(failed)} runs failed, the first: {failed[0]}")
     printed = measured()
-    at_place = data.peaks.sel(frame=printed.frame, floor=printed.floor)
-    return at_place.rename(change_name="change").transpose("change", "value", "place", "record", "side")
+    at_place: xr.DataArray = data.peaks.sel(frame=printed.frame, floor=printed.floor)
+    renamed = at_place.rename(change_name="change")
+    return renamed.transpose("change", "value", "place", "record", "side")
 
 
 @dataclass(frozen=True)

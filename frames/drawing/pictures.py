@@ -149,7 +149,7 @@ def look(scene: Any, low: Real, high: Real, *, margins: Margins | None = None) -
 def letters(scene: Any, size: float) -> int:
     """Return a font size for the picture at hand that is ``size`` in one of 640 by 800 pixels."""
     width, height = scene.window_size
-    return max(5, round(size * min(width / 640.0, height / 800.0)))
+    return int(max(5, round(size * min(width / 640.0, height / 800.0))))
 
 
 def caption(scene: Any, words: str, *, size: int = 11, place: tuple[float, float] = (0.02, 0.98)) -> Any:

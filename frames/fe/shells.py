@@ -180,7 +180,7 @@ def _triplet(size: int) -> tuple[Index, Index, Real]:
 
 
 def _dense(rows: Index, columns: Index, values: Real) -> Real:
-    return coo_matrix((values, (rows, columns)), shape=(24, 24)).toarray()
+    return np.asarray(coo_matrix((values, (rows, columns)), shape=(24, 24)).toarray())
 
 
 def _scatter(quads: Index, blocks: Real, nodes: int) -> csr_matrix:

@@ -49,7 +49,7 @@ class Recovery:
 
     def motion(self, q: Real) -> Real:
         """Return displacements and rotations (nodes, 6) [m, rad] for coordinates q (n,)."""
-        return (self.to_nodes @ (self.basis @ q)).reshape(-1, DOFS)
+        return np.asarray(self.to_nodes @ (self.basis @ q)).reshape(-1, DOFS)
 
     def displacement(self, q: Real) -> Real:
         """Return displacements (nodes, 3) [m] for coordinates q (n,)."""
@@ -69,7 +69,7 @@ class Recovery:
 
     def von_mises(self, q: Real) -> Real:
         """Return von Mises' stress (elements,) [Pa] at the elements' centres, of the worse surface."""
-        return shells.von_mises(self.surface_stress(q)).max(axis=1)
+        return np.asarray(shells.von_mises(self.surface_stress(q)).max(axis=1))
 
     @cached_property
     def _thickness(self) -> Real:

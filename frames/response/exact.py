@@ -185,7 +185,7 @@ def absolute_acceleration(reduced: ReducedFrame, displacement: Real, velocity: R
         velocity: All coordinates (m, n) [m/s].
     """
     force = displacement @ reduced.stiffness + velocity @ reduced.damping
-    return -solve(reduced.mass, force.T, assume_a="pos").T
+    return np.asarray(-solve(reduced.mass, force.T, assume_a="pos").T)
 
 
 class Peaks(NamedTuple):

@@ -106,7 +106,7 @@ def mac(first: Real, second: Real) -> Real:
     """Return the modal assurance criterion (m, k) of shapes (n, m) and (n, k): 1 for equal, 0 for unlike."""
     cross = first.T @ second
     own = np.einsum("ij,ij->j", first, first)[:, None] * np.einsum("ij,ij->j", second, second)
-    return cross**2 / own
+    return np.asarray(cross**2 / own)
 
 
 def describe(energies: Real) -> list[str]:

@@ -21,7 +21,7 @@ from pounding.experiments.rig.required_gap import (
     required_gap,
 )
 from pounding.experiments.separation.gaps.variants import modal_frame
-from pounding.experiments.separation.rules.answers import Building, code_rules
+from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.frames.response.exact import refine
 
@@ -96,7 +96,7 @@ def gap_answer(
 
 def rules_beside(
     left: ReducedFrame, right: ReducedFrame, gap: RequiredGap, pga_g: float, length_scale: float
-) -> list:
+) -> list[Answer]:
     """Return every code rule's answer, asked with the peaks of the run at the floor of contact."""
     buildings = [
         Building(

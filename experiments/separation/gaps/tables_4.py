@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any
@@ -103,7 +104,7 @@ def table_4_3() -> pd.DataFrame:
         after rounding to the printed digits.
     """
     peaks = consistency.published_peaks()
-    combine = {"abs": lambda a, b: a + b, "srss": math.hypot}
+    combine: dict[str, Callable[[float, float], float]] = {"abs": operator.add, "srss": math.hypot}
     rows = {}
     for rule, function in combine.items():
         for pair, printed in consistency.published_gaps("4.3", rule).items():

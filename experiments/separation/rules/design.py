@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.chapter_7 import equations
@@ -84,7 +85,7 @@ class Site:
         return Building(height_m, frequency_hz, self.damping_percent / 100.0, peak_m)
 
 
-def design(site: Site) -> dict:
+def design(site: Site) -> dict[str, Any]:
     """Ask every rule for the gap of two buildings.
 
     Args:
@@ -201,7 +202,7 @@ def _edges(level: Level) -> str:
     return f"{lower} g {closing} {upper} g"
 
 
-def _described(building: Building) -> dict:
+def _described(building: Building) -> dict[str, Any]:
     return {
         "height_m": building.height_m,
         "frequency_hz": building.frequency_hz,

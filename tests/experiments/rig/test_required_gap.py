@@ -115,7 +115,7 @@ def test_storeys_of_two_heights_meet_where_they_are_level() -> None:
                 damping_ratio=0.01,
             )
         )
-        for name, storeys, height in (("low", 6, 0.10), ("high", 4, 0.15))
+        for name, storeys, height in (("low", 6, 0.10), ("high", 5, 0.15))
     )
     assert contact_floors(low, high, 3) == (3, 2)
     Rig([low, high], [Contact(LinearSpring(1e7), 0.01, (3, 2))])
