@@ -36,7 +36,13 @@ class SymbolicOperations:
 
     @staticmethod
     def where(condition: Any, yes: Any, no: Any) -> Any:
-        """Record a choice."""
+        """Record a choice.
+
+        Args:
+            condition: What is asked.
+            yes: The value where it holds.
+            no: The value elsewhere.
+        """
         return symbolic.IfThenElse(condition, _recorded(yes), _recorded(no))
 
     @staticmethod

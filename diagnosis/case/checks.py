@@ -42,6 +42,11 @@ JOINTS = ("calibrated", "rigid")
 def check(described: Description, folder: Path, places: Places) -> tuple[Case, list[tuple[str, str | None]]]:
     """Return the case without its runs, and the runs' files and roles.
 
+    Args:
+        described: The tables of `case.toml`.
+        folder: Folder of the case, from which files are found.
+        places: Where things stand in `case.toml`, for messages.
+
     Raises:
         CaseError: Two keys contradict each other, or a value is outside its meaning.
     """

@@ -131,7 +131,13 @@ def _oddity(path: Path, channel: Channel, values: np.ndarray) -> str:
 
 
 def write_run(path: Path, run: Run, channels: Sequence[Channel]) -> None:
-    """Write one run in the channels' own units, dropouts as empty cells; the whole file or nothing."""
+    """Write one run in the channels' own units, dropouts as empty cells; the whole file or nothing.
+
+    Args:
+        path: The CSV file.
+        run: The run, in SI.
+        channels: Channels in the order of the run's columns.
+    """
     values = run.values / np.array([channel.to_si for channel in channels])
     row = ",".join(["%.7g"] * len(channels))
     part = path.with_name(path.name + ".part")

@@ -50,6 +50,11 @@ def check_modal(
 ) -> tuple[ModalDatum, ...]:
     """Return modal data in SI.
 
+    Args:
+        tables: The `[[modal]]` tables.
+        known: Frames of the case.
+        places: Where things stand in `case.toml`, for messages.
+
     Raises:
         CaseError: A frame, quantity, unit or mode that is not there, or a value without a positive uncertainty.
     """
@@ -83,6 +88,12 @@ def check_peaks(
     tables: Sequence[PeakTable], known: tuple[CaseFrame, ...], runs: Sequence[str], places: Places
 ) -> tuple[Peak, ...]:
     """Return peaks in SI.
+
+    Args:
+        tables: The `[[peak]]` tables.
+        known: Frames of the case.
+        runs: Files of the runs.
+        places: Where things stand in `case.toml`, for messages.
 
     Raises:
         CaseError: A run, frame, floor, side or unit that is not there, or a value without a positive uncertainty.

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pounding.diagnosis.hidden.stepping import Law
+
 
 @dataclass(frozen=True)
 class Touch:
@@ -37,7 +39,7 @@ STIFFNESS = {
 DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
 
 
-class Contact:
+class Contact(Law):
     """The force between two floors of given reduced mass; positive is compression."""
 
     def __init__(self, touch: Touch, reduced_mass: float) -> None:

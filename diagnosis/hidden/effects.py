@@ -48,7 +48,11 @@ class Setting:
         return self.scenario.frames[self.frame]
 
     def at(self, values: np.ndarray) -> float:
-        """Return a storey's or floor's value."""
+        """Return a storey's or floor's value.
+
+        Args:
+            values: A value for each storey or floor of the frame, shape (storeys,).
+        """
         return float(values[(self.storey or self.floor) - 1])
 
     def with_beams(self, **fields: Any) -> Scenario:
@@ -78,7 +82,8 @@ class Effect:
 
     Attributes:
         place: ``storey``, ``floor``, ``frame``, ``table``, ``channel`` or ``contact``.
-        put: Puts it into a scenario with a signed relative size; returns the true parameters too.
+        put: Puts it into a scenario and returns the true parameters too. Its arguments are the `setting` to
+            change, the signed relative `size` [-], and `rng`, which draws what the size leaves open.
         largest: Largest size that still makes sense, upwards.
         smallest: The same downwards; 0 where a negative size has no meaning.
     """

@@ -45,7 +45,13 @@ def _ratios(rng: np.random.Generator, baseline: float, storeys: int) -> np.ndarr
 
 
 def set_up(rng: np.random.Generator, frames: dict[str, Beams], channels: tuple[Channel, ...]) -> Scenario:
-    """Return the rig with the small faults that every table and sensor has."""
+    """Return the rig with the small faults that every table and sensor has.
+
+    Args:
+        rng: Draws the faults.
+        frames: Frames by name.
+        channels: Channels of the case.
+    """
     responses = [channel for channel in channels if not channel.is_table]
     return Scenario(
         frames,

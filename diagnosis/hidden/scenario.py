@@ -168,7 +168,13 @@ def shifted(values: np.ndarray, samples: float) -> np.ndarray:
 
 
 def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ...]) -> np.ndarray:
-    """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels)."""
+    """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels).
+
+    Args:
+        scenario: What was simulated, with the sensors' faults.
+        happened: How everything moved.
+        channels: Channels of the case.
+    """
     return np.column_stack([_seen(scenario, happened, channel) for channel in channels])
 
 

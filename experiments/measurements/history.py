@@ -151,6 +151,11 @@ def aligned(channels: list[Channel], times_s: Real, table_m_s2: Real) -> tuple[l
 def misfit(channel: Channel, times_s: Real, values: Real) -> dict[str, Any]:
     """Return how a computed history compares with a measured one where both are known.
 
+    Args:
+        channel: The measured history.
+        times_s: Times of the run (m,) [s].
+        values: Its history of the same quantity (m,) in SI [m, m/s, m/s^2 or N].
+
     Returns:
         ``channel``, ``quantity``, ``frame``, ``floor``, the largest magnitudes ``measured_peak`` and
         ``computed_peak`` (SI) and ``rms_error_ratio``: rms of the difference over rms of the measured.

@@ -115,7 +115,13 @@ def bounds_mm(left: tuple[float, float], right: tuple[float, float]) -> tuple[fl
 def check_gaps(
     peaks: Peaks, gaps: Mapping[Pair, float], tolerance_mm: float = GAP_TOLERANCE_MM
 ) -> list[Contradiction]:
-    """Return the gaps that the peaks make impossible; pairs without peaks are left out."""
+    """Return the gaps that the peaks make impossible; pairs without peaks are left out.
+
+    Args:
+        peaks: Printed peaks [mm].
+        gaps: Printed gap of each pair [mm].
+        tolerance_mm: What a gap may be off before it counts [mm].
+    """
     found = []
     for pair, gap in gaps.items():
         sides = _sides(peaks, pair)
@@ -134,7 +140,14 @@ def check_gaps(
 def check_rule(
     peaks: Peaks, printed: Mapping[Pair, float], rule: str, tolerance_mm: float = RULE_TOLERANCE_MM
 ) -> list[Contradiction]:
-    """Return the printed sums (`abs`) or roots of squares (`srss`) that do not follow from the peaks."""
+    """Return the printed sums (`abs`) or roots of squares (`srss`) that do not follow from the peaks.
+
+    Args:
+        peaks: Printed peaks [mm].
+        printed: Printed value of the rule for each pair [mm].
+        rule: `abs` or `srss`.
+        tolerance_mm: What a value may be off before it counts [mm].
+    """
     rules: dict[str, Callable[[float, float], float]] = {"abs": operator.add, "srss": math.hypot}
     combine = rules[rule]
     found = []

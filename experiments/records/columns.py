@@ -26,6 +26,11 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
     `time (s), acc (gal)`. Without a header, or without a unit in it, `unit` has to say it. Commas,
     semicolons, tabs and blanks separate; lines that begin with `#` are left out. Time may start anywhere.
 
+    Args:
+        path: The file, for messages and the record's name.
+        text: Its text.
+        unit: Unit of acceleration, if the header does not say it.
+
     Raises:
         ExperimentError: A line that is not two numbers, no or an unknown unit, or time that is not uniform.
     """
@@ -51,6 +56,11 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
 
 def uniform_step(time_s: np.ndarray, where: str, lines: list[int] | None = None) -> float:
     """Return the step of a uniform time column [s].
+
+    Args:
+        time_s: Times (m,) [s].
+        where: File for the message.
+        lines: Line of each sample in the file, for the message.
 
     Raises:
         ExperimentError: Fewer than two samples, time that stands still or runs back, or uneven steps; the

@@ -82,6 +82,11 @@ def required_gap(
     )
 
 
+def is_left_lower(left: ReducedFrame, right: ReducedFrame) -> bool:
+    """Return whether the left frame is the lower one, whose floors a contact is named by."""
+    return bool(left.heights_m[-1] < right.heights_m[-1])
+
+
 def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[int, int]:
     """Return the numbers of the floors that would meet, of the left and the right frame.
 
@@ -93,7 +98,7 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
     Raises:
         ExperimentError: A floor that the lower frame does not have, or one that faces no floor of the other.
     """
-    lower_is_left = left.heights_m[-1] < right.heights_m[-1]
+    lower_is_left = is_left_lower(left, right)
     lower, other = (left, right) if lower_is_left else (right, left)
     wanted = lower.storeys if floor is None else floor
     if not 1 <= wanted <= lower.storeys:
@@ -139,6 +144,12 @@ def floor_motions(
 
     `pounding.frames.response.exact.forced` without the velocities, and without the modes whose static part is below a
     millionth of the largest.
+
+    Args:
+        frame: Poles of the frame.
+        coordinates: Indices of the coordinates (k,).
+        history: Acceleration of the table (m,) [m/s^2].
+        step_s: Sample step [s].
     """
     weights = frame.load[:, None] * select(frame.output, coordinates)
     static = np.abs(weights / frame.rates[:, None]).max(axis=1)
@@ -170,14 +181,23 @@ def pair_gap(
 
 
 def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> list[tuple[int, RequiredGap]]:
-    """Return the required gap at every shared floor, each with the floor's number in the lower frame."""
+    """Return the required gap at every shared floor, each with the floor's number in the lower frame.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        record: Table motion at the frames' scale.
+
+    Raises:
+        ExperimentError: No floors of the two are level.
+    """
     pairs = level_floors(left.heights_m, right.heights_m)
     if not pairs:
         raise ExperimentError(f"frames {left.name} and {right.name} have no floor at a shared height")
     step = record.step_s / fine_step(record.step_s)
     moved_left = motions(left, record, [pair[0] for pair in pairs])
     moved_right = motions(right, record, [pair[1] for pair in pairs])
-    of_lower = 0 if left.heights_m[-1] < right.heights_m[-1] else 1
+    of_lower = 0 if is_left_lower(left, right) else 1
     return [
         (pair[of_lower], required_gap(moved_left[:, index], moved_right[:, index], step))
         for index, pair in enumerate(pairs)

@@ -40,6 +40,11 @@ def study(
 
     `processor_s` is that of all processes, starting them and reading impacts and energies included;
     `integration_s` is the engine's share of it.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        kept: Folder for finished cases.
+        workers: Processes; one a core when None.
     """
     tests = chapter_5() + chapter_6()
     cases = [case(test, test.gap_mm, law) for test in tests for law in LAWS]

@@ -124,7 +124,13 @@ def spread(first_peak: pd.DataFrame, peak: pd.DataFrame) -> pd.DataFrame:
 
 
 def pictures(tables: dict[str, pd.DataFrame], out: Path, records: Path | None = None) -> None:
-    """Write the map of the peak force, and histories and loops of one case, into a folder."""
+    """Write the map of the peak force, and histories and loops of one case, into a folder.
+
+    Args:
+        tables: The study's tables by name.
+        out: Folder for the pictures.
+        records: Folder with ground motions; None for the default.
+    """
     for name in ("laboratory_gap", "same_fraction"):
         column = tables[f"peak_force_{name}"][REFERENCE]
         rows = {

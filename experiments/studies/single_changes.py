@@ -161,7 +161,13 @@ def with_rocking(body: Storeys, flexibility: float) -> Storeys:
 
 
 def linear_histories(body: Storeys, basis: Modes, record: Record) -> Real:
-    """Return the exact displacement of all floors (m, n) [m] relative to the table."""
+    """Return the exact displacement of all floors (m, n) [m] relative to the table.
+
+    Args:
+        body: The storeys.
+        basis: Their modes.
+        record: Table motion at the frame's scale.
+    """
     influence = np.ones(len(body.mass), dtype=np.float64)
     poles = modal_poles(basis.omega, basis.ratio, basis.shapes, body.mass, influence)
     return np.asarray(forced(poles, record.acceleration_m_s2, record.step_s)[0], dtype=np.float64)

@@ -104,6 +104,11 @@ def joint_springs(frame: PlateFrame, mesh: Mesh, calibration: str | None = None)
 
     A column that runs through the floors has one joint at each floor, counted at the upper end of the storey
     below, and one at the base.
+
+    Args:
+        frame: The frame.
+        mesh: Its mesh.
+        calibration: Name of the joints' calibration; the frame's default when None.
     """
     at_top, lowest = mesh.ends[:, 2] == 1, mesh.ends[:, 1] == 1
     counted = at_top | lowest | (not frame.columns.continuous)

@@ -38,7 +38,13 @@ class Recovery:
 
     @classmethod
     def of(cls, frame: PlateFrame, options: dict[str, Any], basis: Real) -> Recovery:
-        """Return the recovery of a frame that was built with these options and reduced to this basis."""
+        """Return the recovery of a frame that was built with these options and reduced to this basis.
+
+        Args:
+            frame: The frame.
+            options: The options of its build.
+            basis: Model coordinates for unit reduced ones (m, n).
+        """
         mesh = build_mesh(frame, Density(**options["density"]))
         flexible = options["joints"] == "calibrated"
         coordinates = kinematics(frame, mesh, flexible_joints=flexible, rigid_floors=options["rigid_floors"])

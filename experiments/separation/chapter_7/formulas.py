@@ -127,6 +127,11 @@ def held_out(cases: pd.DataFrame, formula: Formula, by: str) -> Real:
     """Return the predicted gap of each case by a formula that has learnt from the other values of a column.
 
     NaN where nothing is left to learn from.
+
+    Args:
+        cases: The cases, a row each.
+        formula: Predicts the gaps of cases from others that it may learn from.
+        by: Column of the cases.
     """
     found = pd.Series(np.nan, index=cases.index)
     for value in cases[by].unique():

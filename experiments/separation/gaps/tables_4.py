@@ -141,7 +141,13 @@ def rules_from_computed(
     pga_g: Mapping[str, float],
     gaps: Mapping[tuple[str, str, int, str], RequiredGap],
 ) -> pd.DataFrame:
-    """Return each rule's gap from the computed peaks over the computed equation 4.1, as above."""
+    """Return each rule's gap from the computed peaks over the computed equation 4.1, as above.
+
+    Args:
+        frames: Frames by name.
+        pga_g: Peak of each record [g].
+        gaps: Required gap by left and right frame, floor and record.
+    """
     rows = {}
     for (left, right, floor, record), gap in gaps.items():
         pair = Pair(left, right, floor, record)

@@ -122,7 +122,13 @@ def design(site: Site) -> dict[str, Any]:
 
 
 def thesis_equations(site: Site, tall: Building, short: Building) -> list[Answer]:
-    """Return the answers of equations 7.16, 7.17, 7.18 (both readings) with 7.14, and 7.20, at full scale."""
+    """Return the answers of equations 7.16, 7.17, 7.18 (both readings) with 7.14, and 7.20, at full scale.
+
+    Args:
+        site: The site: peak acceleration and damping.
+        tall: The taller building.
+        short: The lower one.
+    """
     values = {
         "HT": MM * tall.height_m,
         "HS": MM * short.height_m,
