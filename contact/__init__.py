@@ -8,6 +8,7 @@ behind those, `stereo` the impact that takes no time, `collision` two free bodie
 from pounding.contact.collision import Collision, collide
 from pounding.contact.errors import ContactError
 from pounding.contact.laws import (
+    BUILT_IN,
     Hertz,
     HertzDamp,
     Law,
@@ -20,6 +21,7 @@ from pounding.contact.laws import (
 from pounding.contact.parameters import make_law, thesis_law, viscoelastic_of
 
 __all__ = [
+    "BUILT_IN",
     "Collision",
     "ContactError",
     "Hertz",

@@ -151,7 +151,10 @@ def _time_scale(law: Law, mass: float, approach: float) -> float:
 def contact_time_linear(stiffness: float, mass: float, damping_ratio: float = 0.0) -> float:
     """Contact time [s] of the linear laws with tension let through: half a damped period.
 
-    stiffness [N/m], mass the reduced mass [kg].
+    Args:
+        stiffness: Stiffness of the contact [N/m].
+        mass: Reduced mass [kg].
+        damping_ratio: Damping ratio of the contact [-].
     """
     return float(np.pi / (np.sqrt(stiffness / mass) * np.sqrt(1.0 - damping_ratio**2)))
 
@@ -159,7 +162,10 @@ def contact_time_linear(stiffness: float, mass: float, damping_ratio: float = 0.
 def contact_time_hertz(stiffness: float, mass: float, approach: float) -> float:
     """Contact time [s] of Hertz' law without damping, 2.9433 x_max / v (Goldsmith 2001, section 4.2).
 
-    stiffness [N/m^1.5], mass the reduced mass [kg], approach [m/s].
+    Args:
+        stiffness: Stiffness of the contact [N/m^1.5].
+        mass: Reduced mass [kg].
+        approach: Velocity at first touch [m/s].
     """
     deepest = (1.25 * mass * approach**2 / stiffness) ** 0.4
     return float(2.943275 * deepest / approach)

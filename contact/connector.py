@@ -36,7 +36,13 @@ class SymbolicOperations:
 
     @staticmethod
     def where(condition: Any, yes: Any, no: Any) -> Any:
-        """Record a choice."""
+        """Record a choice.
+
+        Args:
+            condition: What is asked.
+            yes: The value where it holds.
+            no: The value elsewhere.
+        """
         return symbolic.IfThenElse(condition, _recorded(yes), _recorded(no))
 
     @staticmethod
@@ -69,7 +75,8 @@ def force_function(law: Law) -> Force:
         if apart is not None and rate > 0.0:
             approach = _at_touch(apart, deformation, rate)
             apart = None
-        return law.force(deformation, rate, approach, FloatOperations)
+        value: float = law.force(deformation, rate, approach, FloatOperations)
+        return value
 
     return force
 

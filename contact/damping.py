@@ -39,7 +39,13 @@ def linear_damping_ratio(restitution: float) -> float:
 
 
 def linear_damping(stiffness: float, damping_ratio: float, mass: float) -> float:
-    """Dashpot C [N s/m] for a stiffness [N/m], a damping ratio and the reduced mass [kg] (thesis eq. 2.6)."""
+    """Dashpot C [N s/m] for a stiffness [N/m], a damping ratio and the reduced mass [kg] (thesis eq. 2.6).
+
+    Args:
+        stiffness: Stiffness of the contact [N/m].
+        damping_ratio: Damping ratio of the contact [-].
+        mass: Reduced mass [kg].
+    """
     return 2.0 * damping_ratio * math.sqrt(stiffness * mass)
 
 

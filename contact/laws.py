@@ -40,7 +40,13 @@ class FloatOperations:
 
     @staticmethod
     def where(condition: bool, yes: float, no: float) -> float:
-        """Return `yes` or `no`."""
+        """Return `yes` or `no`.
+
+        Args:
+            condition: What is asked.
+            yes: The value where it holds.
+            no: The value elsewhere.
+        """
         return yes if condition else no
 
     @staticmethod
@@ -64,6 +70,7 @@ class Law:
     name: ClassVar[str] = ""
     unit: ClassVar[str] = "N/m"
     latches: ClassVar[bool] = False  # does the formula need the velocity at first touch?
+    damped: ClassVar[bool] = True  # does an impact lose energy?
 
     stiffness: float
     tension: bool = False
@@ -85,13 +92,25 @@ class Law:
             )
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
-        """Formula of the law while the bodies touch [N]; `approach` is the rate at first touch [m/s]."""
+        """Formula of the law while the bodies touch [N]; `approach` is the rate at first touch [m/s].
+
+        Args:
+            deformation: How far the bodies overlap [m], above 0; a number or an array.
+            rate: Its time derivative [m/s].
+            approach: Velocity at first touch [m/s].
+            xp: Where ``where``, ``power``, ``sqrt`` and ``maximum`` come from: numpy, or operations on floats
+                or symbols.
+        """
         raise NotImplementedError
 
     def force(self, deformation: Any, rate: Any, approach: Any = 0.0, xp: Any = np) -> Any:
         """Contact force, positive in compression [N].
 
-        deformation [m], rate [m/s] and approach [m/s] are numbers or arrays that broadcast.
+        Args:
+            deformation: How far the bodies overlap [m], negative while they are apart; a number or an array.
+            rate: Its time derivative [m/s], broadcast against the deformation.
+            approach: Velocity at first touch [m/s], broadcast too.
+            xp: As in `compression`.
         """
         pressed = self.compression(xp.maximum(deformation, 0.0), rate, approach, xp)
         if not self.tension:
@@ -112,6 +131,7 @@ class LinearSpring(Law):
     """Hooke's law; no loss (thesis eq. 2.4). stiffness [N/m]."""
 
     name: ClassVar[str] = "linear_spring"
+    damped: ClassVar[bool] = False
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
         """Spring [N], eq. 2.4."""
@@ -144,6 +164,7 @@ class Hertz(Law):
 
     name: ClassVar[str] = "hertz"
     unit: ClassVar[str] = "N/m^1.5"
+    damped: ClassVar[bool] = False
 
     def compression(self, deformation: Any, rate: Any, approach: Any, xp: Any) -> Any:
         """Spring [N], eq. 2.9."""
@@ -207,6 +228,10 @@ class HertzDamp(Law):
         ratio = hertz_damp_ratio(self.restitution, self.formula)
         relative = rate / xp.maximum(approach, self.slowest_approach)
         return self.stiffness * xp.power(deformation, 1.5) * (1.0 + ratio * relative)
+
+
+BUILT_IN = tuple(LAWS)
+"""Names of the package's five laws, in the order of the thesis."""
 
 
 def names() -> list[str]:

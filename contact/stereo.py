@@ -13,7 +13,15 @@ from pounding.contact.damping import check_restitution
 def after_impact(
     mass_left: float, mass_right: float, velocity_left: float, velocity_right: float, restitution: float
 ) -> tuple[float, float]:
-    """Velocities [m/s] after the impact of two masses [kg] (thesis eq. 2.1 and 2.2, corrected)."""
+    """Velocities [m/s] after the impact of two masses [kg] (thesis eq. 2.1 and 2.2, corrected).
+
+    Args:
+        mass_left: Mass of the left body [kg].
+        mass_right: Mass of the right body [kg].
+        velocity_left: Velocity of the left body before the impact [m/s].
+        velocity_right: Velocity of the right body before the impact [m/s].
+        restitution: Coefficient of restitution [-].
+    """
     if restitution:  # 0, the entirely plastic impact, is well defined here
         check_restitution(restitution)
     change = (1.0 + restitution) * (velocity_left - velocity_right) / (mass_left + mass_right)
@@ -23,11 +31,26 @@ def after_impact(
 def after_impact_as_printed(
     mass_left: float, mass_right: float, velocity_left: float, velocity_right: float, restitution: float
 ) -> tuple[float, float]:
-    """Thesis eq. 2.1 and 2.2 letter by letter (the denominator read as m_i + m_j): momentum is *not* kept."""
+    """Thesis eq. 2.1 and 2.2 letter by letter (the denominator read as m_i + m_j): momentum is *not* kept.
+
+    Args:
+        mass_left: Mass of the left body [kg].
+        mass_right: Mass of the right body [kg].
+        velocity_left: Velocity of the left body before the impact [m/s].
+        velocity_right: Velocity of the right body before the impact [m/s].
+        restitution: Coefficient of restitution [-].
+    """
     change = (1.0 + restitution) * (velocity_left - velocity_right) / (mass_left + mass_right)
     return velocity_right - change * mass_right, velocity_right - change * mass_left
 
 
 def restitution_of(before_left: float, before_right: float, after_left: float, after_right: float) -> float:
-    """Separation velocity over approach velocity (thesis eq. 2.3, 2.8)."""
+    """Separation velocity over approach velocity (thesis eq. 2.3, 2.8).
+
+    Args:
+        before_left: Velocity of the left body before the impact [m/s].
+        before_right: Velocity of the right body before the impact [m/s].
+        after_left: Velocity of the left body after the impact [m/s].
+        after_right: Velocity of the right body after the impact [m/s].
+    """
     return (after_right - after_left) / (before_left - before_right)

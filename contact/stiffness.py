@@ -13,12 +13,24 @@ JANKOWSKI_STEEL_HERTZ = 6.6e10  # steel on steel, nonlinear viscoelastic, thesis
 
 
 def axial(modulus: float, area: float, length: float) -> float:
-    """E A / L [N/m] of the colliding slab (thesis eq. 2.21, Maison and Kasai; 2.22, Cole et al.)."""
+    """E A / L [N/m] of the colliding slab (thesis eq. 2.21, Maison and Kasai; 2.22, Cole et al.).
+
+    Args:
+        modulus: Young's modulus [Pa].
+        area: Cross-section [m^2].
+        length: Length along the impact [m].
+    """
     return _positive(modulus * area / length)
 
 
 def beams_and_slab(modulus: float, beam: tuple[float, float], slab: tuple[float, float]) -> float:
-    """E A_b / L_b + E A_s / L_s [N/m] (thesis eq. 2.19, Wada et al.; 2.23); area [m2] and length [m] each."""
+    """E A_b / L_b + E A_s / L_s [N/m] (thesis eq. 2.19, Wada et al.; 2.23); area [m2] and length [m] each.
+
+    Args:
+        modulus: Young's modulus [Pa].
+        beam: Area [m^2] and length [m] of the beams.
+        slab: Area [m^2] and length [m] of the slab.
+    """
     return axial(modulus, *beam) + axial(modulus, *slab)
 
 
@@ -35,7 +47,14 @@ def naserkhaki(building_stiffness: float, factor: float = 100.0) -> float:
 
 
 def xu(axial_stiffness: float, mass_left: float, mass_right: float, restitution: float) -> float:
-    """Xu et al. (thesis eq. 2.25, denominator read as m_i + m_j) [N/m]; the right mass [kg] is m_j."""
+    """Xu et al. (thesis eq. 2.25, denominator read as m_i + m_j) [N/m]; the right mass [kg] is m_j.
+
+    Args:
+        axial_stiffness: See `axial` [N/m].
+        mass_left: Mass m_i [kg].
+        mass_right: Mass m_j [kg].
+        restitution: Coefficient of restitution [-].
+    """
     logarithm = math.log(check_restitution(restitution))
     angle = math.asin(math.pi / math.hypot(math.pi, logarithm))
     share = mass_right / (mass_left + mass_right)
@@ -55,7 +74,10 @@ def material_parameter(modulus: float, poisson: float) -> float:
 def hertz_sphere_on_plane(radius: float, first: tuple[float, float], second: tuple[float, float]) -> float:
     """k_h [N/m^1.5] of a sphere of `radius` [m] on a plane (thesis eq. 2.10).
 
-    first and second are (modulus [Pa], Poisson's ratio) of the two materials.
+    Args:
+        radius: Radius of the sphere [m].
+        first: Young's modulus [Pa] and Poisson's ratio [-] of the one material.
+        second: The same of the other.
     """
     compliance = material_parameter(*first) + material_parameter(*second)
     return _positive(4.0 * math.sqrt(radius) / (3.0 * math.pi) / compliance)

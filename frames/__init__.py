@@ -1,6 +1,8 @@
 """Frames: from geometry as data, by shell finite elements, to a small exact model for the dynamics.
 
-``frames.build(frames.load("10"))`` is the 10-storey frame of the thesis.
+``frames.build(frames.load("10"))`` is the 10-storey frame of the thesis. `definition` says what a frame is, `fe` makes
+its finite elements, `reduction` condenses them to a `ReducedFrame`, `response` computes how that moves, and `drawing`
+shows it.
 """
 
 from pounding.frames.building import build

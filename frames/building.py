@@ -116,7 +116,7 @@ def _reduced(
     return ReducedFrame(
         name=frame.name,
         storeys=storeys,
-        heights_m=frame.storey_height_m * np.arange(1.0, storeys + 1.0),
+        heights_m=np.array(frame.floor_heights_m),
         plan_m=(frame.plate.length_m, frame.plate.width_m),
         definition=frame,
         options=settings | {"damping_ratio": ratio},

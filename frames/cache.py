@@ -73,7 +73,13 @@ def load(frame: PlateFrame, settings: Mapping[str, Any]) -> Arrays | None:
 
 
 def save(frame: PlateFrame, settings: Mapping[str, Any], arrays: Arrays) -> None:
-    """Keep arrays for later runs; warn when the folder cannot be written."""
+    """Keep arrays for later runs; warn when the folder cannot be written.
+
+    Args:
+        frame: The frame.
+        settings: Options of the build.
+        arrays: What is kept, by name.
+    """
     target = folder()
     temporary = None
     try:

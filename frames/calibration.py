@@ -56,7 +56,13 @@ def joint_stiffness(frame: PlateFrame, first_hz: float, **options: Any) -> float
 
 
 def with_joint_stiffness(frame: PlateFrame, stiffness_n_m_per_rad: float, name: str = "stated") -> PlateFrame:
-    """Return a frame with one joint stiffness, under the name of a calibration."""
+    """Return a frame with one joint stiffness, under the name of a calibration.
+
+    Args:
+        frame: The frame; it is not changed.
+        stiffness_n_m_per_rad: Stiffness of one joint [N m/rad].
+        name: Name of the calibration.
+    """
     return changed(frame, joints=Joints(default=name, stiffness_n_m_per_rad={name: stiffness_n_m_per_rad}))
 
 

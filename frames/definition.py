@@ -7,15 +7,14 @@ changed frame with ``changed(frame, added_mass_kg=[...])``.
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import Any
 
 import msgspec
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.frames import checks
 from pounding.frames.errors import FrameError
-
-GRAVITY = 9.80665
-"""Standard gravity [m/s^2]."""
 
 
 class Data(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -149,6 +148,11 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         return [(-x, -y), (x, -y), (-x, y), (x, y)]
 
     @property
+    def floor_heights_m(self) -> list[float]:
+        """Height of each floor above the base [m]."""
+        return [self.storey_height_m * number for number in range(1, self.storeys + 1)]
+
+    @property
     def floor_plate_mass_kg(self) -> float:
         """Mass of one floor plate [kg]."""
         plate = self.plate
@@ -178,7 +182,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         floors = [self.floor_plate_mass_kg + spread + added for added in self.added_by_floor_kg]
         column = self.storey_columns_mass_kg
         above = [sum(floors[i:]) + column * (self.storeys - i - 0.5) for i in range(self.storeys)]
-        return [GRAVITY * self.weight_factor * mass for mass in above]
+        return [STANDARD_GRAVITY * self.weight_factor * mass for mass in above]
 
     def joint_stiffness(self, calibration: str | None = None) -> float:
         """Return the stiffness of one joint [N m/rad].
@@ -236,6 +240,11 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         """Height of each storey [m]."""
         height = self.storey_height_m
         return list(height) if isinstance(height, list) else [height] * self.storeys
+
+    @property
+    def floor_heights_m(self) -> list[float]:
+        """Height of each floor above the base [m]."""
+        return list(accumulate(self.storey_heights_m))
 
     @property
     def damping_ratios(self) -> list[float]:

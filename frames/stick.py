@@ -36,7 +36,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     return ReducedFrame(
         name=frame.name,
         storeys=frame.storeys,
-        heights_m=np.cumsum(frame.storey_heights_m),
+        heights_m=np.array(frame.floor_heights_m),
         plan_m=frame.plan_m,
         definition=frame,
         options={"damping_ratio": float(ratios[0])},
@@ -83,7 +83,7 @@ def storey_stiffnesses(frame: StickFrame) -> Real:
         frequencies, shapes = dense_modes(chain(np.exp(logarithm)), mass)
         miss = np.log(wanted / frequencies[: len(wanted)])
         if np.abs(miss).max() < MATCHED:
-            return np.exp(logarithm)
+            return np.asarray(np.exp(logarithm))
         slope = _sensitivity(np.exp(logarithm), frequencies, shapes)[: len(wanted)]
         # The least distance from equal storeys that meets the linearised frequencies.
         target = np.linalg.lstsq(slope, miss + slope @ (logarithm - start), rcond=None)[0]

@@ -13,6 +13,7 @@ import msgspec
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact
 from pounding.diagnosis.case.number_tables import check_modal, check_peaks
+from pounding.diagnosis.case.place import in_words
 from pounding.diagnosis.case.quantities import (
     ABSOLUTE,
     LAWS,
@@ -23,7 +24,9 @@ from pounding.diagnosis.case.quantities import (
 )
 from pounding.diagnosis.errors import CaseError
 from pounding.frames.errors import FrameError
+from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
+from pounding.units import named
 
 if TYPE_CHECKING:
     from pounding.diagnosis.case.places import Places
@@ -34,14 +37,15 @@ ROLES = ("training", "held_out")
 OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
 """Keys of a frame that is given by its masses and modes."""
 JOINTS = ("calibrated", "rigid")
-UNIT_SPELLINGS = {
-    "m/s2": "m/s^2", "m/s**2": "m/s^2", "m/s²": "m/s^2", "ms-2": "m/s^2", "m s-2": "m/s^2", "m/ss": "m/s^2",
-    "cm/s2": "cm/s^2", "gal": "cm/s^2", "millimetre": "mm", "metre": "m", "meter": "m", "newton": "N",
-}  # fmt: skip
 
 
 def check(described: Description, folder: Path, places: Places) -> tuple[Case, list[tuple[str, str | None]]]:
     """Return the case without its runs, and the runs' files and roles.
+
+    Args:
+        described: The tables of `case.toml`.
+        folder: Folder of the case, from which files are found.
+        places: Where things stand in `case.toml`, for messages.
 
     Raises:
         CaseError: Two keys contradict each other, or a value is outside its meaning.
@@ -159,8 +163,7 @@ def _channel(
         raise error(f"unknown quantity {table.quantity!r}{suggest(table.quantity, list(UNITS))}", "quantity")
     units = UNITS[table.quantity]
     if table.unit not in units:
-        written = table.unit.strip().lower()
-        meant = UNIT_SPELLINGS.get(written) or next((unit for unit in units if unit.lower() == written), "")
+        meant = named(table.unit)
         end = f"; did you mean {meant!r}?" if meant in units else f"; use one of {', '.join(units)}"
         raise error(f"unit {table.unit!r} is none of {table.quantity}'s{end}", "unit")
     if table.quantity in OF_THE_TABLE:
@@ -206,6 +209,7 @@ def _contact(table: ContactTable, index: int, known: tuple[CaseFrame, ...], plac
     highest = min(by_name[table.left].storeys, by_name[table.right].storeys)
     if not 1 <= table.floor <= highest:
         raise error(f"floor {table.floor} is not on both frames; give one from 1 to {highest}", "floor")
+    _check_level(table.floor, by_name[table.left], by_name[table.right], error)
     if table.law not in LAWS:
         raise error(f"unknown law {table.law!r}{suggest(table.law, list(LAWS))}", "law")
     if not 0 <= table.gap_mm < math.inf:
@@ -225,6 +229,26 @@ def _contact(table: ContactTable, index: int, known: tuple[CaseFrame, ...], plac
         table.left, table.right, table.floor, table.gap_mm * 1e-3, table.law,
         table.stiffness_n_per_m, damping, restitution,
     )  # fmt: skip
+
+
+def _check_level(floor: int, left: CaseFrame, right: CaseFrame, error: Callable[..., CaseError]) -> None:
+    heights = [_floor_heights_m(frame) for frame in (left, right)]
+    level = level_floors(*heights)
+    if (floor, floor) in level:
+        return
+    others = ", ".join(str(one) for one, other in level if one == other)
+    places = [
+        f"{in_words(frame=frame.name, floor=floor)} at {height[floor - 1]:.4g} m"
+        for frame, height in zip((left, right), heights, strict=True)
+    ]
+    end = f"give one of {others}" if others else "no floors of equal number are level on these two"
+    raise error(f"{places[0]} and {places[1]} are not level and cannot touch; {end}", "floor")
+
+
+def _floor_heights_m(frame: CaseFrame) -> list[float]:
+    if frame.storey_height_m is not None:
+        return [frame.storey_height_m * number for number in range(1, frame.storeys + 1)]
+    return load(frame.file or frame.name).floor_heights_m
 
 
 def _check_roles(described: Description, places: Places) -> None:

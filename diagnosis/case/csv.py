@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
 import os
 from collections.abc import Sequence
@@ -12,10 +11,10 @@ import numpy as np
 
 from pounding.diagnosis.case.case import Channel, Run
 from pounding.diagnosis.errors import CaseError
+from pounding.experiments import csv_table
 
 TIME = "time_s"
 MIN_SAMPLES = 16
-DROPOUTS = frozenset({"", "nan"})
 
 
 def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None) -> tuple[Run, list[str]]:
@@ -32,10 +31,12 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     Raises:
         CaseError: The file cannot be read.
     """
-    header, lines, rows = _cells(path)
+    header, cells = _cells(path)
     _check_header(path, header)
-    numbers = _numbers(path, header, lines, rows)
-    step_s = _step(path, lines, numbers[:, 0], [row[0] for row in rows])
+    if len(cells.rows) < MIN_SAMPLES:
+        raise CaseError(f"{path.name} has {len(cells.rows)} samples; a run needs at least {MIN_SAMPLES}")
+    numbers = csv_table.numbers(header, cells, path.name, CaseError, column="channel")
+    step_s = _step(path, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
     columns = [_column(path, header, channel) for channel in channels]
     values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
@@ -52,32 +53,18 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     return Run(path.name, role, time_s, step_s, values), [warning for warning in warnings if warning]
 
 
-def _cells(path: Path) -> tuple[list[str], list[int], list[list[str]]]:
-    """Return the header, the line number of each row and the rows, blank lines left out."""
+def _cells(path: Path) -> tuple[list[str], csv_table.Cells]:
+    """Return the header and the rows below it."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise CaseError(f"{path} is not there; correct `file` of the [[run]] or add the file") from None
     except (UnicodeDecodeError, IsADirectoryError):
         raise CaseError(f"{path} is not a text file; export the run as CSV in UTF-8") from None
-    reader = csv.reader(text.splitlines())
-    header: list[str] = []
-    lines, rows = [], []
-    try:
-        for row in reader:
-            # A row of dropouts keeps its time, so a row without any cell is a blank line.
-            if not any(cell.strip() for cell in row):
-                continue
-            if header:
-                lines.append(reader.line_num)
-                rows.append(row)
-            else:
-                header = [cell.strip() for cell in row]
-    except csv.Error as error:
-        raise CaseError(f"{path.name} line {reader.line_num}: {error}; export the run as plain CSV") from None
-    if not header:
+    cells = csv_table.split(text, path.name, CaseError)
+    if not cells.rows:
         raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
-    return header, lines, rows
+    return cells.rows[0], csv_table.Cells(cells.lines[1:], cells.rows[1:])
 
 
 def _check_header(path: Path, header: list[str]) -> None:
@@ -88,42 +75,6 @@ def _check_header(path: Path, header: list[str]) -> None:
     for index, name in enumerate(header):
         if name in header[:index]:
             raise CaseError(f"{path.name} line 1: column {name!r} stands there twice; rename or remove one")
-
-
-def _numbers(path: Path, header: list[str], lines: list[int], rows: list[list[str]]) -> np.ndarray:
-    """Return all cells as numbers, shape (samples, columns), NaN for a dropout."""
-    if len(rows) < MIN_SAMPLES:
-        raise CaseError(f"{path.name} has {len(rows)} samples; a run needs at least {MIN_SAMPLES}")
-    for line, row in zip(lines, rows, strict=True):
-        if len(row) != len(header):
-            raise CaseError(
-                f"{path.name} line {line}: {len(row)} cells under {len(header)} columns; "
-                "leave the cell of a dropout empty but keep its comma"
-            )
-    try:
-        numbers = np.array([[cell.strip() or "nan" for cell in row] for row in rows], dtype=float)
-    except ValueError:
-        numbers = np.full((len(rows), len(header)), np.inf)
-    if np.isinf(numbers).any():
-        _complain_of_a_cell(path, header, lines, rows)
-    return numbers
-
-
-def _complain_of_a_cell(path: Path, header: list[str], lines: list[int], rows: list[list[str]]) -> None:
-    for line, row in zip(lines, rows, strict=True):
-        for name, cell in zip(header, row, strict=True):
-            word = cell.strip()
-            if word.lower() in DROPOUTS:
-                continue
-            try:
-                finite = bool(np.isfinite(float(word)))
-            except ValueError:
-                finite = False
-            if not finite:
-                raise CaseError(
-                    f"{path.name} line {line}, channel {name!r}: {word!r} is no number; "
-                    "write a number, or leave the cell of a dropout empty"
-                )
 
 
 def _step(path: Path, lines: list[int], time: np.ndarray, words: list[str]) -> float:
@@ -180,7 +131,13 @@ def _oddity(path: Path, channel: Channel, values: np.ndarray) -> str:
 
 
 def write_run(path: Path, run: Run, channels: Sequence[Channel]) -> None:
-    """Write one run in the channels' own units, dropouts as empty cells; the whole file or nothing."""
+    """Write one run in the channels' own units, dropouts as empty cells; the whole file or nothing.
+
+    Args:
+        path: The CSV file.
+        run: The run, in SI.
+        channels: Channels in the order of the run's columns.
+    """
     values = run.values / np.array([channel.to_si for channel in channels])
     row = ",".join(["%.7g"] * len(channels))
     part = path.with_name(path.name + ".part")

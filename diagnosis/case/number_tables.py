@@ -9,22 +9,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
+from pounding.diagnosis.case.quantities import MODAL_UNITS
+from pounding.units import LENGTH
 
 if TYPE_CHECKING:
     from pounding.diagnosis.case.case import CaseFrame
     from pounding.diagnosis.case.places import Places
     from pounding.diagnosis.errors import CaseError
-
-
-MODAL_UNITS: dict[str, dict[str, float]] = {
-    "frequency": {"Hz": 1.0},
-    "roof_stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/mm": 1e6, "kN/m": 1e3},
-    "mass": {"kg": 1.0, "t": 1e3},
-}
-"""What a modal test may have found, and its units with factors to SI."""
-
-
-LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 
 
 SIDES = ("max", "min")
@@ -58,6 +49,11 @@ def check_modal(
     tables: Sequence[ModalTable], known: tuple[CaseFrame, ...], places: Places
 ) -> tuple[ModalDatum, ...]:
     """Return modal data in SI.
+
+    Args:
+        tables: The `[[modal]]` tables.
+        known: Frames of the case.
+        places: Where things stand in `case.toml`, for messages.
 
     Raises:
         CaseError: A frame, quantity, unit or mode that is not there, or a value without a positive uncertainty.
@@ -93,6 +89,12 @@ def check_peaks(
 ) -> tuple[Peak, ...]:
     """Return peaks in SI.
 
+    Args:
+        tables: The `[[peak]]` tables.
+        known: Frames of the case.
+        runs: Files of the runs.
+        places: Where things stand in `case.toml`, for messages.
+
     Raises:
         CaseError: A run, frame, floor, side or unit that is not there, or a value without a positive uncertainty.
     """
@@ -106,7 +108,7 @@ def check_peaks(
             raise error(f"run {table.run!r} is not listed; name the file of a [[run]]", "run")
         if table.side not in SIDES:
             raise error(f"side {table.side!r} is neither 'max' (towards +x) nor 'min'", "side")
-        factor = _factor(table.unit, LENGTHS, error)
+        factor = _factor(table.unit, LENGTH, error)
         frame = _frame(table.frame, known, error)
         if not 1 <= table.floor <= frame.storeys:
             raise error(f"floor {table.floor} is not on {frame.name}, which has {frame.storeys}", "floor")

@@ -18,7 +18,13 @@ class Places:
         self.lines = text.splitlines()
 
     def line(self, table: str, index: int = 0, key: str = "") -> int | None:
-        """Return the line of the `index`-th ``[[table]]``, or of one of its keys, counted from 1."""
+        """Return the line of the `index`-th ``[[table]]``, or of one of its keys, counted from 1.
+
+        Args:
+            table: Name of the table.
+            index: Which of the tables of that name, from 0.
+            key: Key in the table; the table itself when empty.
+        """
         header = re.compile(rf"\s*\[\[?\s*{re.escape(table)}\s*\]\]?")
         starts = [number for number, line in enumerate(self.lines) if header.match(line)]
         if index >= len(starts):
@@ -31,7 +37,14 @@ class Places:
         return starts[index] + 1
 
     def error(self, what: str, table: str = "", index: int = 0, key: str = "") -> CaseError:
-        """Return a `CaseError` that begins with file and line."""
+        """Return a `CaseError` that begins with file and line.
+
+        Args:
+            what: What is wrong and what to do.
+            table: Name of the table; the whole file when empty.
+            index: Which of the tables of that name, from 0.
+            key: Key in the table.
+        """
         line = self.line(table, index, key) if table else None
         where = f"{FILE} line {line}" if line else FILE
         return CaseError(f"{where}: {what}")

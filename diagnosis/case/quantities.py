@@ -2,29 +2,33 @@
 
 from __future__ import annotations
 
-STANDARD_GRAVITY = 9.80665
-"""[m/s^2], exact by convention (CGPM 1901)."""
+from pounding import units
+from pounding.constants import STANDARD_GRAVITY
+from pounding.contact.laws import BUILT_IN, law_class
+from pounding.experiments.measurements.quantities import UNITS
 
-_ACCELERATION = {"m/s^2": 1.0, "g": STANDARD_GRAVITY, "cm/s^2": 0.01}
-_LENGTH = {"m": 1.0, "cm": 0.01, "mm": 0.001}
-_VELOCITY = {"m/s": 1.0, "cm/s": 0.01, "mm/s": 0.001}
-_FORCE = {"N": 1.0, "kN": 1000.0}
-
-UNITS: dict[str, dict[str, float]] = {
-    "table_acceleration": _ACCELERATION,
-    "table_displacement": _LENGTH,
-    "absolute_acceleration": _ACCELERATION,
-    "relative_displacement": _LENGTH,
-    "absolute_displacement": _LENGTH,
-    "relative_velocity": _VELOCITY,
-    "contact_force": _FORCE,
-}
-"""For each quantity the units it may be given in, each with its factor to SI."""
+__all__ = [
+    "ABSOLUTE",
+    "LAWS",
+    "MODAL_UNITS",
+    "OF_A_CONTACT",
+    "OF_THE_TABLE",
+    "STANDARD_GRAVITY",
+    "UNDAMPED_LAWS",
+    "UNITS",
+]
 
 OF_THE_TABLE = frozenset({"table_acceleration", "table_displacement"})
 OF_A_CONTACT = frozenset({"contact_force"})
 ABSOLUTE = frozenset({"absolute_acceleration", "absolute_displacement"})
 """Quantities that mean something at floor 0, the table, too."""
 
-LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
-UNDAMPED_LAWS = frozenset({"linear_spring", "hertz"})
+MODAL_UNITS: dict[str, dict[str, float]] = {
+    "frequency": units.FREQUENCY,
+    "roof_stiffness": units.STIFFNESS,
+    "mass": units.MASS,
+}
+"""What a modal test may have found, and its units with factors to SI."""
+
+LAWS = BUILT_IN
+UNDAMPED_LAWS = frozenset(name for name in LAWS if not law_class(name).damped)

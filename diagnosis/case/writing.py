@@ -12,8 +12,9 @@ import msgspec
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Prior
 from pounding.diagnosis.case.csv import write_run
 from pounding.diagnosis.case.numbers import ModalDatum
-
-FILE = "case.toml"
+from pounding.diagnosis.case.places import FILE
+from pounding.diagnosis.case.quantities import MODAL_UNITS
+from pounding.units import si
 
 
 def write_case(case: Case, folder: Path | str) -> Path:
@@ -70,8 +71,7 @@ def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
 
 
 def _modal_keys(datum: ModalDatum) -> dict[str, Any]:
-    unit = {"frequency": "Hz", "roof_stiffness": "N/m", "mass": "kg"}[datum.quantity]
-    return asdict(datum) | {"unit": unit}
+    return asdict(datum) | {"unit": si(MODAL_UNITS[datum.quantity])}
 
 
 def _channel_keys(channel: Channel) -> dict[str, Any]:

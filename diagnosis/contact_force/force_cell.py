@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding.constants import STD_PER_MAD
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import impacts, pairs
 from pounding.diagnosis.model.model import Model
@@ -129,7 +130,9 @@ def _against_motion(
 
     def middle(values: list[float], least: float) -> tuple[float, float]:
         centre = float(np.median(values))
-        spread = 1.4826 * float(np.median(np.abs(np.array(values) - centre))) * 1.25 / np.sqrt(len(values))
+        spread = (
+            STD_PER_MAD * float(np.median(np.abs(np.array(values) - centre))) * 1.25 / np.sqrt(len(values))
+        )
         return centre, float(np.hypot(spread, least))
 
     gain, gain_std = middle(ratio, GAIN_ERROR)

@@ -14,15 +14,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numba import njit
 
+from pounding.constants import STD_PER_MAD
 from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
+from pounding.contact.laws import BUILT_IN, law_class
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.storeys import Modes
 
-LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
-DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
+LAWS = BUILT_IN
+DAMPED = tuple(name for name in LAWS if law_class(name).damped)
 STEP_S = 2e-5
 """Step of a simulated impact, of second order: a fiftieth of a short one."""
 LEAD_S = 1e-3
@@ -195,7 +197,7 @@ def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]
 def force_noise(force: np.ndarray) -> float:
     """Return the standard deviation of a force channel while nothing touches [N]."""
     middle = np.median(force)
-    return max(1.4826 * float(np.median(np.abs(force - middle))), 1e-6)
+    return max(STD_PER_MAD * float(np.median(np.abs(force - middle))), 1e-6)
 
 
 def bodies(

@@ -17,12 +17,14 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import correlate, fftconvolve, firwin, resample_poly
 
+from pounding.constants import STD_PER_MAD
 from pounding.diagnosis.inference.filtering import Filtered, run_filter, whitened_innovations
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Structure
+from pounding.frames.floors import level_floors
 
 RATE_HZ = 250.0
 """Least sampling rate [Hz] on which the frames of a pair are judged."""
@@ -102,9 +104,14 @@ def _slowed(run: RunData) -> RunData:
 
 
 def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int, int]]:
-    """Return the floors (left, right) at equal number at which two frames could touch."""
-    count = min(structure.frames[left].floors, structure.frames[right].floors)
-    return [(structure.first(left) + i, structure.first(right) + i) for i in range(count)]
+    """Return the floors (left, right) among all at which two frames could touch, from the table up.
+
+    Args:
+        structure: All frames of the case.
+        left, right: Numbers of the two frames, from 0.
+    """
+    level = level_floors(structure.frames[left].height_m, structure.frames[right].height_m)
+    return [(structure.first(left) + i - 1, structure.first(right) + j - 1) for i, j in level]
 
 
 def quick_filter(model: Model, runs: Sequence[int]) -> Filtered:
@@ -197,7 +204,7 @@ def _solved(matched: np.ndarray, own: np.ndarray, step: float, closed: np.ndarra
     open_ = np.zeros(samples, bool)
     force, left = np.zeros(samples), matched.copy()
     size = np.sqrt(own[0])
-    usual = max(1.0, 1.4826 * float(np.median(np.abs(matched))) / size)
+    usual = max(1.0, STD_PER_MAD * float(np.median(np.abs(matched))) / size)
     gram = np.zeros((0, 0))
     active = np.zeros(0, int)
     for _ in range(ROUNDS):

@@ -39,20 +39,19 @@ def second_contact(
         for run, level in zip(full.observed.runs, noise, strict=True)
     ]
     tried = []
-    for number, pair in enumerate(floors):
+    for pair in floors:
         if pair != touching:
             found = pairs.pushes(full, filtered, pair, closed)
             if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
-                tried.append((sum(one.nats for one in found), number + 1))
+                tried.append((sum(one.nats for one in found), pair))
     if not tried or max(tried)[0] < SECOND_NATS:
         return full, None
-    nats, floor = max(tried)
-    pair = floors[floor - 1]
+    nats, pair = max(tried)
     if not _of_a_contact(full, filtered, pair, closed):
         return full, None
     # Now with its pushes during impacts of the stated contact too.
     both = with_pushes(full, filtered, pair)
-    return both, (floor, nats, len(both.observed.contact_floors) - 1)
+    return both, (full.structure.place(pair[0])[1], nats, len(both.observed.contact_floors) - 1)
 
 
 def with_pushes(full: Model, filtered: Filtered, floors: tuple[int, int]) -> Model:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from pounding.diagnosis.hidden.stepping import Law
+
 
 @dataclass(frozen=True)
 class Touch:
@@ -37,7 +39,7 @@ STIFFNESS = {
 DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
 
 
-class Contact:
+class Contact(Law):
     """The force between two floors of given reduced mass; positive is compression."""
 
     def __init__(self, touch: Touch, reduced_mass: float) -> None:
@@ -56,7 +58,7 @@ class Contact:
             if damper is None:
                 damper = 2 * self.ratio * math.sqrt(touch.stiffness * self.reduced_mass)
             return max(touch.stiffness * depth + damper * rate, 0.0)
-        elastic = touch.stiffness * depth**1.5
+        elastic: float = touch.stiffness * depth**1.5
         if touch.law == "hertz":
             return elastic
         if touch.law == "hertz_damp":

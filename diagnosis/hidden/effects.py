@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.hidden import laws
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contacts import Touch
 from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
 from pounding.diagnosis.hidden.reference import Typical
-from pounding.diagnosis.hidden.scenario import GRAVITY, Scenario, Spring
+from pounding.diagnosis.hidden.scenario import Scenario, Spring
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,11 @@ class Setting:
         return self.scenario.frames[self.frame]
 
     def at(self, values: np.ndarray) -> float:
-        """Return a storey's or floor's value."""
+        """Return a storey's or floor's value.
+
+        Args:
+            values: A value for each storey or floor of the frame, shape (storeys,).
+        """
         return float(values[(self.storey or self.floor) - 1])
 
     def with_beams(self, **fields: Any) -> Scenario:
@@ -77,7 +82,8 @@ class Effect:
 
     Attributes:
         place: ``storey``, ``floor``, ``frame``, ``table``, ``channel`` or ``contact``.
-        put: Puts it into a scenario with a signed relative size; returns the true parameters too.
+        put: Puts it into a scenario and returns the true parameters too. Its arguments are the `setting` to
+            change, the signed relative `size` [-], and `rng`, which draws what the size leaves open.
         largest: Largest size that still makes sense, upwards.
         smallest: The same downwards; 0 where a negative size has no meaning.
     """
@@ -139,7 +145,7 @@ def added_mass(setting: Setting, size: float, rng: np.random.Generator) -> tuple
     floors = setting.beams.floor_mass.copy()
     floors[setting.floor - 1] += mass
     axial = setting.beams.axial.copy()
-    axial[: setting.floor] += GRAVITY * mass
+    axial[: setting.floor] += STANDARD_GRAVITY * mass
     return setting.with_beams(floor_mass=floors, axial=axial), {"mass": (mass, "kg")}
 
 

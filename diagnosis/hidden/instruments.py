@@ -62,7 +62,7 @@ class Logger:
         level = np.where([channel.is_table for channel in channels], self.table_noise, self.noise)
         noise = level * np.sqrt(np.mean((clean - clean.mean(axis=0)) ** 2, axis=0))
         cells = np.array([channel.quantity == "contact_force" for channel in channels])
-        return np.where(cells, np.maximum(noise, FORCE_NOISE_N), noise)
+        return np.asarray(np.where(cells, np.maximum(noise, FORCE_NOISE_N), noise))
 
 
 def place(rng: np.random.Generator, frames: Mapping[str, Beams]) -> tuple[Channel, ...]:
@@ -96,7 +96,13 @@ def _channel(
 
 
 def logger(rng: np.random.Generator, channels: tuple[Channel, ...], *, pair: bool = False) -> Logger:
-    """Draw rate, noise and sensors of a case."""
+    """Draw rate, noise and sensors of a case.
+
+    Args:
+        rng: Draws.
+        channels: Channels of the case.
+        pair: Whether two frames may touch.
+    """
     touching = any(channel.quantity == "contact_force" for channel in channels) or pair
     rate = float(rng.choice(PAIR_RATES_HZ if touching else RATES_HZ))
     noise = np.exp(rng.uniform(np.log(0.01), np.log(0.04))) * rng.uniform(0.7, 1.4, len(channels))
@@ -131,7 +137,15 @@ def sampled(truth: np.ndarray, log: Logger) -> np.ndarray:
 def recorded(
     rng: np.random.Generator, clean: np.ndarray, channels: tuple[Channel, ...], log: Logger, file: str
 ) -> Run:
-    """Return a run with its noise."""
+    """Return a run with its noise.
+
+    Args:
+        rng: Draws the noise.
+        clean: What the sensors read without noise, in SI, shape (samples, channels).
+        channels: Channels of the case, in the order of the columns.
+        log: The logger.
+        file: Name of the run's file.
+    """
     noisy = clean + rng.standard_normal(clean.shape) * log.noise_of(channels, clean)
     time = log.start_s + np.arange(len(noisy)) / log.rate_hz
     return Run(file, None, time, 1 / log.rate_hz, noisy)

@@ -6,8 +6,10 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from pounding.diagnosis.hidden.stepping import Law
 
-class Memoryless:
+
+class Memoryless(Law):
     """A force of time, deformation and rate alone."""
 
     def __init__(self, function: Callable[[float, float, float], float]) -> None:
@@ -22,7 +24,7 @@ class Memoryless:
 
 
 @dataclass
-class LuGre:
+class LuGre(Law):
     """Friction of elastic bristles (Canudas de Wit et al. 1995, IEEE Trans. Autom. Control 40(3)).
 
     Attributes:
@@ -58,7 +60,7 @@ class LuGre:
 
 
 @dataclass
-class BoucWen:
+class BoucWen(Law):
     """The departure of a yielding spring from an elastic one (Wen 1976, J. Eng. Mech. Div. 102(2)).
 
     Attributes:
@@ -129,12 +131,25 @@ def stop(gap: float, stiffness: float, softness: float, loss_s: float) -> Memory
 
 
 def fading(stiffness: float, change: float, duration_s: float) -> Memoryless:
-    """Return a spring that is not there at first and is `change` times `stiffness` [N/m] at the end."""
+    """Return a spring that is not there at first and is `change` times `stiffness` [N/m] at the end.
+
+    Args:
+        stiffness: Stiffness of the storey [N/m].
+        change: Spring at the end over that stiffness [-].
+        duration_s: Time in which the spring grows [s].
+    """
     return Memoryless(lambda time, d, v: change * stiffness * min(time / duration_s, 1.0) * d)
 
 
 def breathing(stiffness: float, depth: float, frequency_hz: float, phase: float) -> Memoryless:
-    """Return a spring of `depth` times `stiffness` [N/m] that comes and goes with time."""
+    """Return a spring of `depth` times `stiffness` [N/m] that comes and goes with time.
+
+    Args:
+        stiffness: Stiffness of the storey [N/m].
+        depth: Amplitude of the spring over that stiffness [-].
+        frequency_hz: How often it comes and goes [Hz].
+        phase: Phase at time zero [rad].
+    """
     circular = 2 * math.pi * frequency_hz
     return Memoryless(lambda time, d, v: depth * stiffness * math.sin(circular * time + phase) * d)
 

@@ -73,7 +73,7 @@ def frequencies_hz(beams: Beams, count: int) -> np.ndarray:
     """Return the lowest frequencies [Hz], shape (count,)."""
     matrices = assemble(beams)
     squared = eigh(matrices.stiffness, matrices.mass, eigvals_only=True, subset_by_index=[0, count - 1])
-    return np.sqrt(np.maximum(squared, 0)) / (2 * np.pi)
+    return np.asarray(np.sqrt(np.maximum(squared, 0)) / (2 * np.pi))
 
 
 def storey_stiffness(beams: Beams) -> np.ndarray:
@@ -91,4 +91,4 @@ def lone_storey_stiffness(beams: Beams) -> np.ndarray:
     matrices = assemble(beams)
     floors = np.linalg.inv(matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T))
     above = np.tril(np.ones((beams.storeys, beams.storeys)))
-    return np.einsum("is,ij,js->s", above, floors, above)
+    return np.asarray(np.einsum("is,ij,js->s", above, floors, above))

@@ -9,8 +9,9 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter, sosfiltfilt
 from scipy.signal.windows import tukey
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import STANDARD_GRAVITY, find
+from pounding.experiments.records import find
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")
@@ -101,7 +102,7 @@ def _kanai_tajimi(rng: np.random.Generator, duration_s: float, step_s: float) ->
     time = step_s * np.arange(count)
     rise, hold, fade = rng.uniform(0.2, 1.0), rng.uniform(2.0, 4.0), rng.uniform(0.8, 2.5)
     envelope = np.minimum(time / rise, 1.0) ** 2 * np.exp(-np.maximum(time - rise - hold, 0.0) / fade)
-    return shaken * envelope
+    return np.asarray(shaken * envelope)
 
 
 def _on_the_table(source: str, raw: np.ndarray, step_s: float, peak: float) -> Motion:

@@ -45,7 +45,9 @@ def running_fan(setting: Setting, size: float, rng: np.random.Generator) -> tupl
     phases = rng.uniform(0, 2 * np.pi, 16)
 
     def history(run: int, time: np.ndarray) -> np.ndarray:
-        return force * np.minimum(time, 1.0) * np.sin(2 * np.pi * frequency * time + phases[run % 16])
+        return np.asarray(
+            force * np.minimum(time, 1.0) * np.sin(2 * np.pi * frequency * time + phases[run % 16])
+        )
 
     load = Load(setting.frame, setting.floor, history)
     scenario = replace(setting.scenario, loads=(*setting.scenario.loads, load))

@@ -62,6 +62,12 @@ def locate(
 ) -> Place:
     """Return the place of an effect, drawn where it was not said.
 
+    Args:
+        rng: Draws what is not said.
+        want: The effect and the place that is wanted.
+        frames: Frames of the rig by name.
+        channels: Channels of the case.
+
     Raises:
         CaseError: The place is not there.
     """

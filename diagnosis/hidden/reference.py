@@ -35,7 +35,14 @@ class Typical:
 
 
 def typical(scenario: Scenario, frame: str, happened: Happened, table_velocity: np.ndarray) -> Typical:
-    """Return the typical sizes of one frame in a run."""
+    """Return the typical sizes of one frame in a run.
+
+    Args:
+        scenario: The rig without effects.
+        frame: Name of the frame.
+        happened: How everything moved in the run.
+        table_velocity: Velocity of the table, shape (samples,) [m/s].
+    """
     beams: Beams = scenario.frames[frame]
     rows = scenario.row(frame, 1) + np.arange(beams.storeys)
     drift = np.diff(happened.displacement[rows], axis=0, prepend=0.0)

@@ -38,7 +38,11 @@ class Rig:
     def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
         """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
 
-        Coarsely, the motion is taken at that rate too: good for the difference of two linear scenarios.
+        Args:
+            scenario: What is simulated.
+            run: Number of the run, from 0.
+            coarsely: Take the motion at the logger's rate too: good for the difference of two linear
+                scenarios.
         """
         shaking, finer = self.shakings[run], self.log.finer
         if coarsely:
@@ -87,7 +91,15 @@ def draw_rig(
 
 
 def approach(scenario: Scenario, happened: Happened, left: str, right: str, floor: int) -> float:
-    """Return how near two floors come to each other [m], from where they stand at rest."""
+    """Return how near two floors come to each other [m], from where they stand at rest.
+
+    Args:
+        scenario: What was simulated.
+        happened: How everything moved.
+        left: Name of the frame on the left.
+        right: Name of the frame on the right.
+        floor: Number of the floor on both, from 1.
+    """
     nearer = (
         happened.displacement[scenario.row(left, floor)] - happened.displacement[scenario.row(right, floor)]
     )

@@ -40,12 +40,18 @@ def _ratios(rng: np.random.Generator, baseline: float, storeys: int) -> np.ndarr
         order = np.arange(1, storeys + 1)
         omega = np.sin((2 * order - 1) * np.pi / (4 * storeys + 2))
         other = omega[(storeys + 1) // 2]
-        return ratio * (omega[0] * other / omega + omega) / (omega[0] + other)
-    return ratio * np.exp(rng.normal(0.0, rng.uniform(0.05, 0.15), storeys))
+        return np.asarray(ratio * (omega[0] * other / omega + omega) / (omega[0] + other))
+    return np.asarray(ratio * np.exp(rng.normal(0.0, rng.uniform(0.05, 0.15), storeys)))
 
 
 def set_up(rng: np.random.Generator, frames: dict[str, Beams], channels: tuple[Channel, ...]) -> Scenario:
-    """Return the rig with the small faults that every table and sensor has."""
+    """Return the rig with the small faults that every table and sensor has.
+
+    Args:
+        rng: Draws the faults.
+        frames: Frames by name.
+        channels: Channels of the case.
+    """
     responses = [channel for channel in channels if not channel.is_table]
     return Scenario(
         frames,

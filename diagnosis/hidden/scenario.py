@@ -7,14 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contacts import Contact, Touch
 from pounding.diagnosis.hidden.modes import Modes, joined, modes
 from pounding.diagnosis.hidden.motions import Motion
 from pounding.diagnosis.hidden.stepping import Law, Local, Response, integrate
-
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
@@ -113,7 +112,7 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     table = (1 + scenario.table_gain) * shifted(motion.acceleration, scenario.table_delay_s / step)
     pitch = scenario.table_tilt * table
     pitching = np.gradient(np.gradient(pitch, step), step)
-    drive = -np.outer(whole.gamma, table - GRAVITY * pitch) - np.outer(whole.pitch, pitching)
+    drive = -np.outer(whole.gamma, table - STANDARD_GRAVITY * pitch) - np.outer(whole.pitch, pitching)
     time = step * np.arange(count)
     for load in scenario.loads:
         drive += np.outer(whole.floors[scenario.row(load.frame, load.floor)], load.history(run, time))
@@ -165,11 +164,17 @@ def shifted(values: np.ndarray, samples: float) -> np.ndarray:
     if samples == 0:
         return values
     at = np.arange(len(values)) - samples
-    return np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1])
+    return np.asarray(np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1]))
 
 
 def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ...]) -> np.ndarray:
-    """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels)."""
+    """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels).
+
+    Args:
+        scenario: What was simulated, with the sensors' faults.
+        happened: How everything moved.
+        channels: Channels of the case.
+    """
     return np.column_stack([_seen(scenario, happened, channel) for channel in channels])
 
 
@@ -191,10 +196,10 @@ def _true(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarra
         return np.zeros_like(happened.table) if apart else happened.contact_force[number]
     row = scenario.row(str(channel.frame), int(channel.floor or 0))
     if channel.quantity == "absolute_acceleration":
-        return happened.acceleration[row]
+        return np.asarray(happened.acceleration[row])
     if channel.quantity == "relative_velocity":
-        return happened.velocity[row]
+        return np.asarray(happened.velocity[row])
     if channel.quantity == "absolute_displacement":
         moved = Motion("", happened.motion.step_s, happened.table).displacement
-        return happened.displacement[row] + moved
-    return happened.displacement[row]
+        return np.asarray(happened.displacement[row] + moved)
+    return np.asarray(happened.displacement[row])

@@ -35,10 +35,24 @@ class Law(Protocol):
     """A local force with a memory; positive resists a positive deformation."""
 
     def force(self, time: float, deformation: float, rate: float, step: float) -> float:
-        """Return the force [N] for a trial deformation [m] and rate [m/s] at `time` [s]; change no memory."""
+        """Return the force [N] for a trial deformation [m] and rate [m/s] at `time` [s]; change no memory.
+
+        Args:
+            time: Time [s].
+            deformation: Deformation that is tried [m].
+            rate: Its time derivative [m/s].
+            step: Time since the last accepted state [s].
+        """
 
     def accept(self, time: float, deformation: float, rate: float, step: float) -> None:
-        """Take the last trial as what happened."""
+        """Take the last trial as what happened.
+
+        Args:
+            time: Time [s].
+            deformation: Deformation that was reached [m].
+            rate: Its time derivative [m/s].
+            step: Time since the last accepted state [s].
+        """
 
 
 @dataclass(frozen=True)
@@ -222,4 +236,5 @@ def _in_parts(
 
 
 def _dot(one: list[float], other: list[float]) -> float:
-    return sum(map(mul, one, other))
+    product: float = sum(map(mul, one, other))
+    return product

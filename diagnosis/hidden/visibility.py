@@ -49,7 +49,7 @@ class Eye:
         self.start = self._sensitivity(np.zeros(ordinary_parameters(without)))
 
     def _imitated(self, at: np.ndarray) -> np.ndarray:
-        return self.clean(nudged(self.without, at), True) / self.noise + self.coarse
+        return np.asarray(self.clean(nudged(self.without, at), True) / self.noise + self.coarse)
 
     def _sensitivity(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the channels' change per prior deviation of the nuisance parameters, and its factor."""

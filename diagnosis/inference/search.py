@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pounding.diagnosis.case.quantities import STANDARD_GRAVITY
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.storey import CoulombFriction, FadingFriction

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
+from pounding.constants import STANDARD_GRAVITY
+
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
-
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class StoreyFrame:
     @property
     def geometric(self) -> np.ndarray:
         """Stiffness that the frame's own weight takes away, shape (floors, floors) [N/m]."""
-        weight = GRAVITY * np.cumsum(self.floor_mass[::-1])[::-1]
+        weight = STANDARD_GRAVITY * np.cumsum(self.floor_mass[::-1])[::-1]
         storey_height = np.diff(self.height_m, prepend=0.0)
         return self.drift.T @ np.diag(weight / storey_height) @ self.drift
 

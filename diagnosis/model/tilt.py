@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from scipy.fft import next_fast_len
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, DISPLACEMENT
-from pounding.diagnosis.model.storeys import GRAVITY, Modes
+from pounding.diagnosis.model.storeys import Modes
 
 PITCH_LIMIT_HZ = 60.0
 """The table cannot pitch faster; above it its second derivative would be noise alone."""
@@ -39,7 +40,7 @@ def tilt_series(model: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...
     height = np.concatenate([frame.height_m for frame in structure.frames])
     mass = np.concatenate([frame.floor_mass for frame in structure.frames])
     inertia = modes.floors.T @ (mass * height)
-    weight = modes.floors.T @ (mass * GRAVITY)
+    weight = modes.floors.T @ (mass * STANDARD_GRAVITY)
     seen = np.zeros(len(observed.names))
     for channel, (quantity, floor) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
         if quantity in (DISPLACEMENT, ABSOLUTE_DISPLACEMENT):

@@ -17,8 +17,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pounding.contact.laws import Law
-from pounding.contact.parameters import PRINTED, STIFFNESS_SETS, thesis_law, viscoelastic_of
+from pounding.contact.laws import BUILT_IN, Law
+from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.impacts import all_impacts
@@ -30,7 +30,7 @@ from pounding.experiments.sweeps.sweep import sweep
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
-LAWS = tuple(PRINTED)
+LAWS = BUILT_IN
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 OTHER_MERGING_MS = (5, 10, 50)
 """Merging times to show how much the counts depend on it [ms]."""
@@ -87,7 +87,15 @@ def _test(left: str, right: str, record: str, gap: float) -> Trial:
 def own_required_mm(
     left: str, right: str, record: str, folder: str | None = None, flip: bool = False
 ) -> float:
-    """Return the required gap of our model [mm]: the largest closing motion without pounding."""
+    """Return the required gap of our model [mm]: the largest closing motion without pounding.
+
+    Args:
+        left: Name of the frame on the left.
+        right: Name of the frame on the right.
+        record: Name of the ground motion.
+        folder: Folder with ground motions.
+        flip: Turn the record's sign.
+    """
     return 1e3 * pair_gap(built(left), built(right), shaking(record, folder, flip=flip)).closing_m
 
 
@@ -151,7 +159,15 @@ def run_case(
 
 
 def run_apart(left: str, right: str, record: str, *, flip: bool = False, folder: str = "") -> dict[str, Any]:
-    """Run two frames without contact; returns `peaks` as JSON text, for sweeps."""
+    """Run two frames without contact; returns `peaks` as JSON text, for sweeps.
+
+    Args:
+        left: Name of the frame on the left.
+        right: Name of the frame on the right.
+        record: Name of the ground motion.
+        flip: Turn the record's sign.
+        folder: Folder with ground motions; empty for the default.
+    """
     frames = Rig([built(left), built(right)]).run(shaking(record, folder or None, flip=flip)).frames
     return {"peaks": json.dumps({"left": frames[0].peaks(), "right": frames[1].peaks()})}
 

@@ -40,7 +40,7 @@ def dissimilarity(first_n: ArrayLike, second_n: ArrayLike) -> float:
 
 def ranks(values: ArrayLike) -> NDArray[np.int64]:
     """Return each law's rank in each row (rows, laws): 1 for the lowest; equals share the better rank."""
-    return rankdata(np.asarray(values, float), method="min", axis=1).astype(np.int64)
+    return np.asarray(rankdata(np.asarray(values, float), method="min", axis=1), np.int64)
 
 
 def rank_sums(values: ArrayLike, laws: list[str]) -> dict[str, int]:

@@ -24,12 +24,25 @@ BANDS: dict[str, tuple[dict[str, float], dict[str, float]]] = {
 
 
 def label(left: str, right: str, record: str) -> str:
-    """Return how a case is called in tables, as 15B-5B kobe."""
+    """Return how a case is called in tables, as 15B-5B kobe.
+
+    Args:
+        left: Name of the frame on the left.
+        right: Name of the frame on the right.
+        record: Name of the ground motion.
+    """
     return f"{left}-{right} {record}"
 
 
 def case(test: Trial, gap_mm: float, law: str = DEFAULT_LAW, **own: Any) -> dict[str, Any]:
-    """Return a test as arguments of `pounding.experiments.campaign.cases.run_case`."""
+    """Return a test as arguments of `pounding.experiments.campaign.cases.run_case`.
+
+    Args:
+        test: The test.
+        gap_mm: Gap at rest [mm].
+        law: Name of the impact law.
+        own: Further arguments of `run_case`.
+    """
     return {"left": test.left, "right": test.right, "record": test.record, "law": law, "gap_mm": gap_mm} | own
 
 
@@ -75,7 +88,13 @@ def counted() -> pd.Series:
 
 
 def bands(tests: Sequence[Trial], runs: pd.DataFrame, value: str) -> pd.DataFrame:
-    """Return the lowest and highest value over each band, from the runs of `band_cases` in their order."""
+    """Return the lowest and highest value over each band, from the runs of `band_cases` in their order.
+
+    Args:
+        tests: The tests.
+        runs: Results, a row a run.
+        value: Column of the results.
+    """
     rows: dict[str, dict[str, Any]] = {}
     values = iter(runs[value])
     for test in tests:

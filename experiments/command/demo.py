@@ -81,7 +81,13 @@ def draw_frames(folder: Path) -> None:
 
 
 def collide(motion: Record, records: Path | None, folder: Path) -> None:
-    """Let the pair collide at a part of the gap that would keep it apart: numbers, plots, a film."""
+    """Let the pair collide at a part of the gap that would keep it apart: numbers, plots, a film.
+
+    Args:
+        motion: Record at model scale.
+        records: Folder with ground motions; None for the default.
+        folder: Where numbers, plots and the film go.
+    """
     left, right = (frames.build(frames.load(name)) for name in PAIR)
     needed_mm = 1e3 * pair_gap(left, right, motion).closing_m
     gap_mm = round(SHARE_OF_REQUIRED_GAP * needed_mm, 1)

@@ -42,12 +42,10 @@ def hide(
 ) -> None:
     """Write a case in which effects are hidden, to try the diagnosis on.
 
-    Parameters
-    ----------
-    effects
-        What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
-        coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without
-        any. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
+    Args:
+        effects: What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
+            coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case
+            without any. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
     hidden = hide_effects(
         effects,

@@ -31,10 +31,8 @@ def modal(
 ) -> None:
     """Show the natural modes of a frame, its mass and its roof stiffness, beside the published ones.
 
-    Parameters
-    ----------
-    frame
-        Name of a shipped frame (see `pounding list`) or path of a frame file.
+    Args:
+        frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
     """
     result = modes(
         frame, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration, up_to_hz=up_to_hz
@@ -51,7 +49,16 @@ def modes(
     calibration: str | None = None,
     up_to_hz: float = modal_analysis.UP_TO_HZ,
 ) -> dict[str, Any]:
-    """Return the modes of a frame as `pounding modal --json` prints them."""
+    """Return the modes of a frame as `pounding modal --json` prints them.
+
+    Args:
+        name: Name of a shipped frame, or path of a frame file.
+        joints: See `pounding modal`.
+        p_delta: Geometric stiffness of gravity.
+        damping: Damping ratio of every mode [-]; the frame's own when None.
+        calibration: Joint calibration of the frame file; its default when None.
+        up_to_hz: Highest frequency that is shown [Hz].
+    """
     definition = frames.load(name)
     reduced = frames.build(
         definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration

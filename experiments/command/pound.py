@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
-from pounding.contact.laws import Law
-from pounding.contact.parameters import PRINTED, make_law, thesis_law
+from pounding.contact.laws import BUILT_IN, Law
+from pounding.contact.parameters import make_law, thesis_law
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.output import collision_folder as collision_files
@@ -21,9 +21,9 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig_of, shaking
 from pounding.experiments.rig.pounding import pound as run_one
+from pounding.experiments.rig.required_gap import is_left_lower
 
 DEFAULT_LAW = "linear_viscoelastic"
-FIVE_LAWS = tuple(PRINTED)
 
 
 def pound(
@@ -61,20 +61,17 @@ def pound(
 ) -> None:
     """Shake two frames side by side and report every impact between them.
 
-    Parameters
-    ----------
-    left
-        Frame on the left (name or frame file); it moves in +x towards the other.
-    right
-        Frame on the right.
+    Args:
+        left: Frame on the left (name or frame file); it moves in +x towards the other.
+        right: Frame on the right.
     """
     pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
     shaken = shaking(record, None if records is None else str(records), pga_g=pga, flip=flip)
-    floors = floor or [min(frame.storeys for frame in pair)]
+    floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
     masses = floor_masses(*pair, floors[0])
     laws = [
         _changed(thesis_law(name, parameters, masses=masses, tension=tension), stiffness, restitution, masses)
-        for name in (FIVE_LAWS if law == "all" else [law])
+        for name in (BUILT_IN if law == "all" else [law])
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown

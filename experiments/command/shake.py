@@ -49,10 +49,8 @@ def shake(
 
     The record is brought to the scale of the models: time is multiplied by sqrt(1/30).
 
-    Parameters
-    ----------
-    frame
-        Name of a shipped frame (see `pounding list`) or path of a frame file.
+    Args:
+        frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
     """
     asked = {"frame": frame, "record": record, "pga_g": pga, "damping_ratio": damping}
     if out is None and (film or csv):
@@ -82,6 +80,11 @@ def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[
     """Return how the run compares with each measured channel that it has a history for.
 
     A channel that it has none for (another frame's, a contact's) is told by a warning.
+
+    Args:
+        done: The run.
+        data: Its histories as a dataset.
+        channels: Measured channels on the run's clock.
     """
     compared = []
     for channel in channels:

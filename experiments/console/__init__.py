@@ -1,1 +1,1 @@
-"""How the command shows results and leaves with an exit status."""
+"""What all verbs of the command share: their common options, how they show results, and their exit status."""

@@ -51,7 +51,13 @@ def plain(value: Any) -> Any:
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
-    """Return a table with right-aligned numbers; None is shown as a dash."""
+    """Return a table with right-aligned numbers; None is shown as a dash.
+
+    Args:
+        title: Words above the table.
+        columns: Head of each column.
+        rows: Cells, as many as columns in each row.
+    """
     rows = [list(row) for row in rows]
     shown = Table(title=title, title_justify="left")
     for index, name in enumerate(columns):

@@ -7,7 +7,6 @@ its name: ``15B_relative_displacement_floor10_mm``, ``table_acceleration_g``.
 
 from __future__ import annotations
 
-import csv
 import re
 import tomllib
 from dataclasses import dataclass, replace
@@ -18,33 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags
 
+from pounding.experiments import csv_table
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.measurements.quantities import UNITS
+from pounding.units import named
 
 Real = NDArray[np.floating[Any]]
 
-GRAVITY = 9.80665
-
-TO_SI = {
-    "displacement": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
-    "velocity": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3},
-    "acceleration": {"m/s^2": 1.0, "cm/s^2": 1e-2, "g": GRAVITY},
-    "force": {"N": 1.0, "kN": 1e3},
-}
-"""Units of each kind of quantity, as factors to SI."""
-
-QUANTITIES = {
-    "table_acceleration": "acceleration",
-    "table_displacement": "displacement",
-    "absolute_acceleration": "acceleration",
-    "relative_displacement": "displacement",
-    "absolute_displacement": "displacement",
-    "relative_velocity": "velocity",
-    "contact_force": "force",
-}
-"""What can be measured, and its kind."""
-
 NAME = re.compile(
-    rf"(?:(?P<frame>.+)_)?(?P<quantity>{'|'.join(QUANTITIES)})(?:_floor(?P<floor>\d+))?_(?P<unit>\w+)"
+    rf"(?:(?P<frame>.+)_)?(?P<quantity>{'|'.join(UNITS)})(?:_floor(?P<floor>\d+))?_(?P<unit>\w+)"
 )
 
 
@@ -54,7 +35,7 @@ class Channel:
 
     Attributes:
         name: Column of the file.
-        quantity: One of `QUANTITIES`.
+        quantity: One of `UNITS`.
         frame: Frame it was measured on, or None.
         floor: Floor, or None; 0 is the table.
         time_s: Times (m,) [s].
@@ -85,7 +66,7 @@ def read(path: str | Path) -> list[Channel]:
         if what is None:
             continue
         quantity, unit = what["quantity"], what["unit"]
-        factors = TO_SI[QUANTITIES[quantity]]
+        factors = UNITS[quantity]
         if unit not in factors:
             raise ExperimentError(
                 f"{path}: column {column!r}: unit {unit!r}; {quantity} takes {', '.join(factors)}"
@@ -102,37 +83,23 @@ def read(path: str | Path) -> list[Channel]:
 
 def _table(path: Path) -> tuple[list[str], Real]:
     try:
-        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise ExperimentError(
             f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})"
         ) from error
-    header = [cell.strip() for cell in rows[0]] if rows else []
-    if not header or header[0] != "time_s" or len(rows) < 3:
+    cells = csv_table.split(text, str(path), ExperimentError)
+    header = cells.rows[0] if cells.rows else []
+    if not header or header[0] != "time_s" or len(cells.rows) < 3:
         raise ExperimentError(
             f"{path}: needs a header whose first column is time_s, and two rows or more below"
         )
-    table = np.array([_numbers(path, line, header, row) for line, row in enumerate(rows[1:], start=2) if row])
-    steps = np.diff(table[:, 0])
-    if not np.all(steps > 0.0):
-        bad = int(np.flatnonzero(~(steps > 0.0))[0]) + 3
-        raise ExperimentError(f"{path}: line {bad}: time_s does not increase")
+    below = csv_table.Cells(cells.lines[1:], cells.rows[1:])
+    table = csv_table.numbers(header, below, str(path), ExperimentError)
+    wrong = np.flatnonzero(~(np.diff(table[:, 0]) > 0.0))
+    if wrong.size:
+        raise ExperimentError(f"{path} line {below.lines[wrong[0] + 1]}: time_s does not increase")
     return header, table
-
-
-def _numbers(path: Path, line: int, header: list[str], row: list[str]) -> list[float]:
-    if len(row) != len(header):
-        raise ExperimentError(f"{path}: line {line}: {len(row)} cells, the header has {len(header)}")
-    values = []
-    for column, cell in zip(header, row, strict=True):
-        try:
-            # An empty cell is a dropout.
-            values.append(float(cell) if cell.strip() else np.nan)
-        except ValueError as error:
-            raise ExperimentError(
-                f"{path}: line {line}, column {column!r}: {cell!r} is not a number"
-            ) from error
-    return values
 
 
 def _described(path: Path) -> dict[str, dict[str, Any]]:
@@ -143,7 +110,7 @@ def _described(path: Path) -> dict[str, dict[str, Any]]:
     except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ExperimentError(f"{path}: {error}") from error
     known = [
-        entry for entry in entries if entry.get("quantity") in QUANTITIES and {"name", "unit"} <= entry.keys()
+        entry for entry in entries if entry.get("quantity") in UNITS and {"name", "unit"} <= entry.keys()
     ]
     return {entry["name"]: entry for entry in known}
 
@@ -152,7 +119,7 @@ def _by_name(column: str) -> dict[str, Any] | None:
     match = NAME.fullmatch(column)
     if match is None:
         return None
-    unit = match["unit"].replace("_s2", "/s^2").replace("_s", "/s")
+    unit = named(match["unit"]) or match["unit"]
     floor = None if match["floor"] is None else int(match["floor"])
     return {"quantity": match["quantity"], "frame": match["frame"], "floor": floor, "unit": unit}
 
@@ -183,6 +150,11 @@ def aligned(channels: list[Channel], times_s: Real, table_m_s2: Real) -> tuple[l
 
 def misfit(channel: Channel, times_s: Real, values: Real) -> dict[str, Any]:
     """Return how a computed history compares with a measured one where both are known.
+
+    Args:
+        channel: The measured history.
+        times_s: Times of the run (m,) [s].
+        values: Its history of the same quantity (m,) in SI [m, m/s, m/s^2 or N].
 
     Returns:
         ``channel``, ``quantity``, ``frame``, ``floor``, the largest magnitudes ``measured_peak`` and

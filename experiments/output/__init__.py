@@ -1,1 +1,1 @@
-"""The folders that a shaking and a collision leave."""
+"""The result folders of `pounding shake` and `pounding pound`: which files they hold, and writing them."""

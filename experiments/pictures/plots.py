@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from pounding.experiments.records.record import STANDARD_GRAVITY
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.records.spectra import fourier_spectrum, response_spectrum
 from pounding.frames.files import replacing
 
@@ -96,6 +96,13 @@ def overlay(
 ) -> int:
     """Plot every measured channel that the run has a history for, one panel each.
 
+    Args:
+        data: The run's dataset.
+        measured: Measured channels on the run's clock.
+        path: File to write, `.png`.
+        frame: Name of the frame that was run.
+        title: Words above the panels.
+
     Returns:
         How many channels were laid over; with none no file is written.
     """
@@ -119,7 +126,13 @@ def overlay(
 
 
 def simulated(data: xr.Dataset, channel: Channel, frame: str) -> Real | None:
-    """Return the run's history (time,) of what a channel measured, or None where the run has none."""
+    """Return the run's history (time,) of what a channel measured, or None where the run has none.
+
+    Args:
+        data: The run's dataset.
+        channel: The measured channel.
+        frame: Name of the frame that was run.
+    """
     if channel.floor == 0 or channel.frame is None:
         name = f"table_{channel.quantity.rpartition('_')[2]}"
         # What is relative to the table does not move on the table, and a force has no place there.

@@ -115,7 +115,7 @@ def _collection(entries: list[tuple[float, int, str]]) -> bytes:
             collection, "DataSet", timestep=f"{time:.9g}", group="", part=str(part), file=file
         )
     ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
 def _beside(path: Path) -> Path:

@@ -16,8 +16,9 @@ are computed again. What several independent pairs contradict in the same histor
 from __future__ import annotations
 
 import math
+import operator
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import pandas as pd
@@ -114,7 +115,13 @@ def bounds_mm(left: tuple[float, float], right: tuple[float, float]) -> tuple[fl
 def check_gaps(
     peaks: Peaks, gaps: Mapping[Pair, float], tolerance_mm: float = GAP_TOLERANCE_MM
 ) -> list[Contradiction]:
-    """Return the gaps that the peaks make impossible; pairs without peaks are left out."""
+    """Return the gaps that the peaks make impossible; pairs without peaks are left out.
+
+    Args:
+        peaks: Printed peaks [mm].
+        gaps: Printed gap of each pair [mm].
+        tolerance_mm: What a gap may be off before it counts [mm].
+    """
     found = []
     for pair, gap in gaps.items():
         sides = _sides(peaks, pair)
@@ -133,8 +140,16 @@ def check_gaps(
 def check_rule(
     peaks: Peaks, printed: Mapping[Pair, float], rule: str, tolerance_mm: float = RULE_TOLERANCE_MM
 ) -> list[Contradiction]:
-    """Return the printed sums (`abs`) or roots of squares (`srss`) that do not follow from the peaks."""
-    combine = {"abs": lambda a, b: a + b, "srss": math.hypot}[rule]
+    """Return the printed sums (`abs`) or roots of squares (`srss`) that do not follow from the peaks.
+
+    Args:
+        peaks: Printed peaks [mm].
+        printed: Printed value of the rule for each pair [mm].
+        rule: `abs` or `srss`.
+        tolerance_mm: What a value may be off before it counts [mm].
+    """
+    rules: dict[str, Callable[[float, float], float]] = {"abs": operator.add, "srss": math.hypot}
+    combine = rules[rule]
     found = []
     for pair, value in printed.items():
         sides = _sides(peaks, pair)

@@ -2,13 +2,12 @@
 
 from pounding.experiments.records.catalogue import Entry, available, find, records_folder
 from pounding.experiments.records.reading import read
-from pounding.experiments.records.record import MODEL_TIME_FACTOR, STANDARD_GRAVITY, Record
+from pounding.experiments.records.record import MODEL_TIME_FACTOR, Record
 from pounding.experiments.records.reference import REFERENCES, Reference
 
 __all__ = [
     "MODEL_TIME_FACTOR",
     "REFERENCES",
-    "STANDARD_GRAVITY",
     "Entry",
     "Record",
     "Reference",

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records.record import STANDARD_GRAVITY, Record
+from pounding.experiments.records.record import Record
 from pounding.experiments.records.units import to_metric
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"

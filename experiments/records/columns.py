@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import csv
-import math
 import re
 from pathlib import Path
 
 import numpy as np
 
+from pounding.experiments.csv_table import is_finite, is_number, split
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records.record import Record
 from pounding.experiments.records.units import to_metric
+from pounding.units import TIME, named
 
 UNIFORMITY = 1e-3
 """Largest departure of a sample's time from a uniform grid, as a fraction of the step."""
 
 _HEADER = re.compile(r"^\s*(?P<quantity>[a-z]+)[\s_]*[\[(]?\s*(?P<unit>.*?)\s*[\])]?\s*$", re.IGNORECASE)
-_TIMES = {"s": 1.0, "sec": 1.0, "seconds": 1.0, "ms": 0.001, "": 1.0}
 
 
 def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
@@ -27,31 +26,41 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
     `time (s), acc (gal)`. Without a header, or without a unit in it, `unit` has to say it. Commas,
     semicolons, tabs and blanks separate; lines that begin with `#` are left out. Time may start anywhere.
 
+    Args:
+        path: The file, for messages and the record's name.
+        text: Its text.
+        unit: Unit of acceleration, if the header does not say it.
+
     Raises:
         ExperimentError: A line that is not two numbers, no or an unknown unit, or time that is not uniform.
     """
-    rows = _rows(text)
+    cells = split(text, str(path), ExperimentError, separator=_separator(text), comment="#")
+    rows = list(zip(cells.lines, cells.rows, strict=True))
     if not rows:
         raise ExperimentError(f"{path}: no data in this file")
-    time_factor, factor, done = 1.0, None, "no unit conversion"
-    if not _is_number(rows[0][1][0]):
+    time_factor = 1.0
+    if not is_number(rows[0][1][0]):
         number, header = rows.pop(0)
-        time_factor, named = _header(path, number, header)
-        unit = unit or named
+        time_factor, said = _header(path, number, header)
+        unit = unit or said
     if not unit:
         raise ExperimentError(
             f"{path}: no unit of acceleration; name it in the header (time_s,acceleration_m_s2 or"
             " time_s,acceleration_g) or give it beside the file"
         )
     factor = to_metric(unit, str(path))
-    done = f"read in {unit}"
     values = np.array([_pair(path, number, cells) for number, cells in rows]).reshape(-1, 2)
     step = uniform_step(values[:, 0] * time_factor, str(path), [number for number, _ in rows])
-    return Record(path.stem, values[:, 1] * factor, step, source=str(path), history=(done,))
+    return Record(path.stem, values[:, 1] * factor, step, source=str(path), history=(f"read in {unit}",))
 
 
 def uniform_step(time_s: np.ndarray, where: str, lines: list[int] | None = None) -> float:
     """Return the step of a uniform time column [s].
+
+    Args:
+        time_s: Times (m,) [s].
+        where: File for the message.
+        lines: Line of each sample in the file, for the message.
 
     Raises:
         ExperimentError: Fewer than two samples, time that stands still or runs back, or uneven steps; the
@@ -86,17 +95,14 @@ def _rounding(time_s: np.ndarray) -> float:
     return 0.0
 
 
-def _rows(text: str) -> list[tuple[int, list[str]]]:
-    numbered = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1)]
-    lines = [(number, line) for number, line in numbered if line and line[0] != "#"]
-    if not lines:
-        return []
-    sample = lines[min(1, len(lines) - 1)][1]
-    mark = next((m for m in (",", ";", "\t") if m in sample), None)
-    if mark is None:
-        return [(number, line.split()) for number, line in lines]
-    parsed = csv.reader([line for _, line in lines], delimiter=mark)
-    return [(number, [cell.strip() for cell in row]) for (number, _), row in zip(lines, parsed, strict=True)]
+def _separator(text: str) -> str | None:
+    """Return what separates the cells of the second line that holds data; None for blanks."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    return (
+        next((mark for mark in (",", ";", "\t") if mark in lines[min(1, len(lines) - 1)]), None)
+        if lines
+        else None
+    )
 
 
 def _header(path: Path, number: int, cells: list[str]) -> tuple[float, str | None]:
@@ -106,23 +112,15 @@ def _header(path: Path, number: int, cells: list[str]) -> tuple[float, str | Non
     units = [match["unit"] if (match := _HEADER.match(cell)) else "" for cell in cells[:2]]
     if "time" not in cells[0].lower() and cells[0].strip().lower() not in ("t", "t_s", "t (s)"):
         raise ExperimentError(f"{path}, line {number}: the first column is '{cells[0]}', not time")
-    if units[0].lower() not in _TIMES:
+    time = named(units[0] or "s")
+    if time not in TIME:
         raise ExperimentError(f"{path}, line {number}: time in '{units[0]}'; use seconds (time_s)")
-    return _TIMES[units[0].lower()], units[1] or None
+    return TIME[time], units[1] or None
 
 
 def _pair(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
-    if len(cells) < 2 or not (_is_number(cells[0]) and _is_number(cells[1])):
+    if len(cells) < 2 or not (is_number(cells[0]) and is_number(cells[1])):
         raise ExperimentError(f"{path}, line {number}: '{','.join(cells)}' is not a time and an acceleration")
-    pair = float(cells[0]), float(cells[1])
-    if not all(map(math.isfinite, pair)):
+    if not (is_finite(cells[0]) and is_finite(cells[1])):
         raise ExperimentError(f"{path}, line {number}: '{','.join(cells)}' is not finite; repair the record")
-    return pair
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+    return float(cells[0]), float(cells[1])

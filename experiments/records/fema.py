@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records.columns import uniform_step
-from pounding.experiments.records.record import STANDARD_GRAVITY, Record
+from pounding.experiments.records.record import Record
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import cumulative_trapezoid
 from scipy.signal import butter, sosfiltfilt
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-
-STANDARD_GRAVITY = 9.80665
-"""[m/s^2] per g."""
 
 MODEL_TIME_FACTOR = math.sqrt(1 / 30)
 """Model time over full-scale time for the length scale 1/30 (thesis, section 3.7)."""

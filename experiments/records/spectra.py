@@ -59,7 +59,13 @@ class FourierSpectrum:
 
 
 def oscillator_extremes(record: Record, period_s: float, damping_ratio: float) -> tuple[float, float]:
-    """Return the largest and the smallest relative displacement of one oscillator [m]."""
+    """Return the largest and the smallest relative displacement of one oscillator [m].
+
+    Args:
+        record: The ground motion.
+        period_s: Natural period [s].
+        damping_ratio: Damping ratio [-].
+    """
     peaks = oscillator_peaks(1 / period_s, damping_ratio, record.acceleration_m_s2, record.step_s)
     return float(peaks.maximum), float(peaks.minimum)
 

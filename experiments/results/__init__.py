@@ -1,1 +1,1 @@
-"""A run as a labelled dataset with its provenance."""
+"""A run as a labelled xarray dataset with units and provenance, and writing it to netCDF or CSV."""

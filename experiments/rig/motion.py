@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records.record import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame

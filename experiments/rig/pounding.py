@@ -95,7 +95,15 @@ def rig_of(
     gap_m: float | Sequence[float],
     floors: Sequence[int] = (),
 ) -> Rig:
-    """Return two frames side by side with a contact at each floor; arguments and errors as for `pound`."""
+    """Return two frames side by side with a contact at each floor; arguments and errors as for `pound`.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        law: Impact law of every contact.
+        gap_m: Gap at rest [m], one for all floors or one a floor.
+        floors: Floors of the lower frame; its roof when empty.
+    """
     chosen: list[int | None] = list(floors) or [None]
     gaps = _one_each(gap_m, chosen)
     return Rig(
@@ -131,7 +139,14 @@ def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int | None = No
 def built(
     name: str, joints: Any = "calibrated", p_delta: bool = True, damping: float | None = None
 ) -> ReducedFrame:
-    """Return a reduced frame by name, built once a process."""
+    """Return a reduced frame by name, built once a process.
+
+    Args:
+        name: Name of a shipped frame, or path of a frame file.
+        joints: `calibrated` or `rigid`.
+        p_delta: Geometric stiffness of gravity.
+        damping: Damping ratio of every mode [-]; the frame's own when None.
+    """
     return frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
 
 
@@ -139,7 +154,14 @@ def built(
 def shaking(
     name: str, folder: str | None = None, *, pga_g: float | None = None, flip: bool = False
 ) -> Record:
-    """Return a record at model scale by name, with another peak [g] or the opposite sign if asked."""
+    """Return a record at model scale by name, with another peak [g] or the opposite sign if asked.
+
+    Args:
+        name: Name or file of the ground motion.
+        folder: Folder with ground motions; None for the default.
+        pga_g: Peak acceleration [g]; the record's own when None.
+        flip: Turn the record's sign.
+    """
     record = find(name, folder).scaled(pga_g=pga_g)
     return record.flipped() if flip else record
 

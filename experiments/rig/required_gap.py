@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.frames import ReducedFrame
+from pounding.frames.floors import level_floors
 from pounding.frames.response.exact import Poles, poles, refine, run, select
 
 FINEST_STEP_S = 1e-3
@@ -24,9 +25,6 @@ FINEST_STEP_S = 1e-3
 
 NEGLIGIBLE_MODE = 1e-6
 """A mode with less than this share of the largest static part is left out: below any digit shown."""
-
-SAME_HEIGHT = 0.01
-"""Floors meet when their heights differ by at most this share of the lower floor's height."""
 
 
 @dataclass(frozen=True)
@@ -84,15 +82,9 @@ def required_gap(
     )
 
 
-def shared_floors(left: ReducedFrame, right: ReducedFrame) -> list[tuple[int, int]]:
-    """Return the floors that lie at the same height, as pairs of floor numbers, from the table up."""
-    pairs = []
-    for number, height in enumerate(left.heights_m, start=1):
-        away = np.abs(np.asarray(right.heights_m) - height)
-        nearest = int(away.argmin())
-        if away[nearest] <= SAME_HEIGHT * height:
-            pairs.append((number, nearest + 1))
-    return pairs
+def is_left_lower(left: ReducedFrame, right: ReducedFrame) -> bool:
+    """Return whether the left frame is the lower one, whose floors a contact is named by."""
+    return bool(left.heights_m[-1] < right.heights_m[-1])
 
 
 def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[int, int]:
@@ -106,7 +98,7 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
     Raises:
         ExperimentError: A floor that the lower frame does not have, or one that faces no floor of the other.
     """
-    lower_is_left = left.heights_m[-1] < right.heights_m[-1]
+    lower_is_left = is_left_lower(left, right)
     lower, other = (left, right) if lower_is_left else (right, left)
     wanted = lower.storeys if floor is None else floor
     if not 1 <= wanted <= lower.storeys:
@@ -114,7 +106,7 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
             f"floor {wanted} cannot meet: frame {lower.name} has the floors 1 to {lower.storeys} "
             f"beside {other.name}"
         )
-    for pair in shared_floors(left, right):
+    for pair in level_floors(left.heights_m, right.heights_m):
         if pair[0 if lower_is_left else 1] == wanted:
             return pair
     raise ExperimentError(
@@ -152,13 +144,19 @@ def floor_motions(
 
     `pounding.frames.response.exact.forced` without the velocities, and without the modes whose static part is below a
     millionth of the largest.
+
+    Args:
+        frame: Poles of the frame.
+        coordinates: Indices of the coordinates (k,).
+        history: Acceleration of the table (m,) [m/s^2].
+        step_s: Sample step [s].
     """
     weights = frame.load[:, None] * select(frame.output, coordinates)
     static = np.abs(weights / frame.rates[:, None]).max(axis=1)
     counted = static > NEGLIGIBLE_MODE * static.max()
     states = run(frame.rates[counted], history, step_s)
     weights = weights[counted]
-    return states.real.T @ weights.real - states.imag.T @ weights.imag
+    return np.asarray(states.real.T @ weights.real - states.imag.T @ weights.imag)
 
 
 def pair_gap(
@@ -183,14 +181,23 @@ def pair_gap(
 
 
 def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> list[tuple[int, RequiredGap]]:
-    """Return the required gap at every shared floor, each with the floor's number in the lower frame."""
-    pairs = shared_floors(left, right)
+    """Return the required gap at every shared floor, each with the floor's number in the lower frame.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        record: Table motion at the frames' scale.
+
+    Raises:
+        ExperimentError: No floors of the two are level.
+    """
+    pairs = level_floors(left.heights_m, right.heights_m)
     if not pairs:
         raise ExperimentError(f"frames {left.name} and {right.name} have no floor at a shared height")
     step = record.step_s / fine_step(record.step_s)
     moved_left = motions(left, record, [pair[0] for pair in pairs])
     moved_right = motions(right, record, [pair[1] for pair in pairs])
-    of_lower = 0 if left.heights_m[-1] < right.heights_m[-1] else 1
+    of_lower = 0 if is_left_lower(left, right) else 1
     return [
         (pair[of_lower], required_gap(moved_left[:, index], moved_right[:, index], step))
         for index, pair in enumerate(pairs)

@@ -25,15 +25,13 @@ from pounding.experiments.records import Record
 from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion, floor_coordinate
 from pounding.experiments.rig.watchdog import Guard
+from pounding.frames.floors import level_floors
 from pounding.frames.response.body import FrameBody, Table
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.float64]
-
-LEVEL_TOLERANCE_M = 5e-3
-"""Floors whose heights differ by more than a plate's thickness do not meet edge to edge [m]."""
 
 
 @dataclass(frozen=True)
@@ -131,10 +129,10 @@ class Rig:
         pair = self.frames[contact.pair : contact.pair + 2]
         for frame, floor in zip(pair, contact.floors, strict=True):
             floor_coordinate(frame, floor)
-        low, high = (
-            float(frame.heights_m[floor - 1]) for frame, floor in zip(pair, contact.floors, strict=True)
-        )
-        if abs(low - high) > LEVEL_TOLERANCE_M:
+        if contact.floors not in level_floors(pair[0].heights_m, pair[1].heights_m):
+            low, high = (
+                float(frame.heights_m[floor - 1]) for frame, floor in zip(pair, contact.floors, strict=True)
+            )
             raise ExperimentError(
                 f"floor {contact.floors[0]} of {pair[0].name} is at {low:g} m and floor {contact.floors[1]} "
                 f"of {pair[1].name} at {high:g} m: only floors at one height can meet"

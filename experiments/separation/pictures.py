@@ -223,6 +223,12 @@ def held_out(comparison: pd.DataFrame) -> Figure:
 
 
 def save(figure: Figure, path: Any, *, dpi: int = 100) -> None:
-    """Write a figure whole or not at all."""
+    """Write a figure whole or not at all.
+
+    Args:
+        figure: The figure.
+        path: File to write.
+        dpi: Resolution [dots per inch].
+    """
     with replacing(path) as part:
         figure.savefig(part, dpi=dpi)

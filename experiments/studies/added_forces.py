@@ -85,7 +85,13 @@ def damping_by_drift(body: Storeys, values: Real) -> Force:
 
 
 def hysteresis(body: Storeys, values: Real, *, share: float) -> Force:
-    """Return the loss of force where a share of each storey's stiffness slips at a drift of `values` [mm]."""
+    """Return the loss of force where a share of each storey's stiffness slips at a drift of `values` [mm].
+
+    Args:
+        body: The storeys.
+        values: Drift at which a storey slips, one a variant (values,) [mm].
+        share: Share of the stiffness that slips [-].
+    """
     return _slider(share * body.storey_stiffness, np.multiply.outer(1e-3 * values, np.ones(len(body.mass))))
 
 
@@ -105,7 +111,7 @@ def softening(body: Storeys, values: Real) -> Force:
     ]
 
     def force(u: Real, v: Real, w: Real) -> Real:
-        return np.sum([spring(u, v, w) for spring in springs], axis=0)
+        return np.asarray(np.sum([spring(u, v, w) for spring in springs], axis=0))
 
     return force
 

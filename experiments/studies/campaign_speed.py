@@ -11,12 +11,13 @@ import time
 from pathlib import Path
 from typing import Any
 
-from pounding.experiments.campaign.cases import LAWS, chapter_5, chapter_6, run_all, shaking
+from pounding.experiments.campaign.cases import LAWS, chapter_5, chapter_6, run_all
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.pounding import shaking
 from pounding.experiments.studies.shared import Kept, Workers
 
 
@@ -39,6 +40,11 @@ def study(
 
     `processor_s` is that of all processes, starting them and reading impacts and energies included;
     `integration_s` is the engine's share of it.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        kept: Folder for finished cases.
+        workers: Processes; one a core when None.
     """
     tests = chapter_5() + chapter_6()
     cases = [case(test, test.gap_mm, law) for test in tests for law in LAWS]

@@ -85,7 +85,7 @@ def _forces(
 
 def _stiffness_proportional(body: Storeys, slope: float) -> Real:
     omega = change.modes(body).omega
-    return body.ratio + slope * (omega / omega[0] - 1)
+    return np.asarray(body.ratio + slope * (omega / omega[0] - 1))
 
 
 def _mass_proportional(body: Storeys, first: float) -> Real:

@@ -132,7 +132,13 @@ def _motion(name: str, variant: Variant, folder: Path | None) -> Record:
 def confirmations(
     built: dict[str, ReducedFrame], motions: dict[str, Record], progress: Progress | None = None
 ) -> pd.DataFrame:
-    """Return what collisions 1 % below and 1 % above each required gap say."""
+    """Return what collisions 1 % below and 1 % above each required gap say.
+
+    Args:
+        built: Frames by name.
+        motions: Records at model scale by name.
+        progress: Where progress is shown.
+    """
     cases = [(*pair, name) for pair in tables_4.pairs() for name in motions]
     bar = None if progress is None else progress.add_task("collisions below and above", total=len(cases))
     rows = {}
@@ -210,7 +216,8 @@ def _cell(value: Any) -> Any:
 
 
 def _rows(frame: pd.DataFrame) -> list[dict[Any, Any]]:
-    return frame.reset_index().to_dict("records")
+    rows: list[dict[Any, Any]] = frame.reset_index().to_dict("records")
+    return rows
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pounding.contact.parameters import STIFFNESS_SETS, viscoelastic_of
-from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all, shaking
+from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
@@ -23,7 +23,7 @@ from pounding.experiments.console.output import emit, table
 from pounding.experiments.pictures import contact_plots as plots_contact
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from pounding.experiments.rig.pounding import built, pound
+from pounding.experiments.rig.pounding import built, pound, shaking
 from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
 
 SOURCES = tuple(STIFFNESS_SETS)
@@ -124,7 +124,13 @@ def spread(first_peak: pd.DataFrame, peak: pd.DataFrame) -> pd.DataFrame:
 
 
 def pictures(tables: dict[str, pd.DataFrame], out: Path, records: Path | None = None) -> None:
-    """Write the map of the peak force, and histories and loops of one case, into a folder."""
+    """Write the map of the peak force, and histories and loops of one case, into a folder.
+
+    Args:
+        tables: The study's tables by name.
+        out: Folder for the pictures.
+        records: Folder with ground motions; None for the default.
+    """
     for name in ("laboratory_gap", "same_fraction"):
         column = tables[f"peak_force_{name}"][REFERENCE]
         rows = {

@@ -22,7 +22,6 @@ from pounding.experiments.campaign.cases import (
     frame_of,
     run_all,
     run_apart,
-    shaking,
 )
 from pounding.experiments.campaign.dissimilarity import printed_values, rank_sums, ranking_table
 from pounding.experiments.campaign.tables import (
@@ -44,6 +43,7 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
+from pounding.experiments.rig.pounding import shaking
 from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
 from pounding.experiments.sweeps.sweep import sweep
 

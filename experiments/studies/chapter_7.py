@@ -235,7 +235,13 @@ def _records(found: dict[str, pd.DataFrame], records: Path | None) -> dict[str, 
 
 
 def write(found: dict[str, pd.DataFrame], tables: dict[str, pd.DataFrame], out: Path) -> None:
-    """Write the cases and every table as CSV, and the pictures as PNG, into a folder."""
+    """Write the cases and every table as CSV, and the pictures as PNG, into a folder.
+
+    Args:
+        found: The cases of each level by its name.
+        tables: The study's tables by name.
+        out: Folder for tables and pictures.
+    """
     for name, cases in found.items():
         write_whole(out / f"cases_{name}.csv", cases.to_csv(index=False, float_format="%.8g").encode())
     for name, table in tables.items():

@@ -73,7 +73,16 @@ def study(
     laws: Iterable[str] = LAWS,
     only: Iterable[str] | None = None,
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
-    """Return the stamped result and its tables by name; `only` names cases as in the tables."""
+    """Return the stamped result and its tables by name; `only` names cases as in the tables.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        kept: Folder for finished cases.
+        workers: Processes; one a core when None.
+        duration_s: Model time of each run [s].
+        laws: Names of the impact laws.
+        only: Cases as they are called in the tables; all when None.
+    """
     folder = "" if records is None else str(records)
     wanted = None if only is None else set(only)
     tests = [t for t in chapter_6() if wanted is None or label(t.left, t.right, t.record) in wanted]
@@ -95,7 +104,17 @@ def study(
 def compare(
     left: str, right: str, record: str, law: str, gap_mm: float, *, duration_s: float, folder: str = ""
 ) -> dict[str, Any]:
-    """Return the comparisons of one case, for `sweep`: each of `COMPARISONS` as JSON text."""
+    """Return the comparisons of one case, for `sweep`: each of `COMPARISONS` as JSON text.
+
+    Args:
+        left: Name of the frame on the left.
+        right: Name of the frame on the right.
+        record: Name of the ground motion.
+        law: Name of the impact law.
+        gap_mm: Gap at rest [mm].
+        duration_s: Model time of the run [s].
+        folder: Folder with ground motions; empty for the default.
+    """
     default, tight = (
         _impacts((left, right), None, record, law, gap_mm, accuracy, duration_s, folder)
         for accuracy in (COLLIDING, REFERENCE)

@@ -49,7 +49,13 @@ Step = Callable[[], None]
 
 
 def fixed(reduced: frames.ReducedFrame, record: Record, *, step: Step = lambda: None) -> list[dict[str, Any]]:
-    """Return error and cost of each integrator and fixed step of `FIXED`."""
+    """Return error and cost of each integrator and fixed step of `FIXED`.
+
+    Args:
+        reduced: The frame.
+        record: Table motion at the frame's scale.
+        step: Called after each run.
+    """
     rows = []
     for integrator, steps in FIXED.items():
         for longest in steps:
@@ -61,7 +67,13 @@ def fixed(reduced: frames.ReducedFrame, record: Record, *, step: Step = lambda: 
 def adaptive(
     reduced: frames.ReducedFrame, record: Record, *, step: Step = lambda: None
 ) -> list[dict[str, Any]]:
-    """Return error and cost of the rig's adaptive integrator at each tolerance of `ADAPTIVE`."""
+    """Return error and cost of the rig's adaptive integrator at each tolerance of `ADAPTIVE`.
+
+    Args:
+        reduced: The frame.
+        record: Table motion at the frame's scale.
+        step: Called after each run.
+    """
     rows = []
     for tolerance in ADAPTIVE:
         accuracy = Accuracy(relative=tolerance, absolute=1e-2 * tolerance)
@@ -78,7 +90,13 @@ def adaptive(
 def table_mass(
     reduced: frames.ReducedFrame, record: Record, *, step: Step = lambda: None
 ) -> list[dict[str, Any]]:
-    """Return the error that the table's finite mass leaves, with the classical Runge-Kutta method."""
+    """Return the error that the table's finite mass leaves, with the classical Runge-Kutta method.
+
+    Args:
+        reduced: The frame.
+        record: Table motion at the frame's scale.
+        step: Called after each run.
+    """
     rows = []
     for mass in MASSES_KG:
         rows.append({"table_mass_kg": mass} | _fixed_row(reduced, record, "RK44", 2.5e-4, table_mass_kg=mass))

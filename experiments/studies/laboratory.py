@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from rich.progress import Progress
 
 from pounding import frames
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
@@ -57,7 +58,7 @@ def tested(name: str) -> dict[str, Any]:
         "sweep_damping_ratio": [reading.damping_ratio for reading in sweep.readings],
         "sweep_roof_mm_per_g": 1e3
         * float(np.abs(sweep.roof_displacement_m).max())
-        / (float(np.abs(sweep.table_m_s2).max()) / frames.definition.GRAVITY),
+        / (float(np.abs(sweep.table_m_s2).max()) / STANDARD_GRAVITY),
         "published": {
             "free_vibration_hz": known.free_vibration_hz,
             "free_vibration_damping_ratio": known.free_vibration_damping_ratio,

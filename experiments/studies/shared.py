@@ -25,7 +25,8 @@ def write_tables(tables: dict[str, pd.DataFrame], folder: Path) -> None:
 
 def keyed(frame: pd.DataFrame) -> list[dict[str, Any]]:
     """Return a table as a list of rows for JSON, NaN as null."""
-    return json.loads(frame.reset_index().to_json(orient="records"))
+    rows: list[dict[str, Any]] = json.loads(frame.reset_index().to_json(orient="records"))
+    return rows
 
 
 def cell(value: Any) -> str:

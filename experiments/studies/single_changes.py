@@ -18,11 +18,11 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import eigh
 
 from pounding import frames
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.records import Record
 from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,12 @@ class Storeys:
         couplings = np.append(max(float(self.stiffness[0].sum()), float(between[0])), between)
         difference = np.eye(len(couplings)) - np.eye(len(couplings), k=-1)
         chain = difference.T @ np.diag(couplings) @ difference
-        return couplings * eigh(self.stiffness, chain, eigvals_only=True)[0]
+        return np.asarray(couplings * eigh(self.stiffness, chain, eigvals_only=True)[0])
 
     @property
     def floor_mass(self) -> Real:
         """Mass of each floor (n,) [kg]."""
-        return self.mass.sum(axis=1)
+        return np.asarray(self.mass.sum(axis=1))
 
 
 def storeys(reduced: frames.ReducedFrame) -> Storeys:
@@ -146,7 +146,7 @@ def with_yielding_base(body: Storeys, flexibility: float) -> Storeys:
 
 def with_p_delta(body: Storeys, weight_factor: float) -> Storeys:
     """Return storeys with gravity's geometric stiffness of `weight_factor` times the weight added."""
-    above = np.cumsum(body.floor_mass[::-1])[::-1] * GRAVITY
+    above = np.cumsum(body.floor_mass[::-1])[::-1] * STANDARD_GRAVITY
     per_drift = above / np.diff(body.height_m, prepend=0.0)
     difference = np.eye(len(above)) - np.eye(len(above), k=-1)
     softening = difference.T @ np.diag(per_drift) @ difference
@@ -161,7 +161,13 @@ def with_rocking(body: Storeys, flexibility: float) -> Storeys:
 
 
 def linear_histories(body: Storeys, basis: Modes, record: Record) -> Real:
-    """Return the exact displacement of all floors (m, n) [m] relative to the table."""
+    """Return the exact displacement of all floors (m, n) [m] relative to the table.
+
+    Args:
+        body: The storeys.
+        basis: Their modes.
+        record: Table motion at the frame's scale.
+    """
     influence = np.ones(len(body.mass), dtype=np.float64)
     poles = modal_poles(basis.omega, basis.ratio, basis.shapes, body.mass, influence)
     return np.asarray(forced(poles, record.acceleration_m_s2, record.step_s)[0], dtype=np.float64)

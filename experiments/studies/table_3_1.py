@@ -73,13 +73,25 @@ def target_hz(frame: PlateFrame, calibration: str) -> float:
 
 
 def calibrated(frame: PlateFrame, calibration: str, *, p_delta: bool = True) -> PlateFrame:
-    """Return a frame with its joints fitted anew to one first frequency."""
+    """Return a frame with its joints fitted anew to one first frequency.
+
+    Args:
+        frame: The frame.
+        calibration: `free_vibration`, `sweep` or `numerical`.
+        p_delta: Geometric stiffness of gravity.
+    """
     stiffness = joint_stiffness(frame, target_hz(frame, calibration), p_delta=p_delta)
     return with_joint_stiffness(frame, stiffness, calibration)
 
 
 def row(frame: PlateFrame, rung: str, calibration: str | None) -> dict[str, Any]:
-    """Return what a model says of a frame: joint stiffness, three frequencies, roof stiffness."""
+    """Return what a model says of a frame: joint stiffness, three frequencies, roof stiffness.
+
+    Args:
+        frame: The frame.
+        rung: A key of `RUNGS`.
+        calibration: Name of the joints' calibration; None for rigid joints.
+    """
     joints, p_delta = RUNGS[rung]
     reduced = frames.build(frame, joints=joints, p_delta=p_delta, calibration=calibration)
     return {

@@ -104,7 +104,13 @@ def _fitted_without_gravity(name: str, calibration: str) -> PlateFrame:
 
 
 def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Record:
-    """Return a record as the table ran it in a variant: time compressed, peak and polarity as wanted."""
+    """Return a record as the table ran it in a variant: time compressed, peak and polarity as wanted.
+
+    Args:
+        name: Name of the record.
+        variant: What is believed of the test.
+        folder: Folder with ground motions; None for the default.
+    """
     pga = None if variant.peaks == "3.7" else float(published.table("7.1")["pga_g"][name])
     record = find(name, folder).scaled(pga_g=pga)
     record = record.resampled(record.step_s / np.ceil(record.step_s / MODEL_STEP_S))
@@ -112,7 +118,13 @@ def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Rec
 
 
 def floor_peaks(reduced: frames.ReducedFrame, record: Record, floors: Sequence[int]) -> NDArray[np.float64]:
-    """Return the largest and the size of the smallest relative displacement of floors (floors, 2) [mm]."""
+    """Return the largest and the size of the smallest relative displacement of floors (floors, 2) [mm].
+
+    Args:
+        reduced: The frame.
+        record: Table motion at the frame's scale.
+        floors: Floor numbers, from 1.
+    """
     columns = [int(reduced.floor_x[floor - 1]) for floor in floors]
     displacement, _ = linear_response(reduced, record.acceleration_m_s2, record.step_s, outputs=columns)
     return 1e3 * np.stack([displacement.max(axis=0), -displacement.min(axis=0)], axis=1)

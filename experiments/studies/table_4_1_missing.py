@@ -50,7 +50,12 @@ KEPT_ARIAS = 0.999
 def peaks_of(change_name: str, frame: str, record: str, folder: str, samples: str) -> dict[str, xr.DataArray]:
     """Return the peaks [mm] of a frame's floors in the table for all values of a change.
 
-    `samples`, the hash of all records, only makes the case another one when a record is another.
+    Args:
+        change_name: A key of `CHANGES`.
+        frame: Name of the frame.
+        record: Name of the record.
+        folder: Folder with ground motions; empty for the default.
+        samples: Hash of all records, which makes the case another one when a record is another.
     """
     motion = find(record, folder or None).scaled().trimmed(lower=0.0, upper=KEPT_ARIAS)
     chosen, printed = CHANGES[change_name], measured()
@@ -68,7 +73,14 @@ def all_peaks(
     workers: int | None = None,
     scheduler: str | None = None,
 ) -> xr.DataArray:
-    """Return peaks [mm] over change, value, place, record and side; NaN past a change's last value."""
+    """Return peaks [mm] over change, value, place, record and side; NaN past a change's last value.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        folder: Folder for finished cases.
+        workers: Processes; one a core when None.
+        scheduler: Address of a dask.distributed scheduler; this machine when None.
+    """
     motions = [find(name, records) for name in RECORDS]
     settings = {"folder": str(records or ""), "samples": " ".join(motion.sha256 for motion in motions)}
     grid = {"change_name": list(CHANGES), "frame": list(FRAMES), "record": list(RECORDS)}
@@ -77,8 +89,9 @@ def all_peaks(
     if failed:
         raise ExperimentError(f"{len(failed)} runs failed, the first: {failed[0]}")
     printed = measured()
-    at_place = data.peaks.sel(frame=printed.frame, floor=printed.floor)
-    return at_place.rename(change_name="change").transpose("change", "value", "place", "record", "side")
+    at_place: xr.DataArray = data.peaks.sel(frame=printed.frame, floor=printed.floor)
+    renamed = at_place.rename(change_name="change")
+    return renamed.transpose("change", "value", "place", "record", "side")
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ import inspect
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+import pounding
 from pounding.experiments.errors import ExperimentError
 from pounding.frames.errors import FrameError
 from pounding.frames.files import write_whole
@@ -39,16 +39,30 @@ class Outcome:
     failure: str = ""
 
 
-def code_version(run: Run) -> str:
-    """Return a hash of the source that a case depends on: frames, contact, experiments and `run`'s module.
+NO_PART_OF_A_CASE = (
+    "frames/drawing",
+    "experiments/command",
+    "experiments/console",
+    "experiments/pictures",
+    "experiments/records",
+    "experiments/studies",
+)
+"""Rooms that change no result: what draws and asks. A record enters a case by its own hash."""
 
-    Studies, records and the command are not part of it: a record enters a case by its own hash.
-    """
-    files: set[Path] = set()
+
+def sources() -> set[Path]:
+    """Return the files that a case depends on: those of frames, contact and experiments but `NO_PART_OF_A_CASE`."""
+    house = Path(pounding.__file__).parent
+    files = set(house.glob("*.py"))
     for package in ("frames", "contact", "experiments"):
-        spec = find_spec(package)
-        if spec is not None and spec.origin is not None:
-            files.update(Path(spec.origin).parent.glob("*.py"))
+        files.update((house / package).rglob("*.py"))
+    left_out = tuple(house / room for room in NO_PART_OF_A_CASE)
+    return {file for file in files if not any(room in file.parents for room in left_out)}
+
+
+def code_version(run: Run) -> str:
+    """Return a hash of the source that a case depends on: see `sources`, and `run`'s own module."""
+    files = sources()
     own = inspect.getsourcefile(inspect.unwrap(run))
     if own is not None:
         files.add(Path(own))
@@ -60,6 +74,12 @@ def code_version(run: Run) -> str:
 
 def case_key(run: Run, case: Case, settings: Case, version: str) -> str:
     """Return the hash by which a finished case is found again.
+
+    Args:
+        run: What is run.
+        case: Arguments of the case.
+        settings: Arguments that all cases share.
+        version: Version of the code, see `code_version`.
 
     Raises:
         ExperimentError: A case or setting that is no number, text, truth value, None, or list of these.
@@ -92,6 +112,11 @@ class Store:
 
     def put(self, key: str, case: Case, outcome: Outcome) -> None:
         """Keep a finished case, whole or not at all.
+
+        Args:
+            key: See `case_key`.
+            case: Arguments of the case.
+            outcome: What the run returned.
 
         Raises:
             StoreError: The folder cannot be written, a full disk among other reasons.

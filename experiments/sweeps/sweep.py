@@ -118,7 +118,8 @@ def _run_all(finished: Running, store: Store, total: int, missing: int, console:
 def _outcome(future: Any) -> Outcome:
     error = future.exception()
     if error is None:
-        return future.result()
+        outcome: Outcome = future.result()
+        return outcome
     if isinstance(error, StoreError):
         raise error
     name = type(error).__name__

@@ -164,6 +164,11 @@ def _stop(pool: ProcessPoolExecutor, folders: Iterable[Path | None]) -> None:
 def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Running:
     """Run tasks on the workers of a dask scheduler.
 
+    Args:
+        tasks: What is to be run.
+        address: Address of the scheduler.
+        timeout_s: How long to wait for it [s].
+
     Raises:
         ExperimentError: The scheduler does not answer, has no workers, or is lost on the way.
     """

@@ -69,7 +69,13 @@ def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
 
 
 def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0) -> Any:
-    """Return a shape as a pyvista surface, displaced by ``factor`` times the displacement (nodes, 3) [m]."""
+    """Return a shape as a pyvista surface, displaced by ``factor`` times the displacement (nodes, 3) [m].
+
+    Args:
+        shape: Floors and columns.
+        displacement: Displacement of each node (nodes, 3) [m]; none when None.
+        factor: By how much the displacement is enlarged [-].
+    """
     import pyvista
 
     nodes: Real = shape.nodes if displacement is None else shape.nodes + factor * displacement
@@ -79,7 +85,14 @@ def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0)
 
 
 def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> Any:
-    """Add the outlines of floors and columns and return them; pale ones for a frame at rest."""
+    """Add the outlines of floors and columns and return them; pale ones for a frame at rest.
+
+    Args:
+        scene: The plotter.
+        shape: Floors and columns.
+        nodes: Where the nodes are (nodes, 3) [m].
+        ghost: Draw a pale frame at rest.
+    """
     import pyvista
 
     lines = np.column_stack([np.full(len(shape.outline), 2), shape.outline])
@@ -90,13 +103,26 @@ def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> 
 
 
 def add_surface(scene: Any, surface: Any, **style: Any) -> None:
-    """Add a surface evenly lit, a hair behind the lines that are drawn on it."""
+    """Add a surface evenly lit, a hair behind the lines that are drawn on it.
+
+    Args:
+        scene: The plotter.
+        surface: A pyvista surface.
+        style: Arguments of pyvista's `add_mesh`.
+    """
     actor = scene.add_mesh(surface, **(LIGHT | style))
     actor.mapper.SetResolveCoincidentTopologyToPolygonOffset()
 
 
 def add_plain(scene: Any, shape: Shape, displacement: Real | None = None, **mesh: Any) -> Any:
-    """Add a frame in plain colours, floors lighter than columns, and return its surface."""
+    """Add a frame in plain colours, floors lighter than columns, and return its surface.
+
+    Args:
+        scene: The plotter.
+        shape: Floors and columns.
+        displacement: Displacement of each node (nodes, 3) [m]; none when None.
+        mesh: Arguments of pyvista's `add_mesh`.
+    """
     surface = grid(shape, displacement)
     for members, colour in ((~shape.is_column, FLOOR), (shape.is_column, COLUMN)):
         part = surface.extract_cells(np.flatnonzero(members))
@@ -149,11 +175,18 @@ def look(scene: Any, low: Real, high: Real, *, margins: Margins | None = None) -
 def letters(scene: Any, size: float) -> int:
     """Return a font size for the picture at hand that is ``size`` in one of 640 by 800 pixels."""
     width, height = scene.window_size
-    return max(5, round(size * min(width / 640.0, height / 800.0)))
+    return int(max(5, round(size * min(width / 640.0, height / 800.0))))
 
 
 def caption(scene: Any, words: str, *, size: int = 11, place: tuple[float, float] = (0.02, 0.98)) -> Any:
-    """Write words whose upper left corner is at a place in the picture, as shares of its width and height."""
+    """Write words whose upper left corner is at a place in the picture, as shares of its width and height.
+
+    Args:
+        scene: The plotter.
+        words: What is written.
+        size: Font size in a picture of 640 by 800 pixels.
+        place: Place (x, y) as shares of the picture's width and height.
+    """
     font = {"font_size": letters(scene, size), "font": "arial", "color": "black"}
     actor = scene.add_text(words, position=place, viewport=True, **font)
     actor.prop.justification_vertical = "top"
@@ -161,7 +194,13 @@ def caption(scene: Any, words: str, *, size: int = 11, place: tuple[float, float
 
 
 def bar(scene: Any, title: str, **changes: Any) -> dict[str, Any]:
-    """Return pyvista's arguments for an upright colour bar at the right."""
+    """Return pyvista's arguments for an upright colour bar at the right.
+
+    Args:
+        scene: The plotter.
+        title: Words above the bar.
+        changes: Arguments that replace the ones here.
+    """
     fonts = {"title_font_size": letters(scene, 16), "label_font_size": letters(scene, 15)}
     place = {"vertical": True, "position_x": 0.86, "position_y": 0.3, "height": 0.42, "width": 0.07}
     return {"title": title, "color": "black", "n_labels": 5, "fmt": "%.3g"} | fonts | place | changes
@@ -175,6 +214,11 @@ def save(scene: Any, path: str | Path) -> None:
 
 def mesh_picture(reduced: ReducedFrame, path: str | Path, *, size: tuple[int, int] = (640, 800)) -> None:
     """Draw the mesh of a frame, floors and columns in two colours, with its elements.
+
+    Args:
+        reduced: The frame.
+        path: File to write, `.png`.
+        size: Width and height [pixels].
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
@@ -193,6 +237,12 @@ def modes_picture(
     reduced: ReducedFrame, path: str | Path, *, modes: int = 3, size: tuple[int, int] = (1100, 760)
 ) -> None:
     """Draw the lowest mode shapes side by side, coloured by displacement, the frame at rest as outline.
+
+    Args:
+        reduced: The frame.
+        path: File to write, `.png`.
+        modes: Number of modes.
+        size: Width and height [pixels].
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.

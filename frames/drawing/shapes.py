@@ -49,7 +49,7 @@ class Shape:
         """Edges that belong to one element only, as pairs of nodes (edges, 2)."""
         sides = np.sort(np.concatenate([self.quads[:, [i, (i + 1) % 4]] for i in range(4)]), axis=1)
         pairs, count = np.unique(sides, axis=0, return_counts=True)
-        return pairs[count == 1]
+        return np.asarray(pairs[count == 1])
 
     def moved(self, q: Real) -> Real:
         """Return the displacement (nodes, 3) [m] for coordinates q (n,), relative to the table."""

@@ -54,7 +54,13 @@ def write_mesh(reduced: ReducedFrame, path: str | Path) -> None:
 
 
 def write_modes(reduced: ReducedFrame, path: str | Path, *, modes: int = 3) -> None:
-    """Write the lowest mode shapes as vector fields like ``mode 1, 2.25 Hz``, each with largest length 1."""
+    """Write the lowest mode shapes as vector fields like ``mode 1, 2.25 Hz``, each with largest length 1.
+
+    Args:
+        reduced: The frame.
+        path: File to write, `.vtu`.
+        modes: Number of modes.
+    """
     shape = shape_of(reduced)
     fields = {}
     for mode in range(min(modes, len(reduced.frequencies_hz))):

@@ -72,7 +72,7 @@ class Model:
         Args:
             motion: Accelerations of all nodes (6 nodes, k).
         """
-        return self.coordinates.to_nodes.T @ (self.node_mass @ motion)
+        return np.asarray(self.coordinates.to_nodes.T @ (self.node_mass @ motion))
 
 
 def assemble(frame: PlateFrame, options: Options | None = None) -> Model:
@@ -104,6 +104,11 @@ def joint_springs(frame: PlateFrame, mesh: Mesh, calibration: str | None = None)
 
     A column that runs through the floors has one joint at each floor, counted at the upper end of the storey
     below, and one at the base.
+
+    Args:
+        frame: The frame.
+        mesh: Its mesh.
+        calibration: Name of the joints' calibration; the frame's default when None.
     """
     at_top, lowest = mesh.ends[:, 2] == 1, mesh.ends[:, 1] == 1
     counted = at_top | lowest | (not frame.columns.continuous)
@@ -155,4 +160,4 @@ def _hat(values: Real, at: float) -> Real:
     upper = int(np.clip(np.searchsorted(lines, at), 1, len(lines) - 1))
     share = (at - lines[upper - 1]) / (lines[upper] - lines[upper - 1])
     low, high = np.isclose(values, lines[upper - 1]), np.isclose(values, lines[upper])
-    return (1.0 - share) * low + share * high
+    return np.asarray((1.0 - share) * low + share * high)

@@ -51,7 +51,7 @@ class Kinematics:
         """Return the coordinates (coordinates,) when every node but the base's moves along x by 1."""
         whole = self.place < 0
         component = np.where(whole, -1 - self.place, self.place % DOFS)
-        return (component == 0).astype(float)
+        return np.asarray(component == 0, float)
 
 
 def kinematics(

@@ -189,4 +189,4 @@ def _at(parts: _Parts, candidates: Index, wanted: Index) -> Index:
         raise FrameError(
             "mesh: a column's node has no floor node at its place; this is a bug, please report it"
         )
-    return candidates[nearest]
+    return np.asarray(candidates[nearest])

@@ -81,6 +81,11 @@ def assemble(nodes: Real, quads: Index, sections: Sections) -> tuple[csr_matrix,
 def same_shape(nodes: Real, quads: Index, thickness: Real) -> list[Index]:
     """Return the elements in groups of equal corners (but for their place) and thickness.
 
+    Args:
+        nodes: Coordinates (nodes, 3) [m].
+        quads: Nodes of each element (elements, 4).
+        thickness: Thickness of each element (elements,) [m].
+
     Raises:
         FrameError: An element is not a rectangle.
     """
@@ -123,6 +128,11 @@ def element_matrices(corners: Real, thickness_m: float, material: Material) -> t
 
 def surface_stress_rows(corners: Real, thickness_m: float, material: Material) -> Real:
     """Return the stresses at an element's centre for unit displacements of its nodes.
+
+    Args:
+        corners: Coordinates of the four corners (4, 3) [m].
+        thickness_m: Thickness [m].
+        material: The material.
 
     Returns:
         Rows (2, 3, 24): lower and upper surface (against and along the element's normal); normal stress along
@@ -180,7 +190,7 @@ def _triplet(size: int) -> tuple[Index, Index, Real]:
 
 
 def _dense(rows: Index, columns: Index, values: Real) -> Real:
-    return coo_matrix((values, (rows, columns)), shape=(24, 24)).toarray()
+    return np.asarray(coo_matrix((values, (rows, columns)), shape=(24, 24)).toarray())
 
 
 def _scatter(quads: Index, blocks: Real, nodes: int) -> csr_matrix:

@@ -1,1 +1,5 @@
-"""From thousands of coordinates to a few dozen, and back to the plates."""
+"""Model reduction: from the thousands of coordinates of the finite elements to a few dozen (Craig-Bampton).
+
+`reduced_frame` is the result, which everything else works with; `recovery` leads back to the plates' displacements and
+stresses.
+"""

@@ -166,7 +166,13 @@ def dense_modes(stiffness: Real, mass: Real) -> tuple[Real, Real]:
 
 
 def condense(stiffness: Real, mass: Real, kept: Index) -> tuple[Real, Real]:
-    """Return mass and stiffness condensed statically to some coordinates (Guyan), both (b, b)."""
+    """Return mass and stiffness condensed statically to some coordinates (Guyan), both (b, b).
+
+    Args:
+        stiffness: Stiffness (n, n) [N/m].
+        mass: Mass (n, n) [kg].
+        kept: Indices of the coordinates that are kept (b,).
+    """
     others = np.setdiff1d(np.arange(len(stiffness)), kept)
     basis = np.zeros((len(stiffness), len(kept)))
     basis[kept, np.arange(len(kept))] = 1.0
@@ -177,7 +183,14 @@ def condense(stiffness: Real, mass: Real, kept: Index) -> tuple[Real, Real]:
 
 
 def modal_damping(mass: Real, shapes: Real, frequencies_hz: Real, ratios: Real) -> Real:
-    """Return the damping matrix [N s/m] of modes with a damping ratio each."""
+    """Return the damping matrix [N s/m] of modes with a damping ratio each.
+
+    Args:
+        mass: Mass (n, n) [kg].
+        shapes: Mass-normalised shapes, one a column (n, m) [kg^-0.5].
+        frequencies_hz: Frequency of each mode (m,) [Hz].
+        ratios: Damping ratio of each mode (m,) [-].
+    """
     rows = mass @ shapes
     return _symmetric((rows * (4.0 * np.pi * ratios * frequencies_hz)) @ rows.T)
 

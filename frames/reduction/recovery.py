@@ -38,7 +38,13 @@ class Recovery:
 
     @classmethod
     def of(cls, frame: PlateFrame, options: dict[str, Any], basis: Real) -> Recovery:
-        """Return the recovery of a frame that was built with these options and reduced to this basis."""
+        """Return the recovery of a frame that was built with these options and reduced to this basis.
+
+        Args:
+            frame: The frame.
+            options: The options of its build.
+            basis: Model coordinates for unit reduced ones (m, n).
+        """
         mesh = build_mesh(frame, Density(**options["density"]))
         flexible = options["joints"] == "calibrated"
         coordinates = kinematics(frame, mesh, flexible_joints=flexible, rigid_floors=options["rigid_floors"])
@@ -49,7 +55,7 @@ class Recovery:
 
     def motion(self, q: Real) -> Real:
         """Return displacements and rotations (nodes, 6) [m, rad] for coordinates q (n,)."""
-        return (self.to_nodes @ (self.basis @ q)).reshape(-1, DOFS)
+        return np.asarray(self.to_nodes @ (self.basis @ q)).reshape(-1, DOFS)
 
     def displacement(self, q: Real) -> Real:
         """Return displacements (nodes, 3) [m] for coordinates q (n,)."""
@@ -69,7 +75,7 @@ class Recovery:
 
     def von_mises(self, q: Real) -> Real:
         """Return von Mises' stress (elements,) [Pa] at the elements' centres, of the worse surface."""
-        return shells.von_mises(self.surface_stress(q)).max(axis=1)
+        return np.asarray(shells.von_mises(self.surface_stress(q)).max(axis=1))
 
     @cached_property
     def _thickness(self) -> Real:

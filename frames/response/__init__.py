@@ -1,1 +1,4 @@
-"""What a reduced frame does: exact response, laboratory tests, stresses, and its body in exudyn."""
+"""How a reduced frame moves: exact linear response, modes, laboratory tests and stresses.
+
+`body` puts a reduced frame into exudyn, for runs that are not linear.
+"""

@@ -64,8 +64,8 @@ class Table:
 
     def _force(self, mass_kg: float) -> Any:
         # Plain lists and floats: indexing an array costs more than the whole interpolation.
-        force = (mass_kg * self.samples).tolist()
-        rise = [*np.diff(force).tolist(), 0.0]
+        force: list[float] = (mass_kg * self.samples).tolist()
+        rise: list[float] = [*np.diff(force).tolist(), 0.0]
         last, per_step = len(force) - 1, 1.0 / self.step_s
 
         def load(_mbs: Any, t: float, _load: float) -> float:
@@ -81,7 +81,7 @@ class Table:
     def acceleration(self, times_s: ArrayLike) -> Real:
         """Return the table's acceleration [m/s^2] at times [s]."""
         grid = self.step_s * np.arange(len(self.samples))
-        return np.interp(np.asarray(times_s, float), grid, self.samples, right=0.0)
+        return np.asarray(np.interp(np.asarray(times_s, float), grid, self.samples, right=0.0))
 
 
 class History(NamedTuple):

@@ -101,6 +101,12 @@ def modal_poles(circular: ArrayLike, ratios: ArrayLike, shapes: Real, mass: Real
 def state_poles(mass: Real, damping: Real, stiffness: Real, influence: Real) -> Poles:
     """Return the poles of ``M u'' + C u' + K u = -M r a`` with any damping matrix, all (n, n).
 
+    Args:
+        mass: Mass (n, n) [kg].
+        damping: Damping (n, n) [N s/m].
+        stiffness: Stiffness (n, n) [N/m].
+        influence: Coordinates' motion under a unit translation of the table (n,) [-].
+
     Raises:
         FrameError: Two poles coincide without two motions (critical damping).
     """
@@ -139,7 +145,14 @@ def linear_response(
 def forced(
     frame: Poles, acceleration: ArrayLike, dt_s: float, *, outputs: ArrayLike | None = None
 ) -> tuple[Real, Real]:
-    """Return displacement and velocity as `linear_response` does, of poles that are at hand already."""
+    """Return displacement and velocity as `linear_response` does, of poles that are at hand already.
+
+    Args:
+        frame: Poles of the frame.
+        acceleration: Acceleration of the table (m,) [m/s^2], linear between samples.
+        dt_s: Sample step [s].
+        outputs: Coordinates wanted (k,), or rows (k, n) that combine coordinates; all coordinates when None.
+    """
     acceleration = checked(acceleration, dt_s)
     weights = frame.load[:, None] * select(frame.output, outputs)
     part = np.abs(weights).max(axis=1, initial=0.0)
@@ -164,7 +177,7 @@ def free_response(
         displacement: Displacement at time zero (n,) [m], relative to the table.
         velocity: Velocity at time zero (n,) [m/s].
         times_s: Times wanted (m,) [s].
-        outputs: As in `linear_response`.
+        outputs: Coordinates wanted (k,) or rows (k, n), as in `linear_response`.
 
     Returns:
         Displacement (m, k) [m] and velocity (m, k) [m/s] relative to the table.
@@ -185,7 +198,7 @@ def absolute_acceleration(reduced: ReducedFrame, displacement: Real, velocity: R
         velocity: All coordinates (m, n) [m/s].
     """
     force = displacement @ reduced.stiffness + velocity @ reduced.damping
-    return -solve(reduced.mass, force.T, assume_a="pos").T
+    return np.asarray(-solve(reduced.mass, force.T, assume_a="pos").T)
 
 
 class Peaks(NamedTuple):
@@ -212,7 +225,7 @@ def oscillator_peaks(
 
     Args:
         frequencies_hz: Undamped natural frequencies [Hz], of any shape.
-        ratios: Damping ratios as fractions, below 1; broadcast against the frequencies.
+        ratios: Damping ratios [-], below 1; broadcast against the frequencies.
         acceleration: Acceleration of the base (m,) [m/s^2].
         dt_s: Sample step [s].
         points_per_period: The response is evaluated at so many instants a natural period at least. A peak
@@ -239,7 +252,12 @@ def oscillator_peaks(
 
 
 def refine(acceleration: Real, factor: int) -> Real:
-    """Return a piecewise linear history at ``factor`` times as many steps; the history is the same."""
+    """Return a piecewise linear history at ``factor`` times as many steps; the history is the same.
+
+    Args:
+        acceleration: Samples (m,) [m/s^2].
+        factor: Number of parts of a step.
+    """
     if factor == 1:
         return acceleration
     samples = len(acceleration)
@@ -247,7 +265,13 @@ def refine(acceleration: Real, factor: int) -> Real:
 
 
 def run(rates: Complex, history: Real, dt_s: float) -> Complex:
-    """Return the states (p, m) of ``z' = rate z + history(t)``, ``z(0) = 0``, linear between samples."""
+    """Return the states (p, m) of ``z' = rate z + history(t)``, ``z(0) = 0``, linear between samples.
+
+    Args:
+        rates: Poles (p,) [1/s].
+        history: Samples (m,) of the right side.
+        dt_s: Sample step [s].
+    """
     step = rates * dt_s
     growth = np.exp(step)
     mean = np.expm1(step) / step
@@ -263,6 +287,10 @@ def run(rates: Complex, history: Real, dt_s: float) -> Complex:
 
 def checked(acceleration: ArrayLike, dt_s: float) -> Real:
     """Return an acceleration history as an array.
+
+    Args:
+        acceleration: Acceleration (m,) [m/s^2].
+        dt_s: Sample step [s].
 
     Raises:
         FrameError: It has fewer than two samples or one that is not finite, or its step is not positive.

@@ -265,7 +265,7 @@ def _resonances(frequency: Real, ratio: Real, modes: int, reduced: ReducedFrame)
     peaks, _ = find_peaks(np.log(ratio), prominence=np.log(2.0))
     if len(peaks) < modes:
         raise FrameError(f"{reduced.name}: {len(peaks)} resonances below 50 Hz, {modes} wanted")
-    return frequency[peaks[:modes]]
+    return np.asarray(frequency[peaks[:modes]])
 
 
 def _read_ratio(roof: Real, table: Real, frequency: float, reduced: ReducedFrame) -> Reading:

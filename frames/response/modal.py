@@ -78,7 +78,13 @@ def analyse(
 
 
 def modes_of(model: Model, up_to_hz: float, damping_ratio: float = 0.0) -> Modes:
-    """Return the natural modes of an assembled model up to a frequency [Hz]."""
+    """Return the natural modes of an assembled model up to a frequency [Hz].
+
+    Args:
+        model: The assembled model.
+        up_to_hz: Highest frequency [Hz].
+        damping_ratio: Damping ratio of every mode [-].
+    """
     frequencies, shapes = lowest_modes(model.stiffness.tocsc(), model.mass.tocsc(), keep_hz=up_to_hz)
     motion = rigid_motions(model.mesh)
     return Modes(
@@ -106,7 +112,7 @@ def mac(first: Real, second: Real) -> Real:
     """Return the modal assurance criterion (m, k) of shapes (n, m) and (n, k): 1 for equal, 0 for unlike."""
     cross = first.T @ second
     own = np.einsum("ij,ij->j", first, first)[:, None] * np.einsum("ij,ij->j", second, second)
-    return cross**2 / own
+    return np.asarray(cross**2 / own)
 
 
 def describe(energies: Real) -> list[str]:

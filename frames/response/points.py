@@ -17,13 +17,22 @@ Real = NDArray[np.floating[Any]]
 
 
 def coupled(mass: Real, influence: Real) -> Real:
-    """Return the mass matrix (n + 1, n + 1) of relative coordinates and the table's displacement."""
+    """Return the mass matrix (n + 1, n + 1) of relative coordinates and the table's displacement.
+
+    Args:
+        mass: Mass of the relative coordinates (n, n) [kg].
+        influence: Their motion under a unit translation of the table (n,) [-].
+    """
     moved = mass @ influence
     return np.block([[mass, moved[:, None]], [moved[None, :], np.array([[influence @ moved]])]])
 
 
 def bordered(matrix: Real) -> Real:
-    """Return a matrix with a row and a column of zeros for the table."""
+    """Return a matrix with a row and a column of zeros for the table.
+
+    Args:
+        matrix: Any matrix (n, n).
+    """
     return np.pad(matrix, ((0, 1), (0, 1)))
 
 

@@ -40,7 +40,7 @@ class StressMap(NamedTuple):
 
     def von_mises(self, q: Real) -> Real:
         """Return von Mises' stress (elements,) [Pa], of the worse surface, for coordinates q (n,)."""
-        return von_mises(self.rows @ q).max(axis=1)
+        return np.asarray(von_mises(self.rows @ q).max(axis=1))
 
 
 class Largest(NamedTuple):
@@ -100,7 +100,7 @@ def largest_stress(reduced: ReducedFrame, displacement: Real) -> Largest:
 def _histories(rows: Real, displacement: Real) -> Real:
     """Return von Mises' stress (m, elements) of the worse surface for coordinates (m, n)."""
     stress = displacement @ rows.reshape(-1, rows.shape[-1]).T
-    return von_mises(stress.reshape(len(displacement), *rows.shape[:-1])).max(axis=2)
+    return np.asarray(von_mises(stress.reshape(len(displacement), *rows.shape[:-1])).max(axis=2))
 
 
 def _column_ends(reduced: ReducedFrame) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

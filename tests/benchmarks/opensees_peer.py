@@ -28,12 +28,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 from opensees_model import LumpedFrame, lumped, peaks
 
 from pounding import frames
-from pounding.contact import HertzDamp, Law, NonlinearViscoelastic, thesis_law
+from pounding.contact import BUILT_IN, HertzDamp, Law, NonlinearViscoelastic, thesis_law
 from pounding.contact.damping import hertz_damp_ratio
 from pounding.experiments.records import find
 from pounding.experiments.rig.rig import Accuracy, Contact, Rig
 
-LAWS = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
+LAWS = BUILT_IN
 INTEGRATORS = ("Newmark", "CentralDifference")
 STEPS_S = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7)

@@ -232,7 +232,8 @@ def period_s(height_m: float, *, kt: float = 0.11) -> float:
     """
     if height_m <= 0.0 or kt <= 0.0:
         raise ExperimentError(f"a height must be above zero to give a period, not {height_m:g} m")
-    return 1.25 * kt * height_m**0.75
+    period: float = 1.25 * kt * height_m**0.75
+    return period
 
 
 def level_of(pga_g: float) -> Level | None:

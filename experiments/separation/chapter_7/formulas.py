@@ -77,7 +77,7 @@ def by_class(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
         known = learn[learn["level"] == level]
         if len(known):
             found[group.index] = fit(known, WITHOUT_STIFFNESS_AND_MASS).predict(group)
-    return found.to_numpy(float)
+    return np.asarray(found, float)
 
 
 def linear(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
@@ -87,12 +87,12 @@ def linear(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
 
 def power(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
     """Return one product of powers of peak acceleration, frequencies, damping and heights."""
-    return np.exp(fit(learn, POWER_SYMBOLS, target="log_gap").predict(predict))
+    return np.asarray(np.exp(fit(learn, POWER_SYMBOLS, target="log_gap").predict(predict)))
 
 
 def spectral_power(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
     """Return a product of powers of both spectral displacements."""
-    return np.exp(fit(learn, SPECTRAL_SYMBOLS, target="log_gap").predict(predict))
+    return np.asarray(np.exp(fit(learn, SPECTRAL_SYMBOLS, target="log_gap").predict(predict)))
 
 
 def spectral_ddc(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
@@ -109,7 +109,7 @@ def spectral_ddc(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
 
 def spectral_abs(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
     """Return the sum of the spectral displacements; nothing is fitted."""
-    return (predict["spectral_tall_mm"] + predict["spectral_short_mm"]).to_numpy(float)
+    return np.asarray(predict["spectral_tall_mm"] + predict["spectral_short_mm"], float)
 
 
 FORMULAS: dict[str, Formula] = {
@@ -127,6 +127,11 @@ def held_out(cases: pd.DataFrame, formula: Formula, by: str) -> Real:
     """Return the predicted gap of each case by a formula that has learnt from the other values of a column.
 
     NaN where nothing is left to learn from.
+
+    Args:
+        cases: The cases, a row each.
+        formula: Predicts the gaps of cases from others that it may learn from.
+        by: Column of the cases.
     """
     found = pd.Series(np.nan, index=cases.index)
     for value in cases[by].unique():
@@ -134,7 +139,7 @@ def held_out(cases: pd.DataFrame, formula: Formula, by: str) -> Real:
         if inside.all():
             continue
         found[inside] = formula(cases[~inside], cases[inside])
-    return found.to_numpy(float)
+    return np.asarray(found, float)
 
 
 def compare(cases: pd.DataFrame, formulas: Mapping[str, Formula] = FORMULAS) -> pd.DataFrame:

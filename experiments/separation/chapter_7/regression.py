@@ -106,6 +106,11 @@ class Fit:
 def regressors(cases: pd.DataFrame, symbols: Sequence[str], constant: bool = True) -> pd.DataFrame:
     """Return the columns of a model, the square of E made and a column of ones put first.
 
+    Args:
+        cases: The cases, a row each.
+        symbols: Columns wanted; E2 is the square of E.
+        constant: Put a column of ones first.
+
     Raises:
         ExperimentError: A symbol that is no column.
     """
@@ -196,6 +201,10 @@ def errors(actual: NDArray[np.floating[Any]], predicted: NDArray[np.floating[Any
 
     ``unsafe`` is the share of cases whose gap is predicted too small, ``relative`` the mean size of the
     error over gap.
+
+    Args:
+        actual: Gap of each case (cases,) [mm].
+        predicted: Its prediction (cases,) [mm].
     """
     error = np.asarray(predicted, float) - np.asarray(actual, float)
     return {

@@ -1,1 +1,1 @@
-"""Gaps that pairs of frames need, beside the thesis' chapter 4."""
+"""The gap that two frames need so that they do not touch, computed, and beside chapter 4 of the thesis."""

@@ -21,7 +21,7 @@ from pounding.experiments.rig.required_gap import (
     required_gap,
 )
 from pounding.experiments.separation.gaps.variants import modal_frame
-from pounding.experiments.separation.rules.answers import Building, code_rules
+from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.frames.response.exact import refine
 
@@ -96,8 +96,16 @@ def gap_answer(
 
 def rules_beside(
     left: ReducedFrame, right: ReducedFrame, gap: RequiredGap, pga_g: float, length_scale: float
-) -> list:
-    """Return every code rule's answer, asked with the peaks of the run at the floor of contact."""
+) -> list[Answer]:
+    """Return every code rule's answer, asked with the peaks of the run at the floor of contact.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        gap: Their required gap and peaks.
+        pga_g: Peak acceleration of the record [g].
+        length_scale: Length of the model over that of the building [-].
+    """
     buildings = [
         Building(
             float(frame.heights_m[-1]), float(frame.frequencies_hz[0]), _damping(frame.damping_ratio), peak
@@ -167,7 +175,14 @@ def published_gap(left: str, right: str, floor: int, record: str) -> dict[str, A
 def history(
     left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None
 ) -> tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]], NDArray[np.floating[Any]]]:
-    """Return times (m,) [s] and the displacements of both contact floors (m,) [m], for a picture."""
+    """Return times (m,) [s] and the displacements of both contact floors (m,) [m], for a picture.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        record: Table motion at the frames' scale.
+        floor: Floor of the lower frame; its roof when None.
+    """
     at_left, at_right = contact_floors(left, right, floor)
     first = motions(left, record, [at_left])[:, 0]
     times = record.step_s / fine_step(record.step_s) * np.arange(len(first))

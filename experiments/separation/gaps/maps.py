@@ -74,7 +74,13 @@ def gap_map(
 
 
 def oscillators(record: Record, periods_s: Real, damping_ratio: float) -> Real:
-    """Return the displacements of oscillators under a record (periods, m) [m], float32 to save memory."""
+    """Return the displacements of oscillators under a record (periods, m) [m], float32 to save memory.
+
+    Args:
+        record: The ground motion.
+        periods_s: Natural periods (periods,) [s].
+        damping_ratio: Damping ratio [-].
+    """
     parts = fine_step(record.step_s)
     history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
     one = np.eye(1)

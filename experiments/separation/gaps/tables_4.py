@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any
@@ -103,7 +104,7 @@ def table_4_3() -> pd.DataFrame:
         after rounding to the printed digits.
     """
     peaks = consistency.published_peaks()
-    combine = {"abs": lambda a, b: a + b, "srss": math.hypot}
+    combine: dict[str, Callable[[float, float], float]] = {"abs": operator.add, "srss": math.hypot}
     rows = {}
     for rule, function in combine.items():
         for pair, printed in consistency.published_gaps("4.3", rule).items():
@@ -140,7 +141,13 @@ def rules_from_computed(
     pga_g: Mapping[str, float],
     gaps: Mapping[tuple[str, str, int, str], RequiredGap],
 ) -> pd.DataFrame:
-    """Return each rule's gap from the computed peaks over the computed equation 4.1, as above."""
+    """Return each rule's gap from the computed peaks over the computed equation 4.1, as above.
+
+    Args:
+        frames: Frames by name.
+        pga_g: Peak of each record [g].
+        gaps: Required gap by left and right frame, floor and record.
+    """
     rows = {}
     for (left, right, floor, record), gap in gaps.items():
         pair = Pair(left, right, floor, record)

@@ -1,1 +1,1 @@
-"""Code rules for the separation of adjacent buildings."""
+"""The separation that codes and the thesis' equations ask for between adjacent buildings."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.chapter_7 import equations
@@ -84,7 +85,7 @@ class Site:
         return Building(height_m, frequency_hz, self.damping_percent / 100.0, peak_m)
 
 
-def design(site: Site) -> dict:
+def design(site: Site) -> dict[str, Any]:
     """Ask every rule for the gap of two buildings.
 
     Args:
@@ -121,7 +122,13 @@ def design(site: Site) -> dict:
 
 
 def thesis_equations(site: Site, tall: Building, short: Building) -> list[Answer]:
-    """Return the answers of equations 7.16, 7.17, 7.18 (both readings) with 7.14, and 7.20, at full scale."""
+    """Return the answers of equations 7.16, 7.17, 7.18 (both readings) with 7.14, and 7.20, at full scale.
+
+    Args:
+        site: The site: peak acceleration and damping.
+        tall: The taller building.
+        short: The lower one.
+    """
     values = {
         "HT": MM * tall.height_m,
         "HS": MM * short.height_m,
@@ -201,7 +208,7 @@ def _edges(level: Level) -> str:
     return f"{lower} g {closing} {upper} g"
 
 
-def _described(building: Building) -> dict:
+def _described(building: Building) -> dict[str, Any]:
     return {
         "height_m": building.height_m,
         "frequency_hz": building.frequency_hz,

@@ -118,7 +118,7 @@ def correlation(period_a: float, period_b: float, damping_a: float, damping_b: f
         + 4.0 * damping_a * damping_b * (1.0 + ratio**2) * ratio
         + 4.0 * (damping_a**2 + damping_b**2) * ratio**2
     )
-    return numerator / denominator
+    return float(numerator / denominator)
 
 
 def double_difference(peak_a: float, peak_b: float, coefficient: float) -> float:

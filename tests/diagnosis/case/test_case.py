@@ -21,7 +21,7 @@ name = "5B"
 [[frame]]
 name = "bench"
 storeys = 2
-storey_height_m = 0.2
+storey_height_m = 0.1
 floor_mass_kg = [6.5, 6.5]
 frequency_hz = [2.1, 6.0]
 damping_ratio = [0.005, 0.004]
@@ -158,7 +158,7 @@ def test_a_single_run_holds_nothing_out(folder: Path) -> None:
 
 
 def test_a_frame_file_of_the_users_own(folder: Path) -> None:
-    stick = 'kind = "stick"\nname = "mine"\nstoreys = 3\nstorey_height_m = 0.2\ndamping_ratio = 0.01\n'
+    stick = 'kind = "stick"\nname = "mine"\nstoreys = 3\nstorey_height_m = 0.1\ndamping_ratio = 0.01\n'
     (folder / "mine.toml").write_text(stick + "floor_mass_kg = [1.0, 1.0, 1.0]\nfrequency_hz = [3.0]\n")
     edit(folder / "case.toml", 'name = "5B"', 'name = "5B"\nfile = "mine.toml"')
     frame = read_case(folder).frames[0]
@@ -189,11 +189,16 @@ def test_a_frame_file_of_the_users_own(folder: Path) -> None:
         ("storeys = 2", "storeys = 3", "floor_mass_kg has 2 values; give 3"),
         ("[2.1, 6.0]", "[6.0, 2.1]", "line 11: frame 'bench': frequency_hz"),
         ("[0.005, 0.004]", "[0.005]", "damping_ratio holds"),
-        ("storey_height_m = 0.2\n", "", "'bench': the key 'storey_height_m' is missing"),
+        ("storey_height_m = 0.1\n", "", "'bench': the key 'storey_height_m' is missing"),
         ("gap_mm = 9.5", "gap_mm = -1", "contact 1: gap_mm is -1"),
         ('law = "linear_viscoelastic"', 'law = "herz"', "unknown law 'herz'; did you mean 'hertz'"),
         ('right = "bench"', 'right = "5B"', "cannot touch itself"),
         ("floor = 2\ngap", "floor = 3\ngap", "floor 3 is not on both frames; give one from 1 to 2"),
+        (
+            "storey_height_m = 0.1\n",
+            "storey_height_m = 0.15\n",
+            "line 41: contact 1: floor 2 of 5B at 0.2 m and floor 2 of bench at 0.3 m are not level",
+        ),
         ("damping_n_s_per_m = 1255.0\n", "", "give one of damping_n_s_per_m and restitution"),
         ("table_gain = 0.05", "table_gian = 0.05", "unknown key 'table_gian'; did you mean 'table_gain'"),
         ("table_gain = 0.05", "table_gain = 0.0", "table_gain is 0; write a standard deviation above 0"),

@@ -43,9 +43,9 @@ def test_columns_are_known_by_a_case_beside_the_file(tmp_path):
         ("time_s,table_acceleration_g\n0,1\n", "two rows"),
         (
             "time_s,table_acceleration_g\n0,1\n1,x\n",
-            "line 3, column 'table_acceleration_g': 'x' is not a number",
+            "line 3, column 'table_acceleration_g': 'x' is no number",
         ),
-        ("time_s,table_acceleration_g\n0,1\n1\n", "line 3: 1 cells, the header has 2"),
+        ("time_s,table_acceleration_g\n0,1\n1\n", "line 3: 1 cells under 2 columns"),
         ("time_s,table_acceleration_g\n0,1\n0,1\n", "line 3: time_s does not increase"),
         ("time_s,table_acceleration_mm\n0,1\n1,1\n", "unit 'mm'; table_acceleration takes m/s"),
         ("time_s,height\n0,1\n1,1\n", "none of its columns"),

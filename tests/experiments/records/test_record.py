@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import STANDARD_GRAVITY, Record
+from pounding.experiments.records import Record
 
 STEP = 0.01
 

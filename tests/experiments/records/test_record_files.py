@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import STANDARD_GRAVITY, read
+from pounding.experiments.records import read
 
 AT2 = """PEER NGA STRONG MOTION DATABASE RECORD
 Somewhere, 1/1/2000, Station, 180

@@ -7,8 +7,9 @@ import shutil
 import numpy as np
 import pytest
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import REFERENCES, STANDARD_GRAVITY, Record, available, find, read
+from pounding.experiments.records import REFERENCES, Record, available, find, read
 from pounding.experiments.records.fema import FEMA_RECORDS, fema_file, read_fema
 
 README = {  # the table of the four motions: samples, step [s], peak [m/s^2], peak [g]

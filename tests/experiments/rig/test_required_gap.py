@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pounding import frames
+from pounding.contact import LinearSpring
 from pounding.contact.laws import LinearViscoelastic
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
@@ -15,7 +16,6 @@ from pounding.experiments.rig.required_gap import (
     motions,
     pair_gap,
     required_gap,
-    shared_floors,
 )
 from pounding.experiments.rig.rig import Contact, Rig
 from pounding.experiments.separation.gaps.confirm import confirm, touches
@@ -84,7 +84,6 @@ def test_gap_grows_with_the_record(tall, short) -> None:
 def test_floors_that_meet(tall, short) -> None:
     assert contact_floors(tall, short) == (5, 5)
     assert contact_floors(short, tall, 3) == (3, 3)
-    assert shared_floors(tall, short) == [(n, n) for n in range(1, 6)]
     with pytest.raises(ExperimentError, match="floors 1 to 5"):
         contact_floors(tall, short, 6)
     with pytest.raises(ExperimentError, match="floors 1 to 5"):
@@ -102,6 +101,29 @@ def test_floor_against_column_is_refused(tall) -> None:
     )
     with pytest.raises(ExperimentError, match="faces no floor"):
         contact_floors(tall, frames.build(stick))
+
+
+def test_storeys_of_two_heights_meet_where_they_are_level() -> None:
+    low, high = (
+        frames.build(
+            frames.StickFrame(
+                name=name,
+                storeys=storeys,
+                storey_height_m=height,
+                floor_mass_kg=[6.0] * storeys,
+                frequency_hz=[4.0],
+                damping_ratio=0.01,
+            )
+        )
+        for name, storeys, height in (("low", 6, 0.10), ("high", 5, 0.15))
+    )
+    assert contact_floors(low, high, 3) == (3, 2)
+    Rig([low, high], [Contact(LinearSpring(1e7), 0.01, (3, 2))])
+    assert [floor for floor, _ in gaps_by_floor(low, high, pulse())] == [3, 6]
+    with pytest.raises(ExperimentError, match="faces no floor"):
+        contact_floors(low, high, 2)
+    with pytest.raises(ExperimentError, match="only floors at one height can meet"):
+        Rig([low, high], [Contact(LinearSpring(1e7), 0.01, 2)])
 
 
 def test_gaps_by_floor_end_with_the_roof(tall, short) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.records import Record, find
 from pounding.experiments.studies import added_forces, change_catalogue, single_changes
 from pounding.experiments.studies.single_changes import Storeys
@@ -159,7 +160,7 @@ def test_what_softens_lowers_the_frequencies(body):
     np.testing.assert_allclose(in_series, single_changes.modes(replace(body, stiffness=halved)).omega)
     # P-Delta of one floor on a storey: k - m g / h
     one = Storeys(np.array([[6.5]]), np.array([[1e4]]), 0.0, np.array([0.1]))
-    expected = 1e4 - 6.5 * single_changes.GRAVITY / 0.1
+    expected = 1e4 - 6.5 * STANDARD_GRAVITY / 0.1
     assert single_changes.with_p_delta(one, 1.0).stiffness[0, 0] == pytest.approx(expected)
 
 

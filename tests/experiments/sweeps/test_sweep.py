@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import pounding
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.sweeps import store as sweep_store
 from pounding.experiments.sweeps.sweep import sweep
@@ -92,6 +93,15 @@ def test_a_changed_case_setting_or_code_is_another_case(tmp_path):
         )
     assert log.read_text().split() == ["1", "2", "1", "2"]
     assert sweep_store.code_version(cases.square) == sweep_store.code_version(cases.noted)
+
+
+def test_a_case_depends_on_what_computes_it_and_not_on_what_shows_it():
+    house = Path(pounding.__file__).parent
+    found = {path.relative_to(house).as_posix() for path in sweep_store.sources()}
+    assert {"constants.py", "frames/fe/shells.py", "contact/laws.py", "experiments/rig/rig.py"} <= found
+    assert not [name for name in found if name.startswith(sweep_store.NO_PART_OF_A_CASE)]
+    for room in sweep_store.NO_PART_OF_A_CASE:
+        assert (house / room / "__init__.py").is_file()
 
 
 def test_a_case_that_kills_its_worker_every_time_is_named_and_the_rest_is_done(tmp_path):

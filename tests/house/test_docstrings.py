@@ -1,0 +1,211 @@
+"""Public functions say what their arguments are: an Args section, with shapes and units for arrays."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+HOUSE = Path(__file__).parents[2]
+PACKAGES = ("frames", "contact", "experiments", "diagnosis")
+
+NOT_HELD_YET = (
+    "diagnosis/workflow.py",
+    "diagnosis/model/",
+    "diagnosis/effects/",
+    "diagnosis/inference/",
+    "diagnosis/contact_force/",
+    "diagnosis/decision/",
+    "diagnosis/design/",
+    "diagnosis/report/",
+    "diagnosis/benchmark/",
+    "diagnosis/studies/",
+)
+"""Rooms that do not keep these rules yet; the list only becomes shorter."""
+
+FEW = 2
+"""A function of so many arguments may describe them in its sentence instead of in an Args section."""
+
+ARRAY = re.compile(r"\b(ndarray|NDArray|ArrayLike|Real|Index|Complex)\b")
+"""Annotations of arrays: numpy's own, and the names that modules give them."""
+
+SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w' ]+)(?:, ?[\w' ]+)*,?\)")
+"""`[m]`, `shape (n, 3)`, `(m,)`, `(..., 3)`, `(6 nodes, 6 nodes)`; a single word in brackets is no shape."""
+
+SHARED_SIGNATURES = {("setting", "size", "rng"): ("diagnosis/hidden/effects.py", "Effect")}
+"""Arguments of functions that stand in a table, and the class whose docstring describes them once."""
+
+
+class Function(NamedTuple):
+    """A public function or method with the docstring that describes its arguments."""
+
+    name: str
+    node: ast.FunctionDef
+    docstring: str
+    bases: tuple[str, ...] = ()
+
+
+def place(path: Path) -> str:
+    return path.relative_to(HOUSE).as_posix()
+
+
+ALL = [path for package in PACKAGES for path in sorted((HOUSE / package).rglob("*.py"))]
+SOURCES = [path for path in ALL if not place(path).startswith(NOT_HELD_YET)]
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def public_functions(path: Path) -> Iterator[Function]:
+    """Every public function and method; a class' docstring is that of its `__init__`."""
+    for node in parsed(path).body:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            yield Function(node.name, node, ast.get_docstring(node) or "")
+        elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            bases = tuple(ast.unparse(base).rpartition(".")[2] for base in node.bases)
+            for item in node.body:
+                if not isinstance(item, ast.FunctionDef):
+                    continue
+                said = ast.get_docstring(item) or ""
+                if item.name == "__init__":
+                    yield Function(node.name, item, said + "\n" + (ast.get_docstring(node) or ""))
+                elif not item.name.startswith("_"):
+                    yield Function(f"{node.name}.{item.name}", item, said, bases)
+
+
+def arguments(function: ast.FunctionDef) -> list[ast.arg]:
+    """What a caller gives."""
+    named = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
+    extra = [one for one in (function.args.vararg, function.args.kwarg) if one is not None]
+    return [one for one in named if one.arg not in ("self", "cls")] + extra
+
+
+def described(docstring: str) -> dict[str, str]:
+    """What the Args section says of each argument: `name: text`, or `first, second: text` for several."""
+    found: dict[str, str] = {}
+    for section in re.finditer(r"^Args:\n((?:[ \t]+.*(?:\n|$)|\n)*)", docstring, re.MULTILINE):
+        for entry in re.split(r"\n(?=    \S)", "\n" + section[1].rstrip()):
+            names, _, text = entry.strip().partition(":")
+            found |= {name.strip(): text for name in names.split(",")}
+    return found
+
+
+@cache
+def options() -> frozenset[str]:
+    """Names of annotations that carry an option's help, which the command shows: `Out`, `Records`, ..."""
+    return frozenset(
+        target.id
+        for path in ALL
+        for node in parsed(path).body
+        if isinstance(node, ast.Assign) and "help=" in ast.unparse(node.value)
+        for target in node.targets
+        if isinstance(target, ast.Name)
+    )
+
+
+def is_option(argument: ast.arg) -> bool:
+    """Whether the command's help describes an argument."""
+    written = ast.unparse(argument.annotation) if argument.annotation is not None else ""
+    return "help=" in written or written.rpartition(".")[2] in options()
+
+
+@cache
+def methods() -> dict[str, tuple[tuple[str, ...], dict[str, Function]]]:
+    """Bases and public methods of every class by its name."""
+    found: dict[str, tuple[tuple[str, ...], dict[str, Function]]] = {}
+    for path in ALL:
+        for function in public_functions(path):
+            owner, _, name = function.name.rpartition(".")
+            if owner:
+                found.setdefault(owner, (function.bases, {}))[1][name] = function
+    return found
+
+
+def inherited(function: Function) -> dict[str, str]:
+    """What the method that this one overrides says of the arguments."""
+    name = function.name.rpartition(".")[2]
+    for base in function.bases:
+        bases, known = methods().get(base, ((), {}))
+        if name in known:
+            return described(known[name].docstring) | inherited(known[name])
+        if found := inherited(function._replace(bases=bases)):
+            return found
+    return {}
+
+
+def offences(path: Path) -> list[str]:
+    found = []
+    for function in public_functions(path):
+        given = [one for one in arguments(function.node) if not is_option(one)]
+        said = inherited(function) | described(function.docstring)
+        where = f"{place(path)}:{function.node.lineno} {function.name}"
+        silent = [one.arg for one in given if one.arg not in said]
+        shared = tuple(one.arg for one in given) in SHARED_SIGNATURES
+        if len(arguments(function.node)) > FEW and silent and not shared:
+            found.append(f"{where}: Args does not say what {', '.join(silent)} is")
+        for one in given:
+            if one.annotation is None or not ARRAY.search(ast.unparse(one.annotation)):
+                continue
+            if not SHAPE_OR_UNIT.search(said.get(one.arg, function.docstring)):
+                found.append(f"{where}: neither shape nor unit of the array {one.arg}")
+    return found
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=place)
+def test_arguments_are_described(path: Path) -> None:
+    assert not offences(path)
+
+
+@pytest.mark.parametrize("names", SHARED_SIGNATURES)
+def test_a_shared_signature_is_described_once(names: tuple[str, ...]) -> None:
+    file, owner = SHARED_SIGNATURES[names]
+    (docstring,) = (
+        ast.get_docstring(node) or ""
+        for node in parsed(HOUSE / file).body
+        if isinstance(node, ast.ClassDef) and node.name == owner
+    )
+    assert not [name for name in names if f"`{name}`" not in docstring]
+
+
+def test_rooms_that_are_not_held_are_there() -> None:
+    assert not [room for room in NOT_HELD_YET if not any(place(path).startswith(room) for path in ALL)]
+
+
+SILENT = '''
+def f(first: float, second: Real, third: float):
+    """Return something.
+
+    Args:
+        first, third: Numbers.
+        {}
+    """
+'''
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("second: Motion (m, 3) [m].", []),
+        ("second: Motion [m].", []),
+        ("second: Motion, shape (samples,).", []),
+        ("second: Motion (a history).", ["neither shape nor unit of the array second"]),
+        (
+            "other: Motion.",
+            ["Args does not say what second is", "neither shape nor unit of the array second"],
+        ),
+    ],
+)
+def test_the_rule_finds_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, words: list[str]
+) -> None:
+    path = tmp_path / "module.py"
+    path.write_text(SILENT.format(line))
+    monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
+    assert [one.partition(": ")[2] for one in offences(path)] == words
