@@ -83,6 +83,8 @@ class Effect:
     """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
     rival: ClassVar[bool] = False
     """Whether this is outside the catalogue and stands for 'something else'."""
+    default: ClassVar[bool] = True
+    """Whether it is tried in every diagnosis; else only where it is asked for."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
 
@@ -148,8 +150,8 @@ class Registry:
         return kind
 
     def names(self) -> list[str]:
-        """Return the names of the effects of the catalogue."""
-        return [kind.name for kind in self.kinds if not kind.rival]
+        """Return the names of the effects that a diagnosis may give without being asked for them."""
+        return [kind.name for kind in self.kinds if kind.default and not kind.rival]
 
 
 CATALOGUE = Registry()

@@ -12,9 +12,9 @@ import numpy as np
 from pounding.diagnosis.effects.candidate_file import UserForce, UserParameter
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
-from pounding.diagnosis.model.predictor import USER
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term
@@ -53,7 +53,7 @@ class UserEffect(Effect):
         def pull(m: Motion) -> np.ndarray:
             x, v = (m.floor, m.floor_rate) if self.where == "floor" else (m.drift, m.drift_rate)
             time = np.arange(len(x)) * motion.run.step_s
-            return -self.source.force((1.0, *shape), x[:, self.index], v[:, self.index], time)
+            return -self.source.law.along((1.0, *shape), x[:, self.index], v[:, self.index], time)
 
         return [force_term(motion, pull, self.row(model) @ modes.floors)]
 
@@ -64,7 +64,7 @@ class UserEffect(Effect):
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the function as a law."""
         parameters = tuple(float(value) for value in values)
-        assembly.laws.append((USER, self.row(model), parameters, (self.source.address, 0)))
+        assembly.laws.append(PlacedLaw(self.source.law, self.row(model), parameters))
 
     def logarithmic(self) -> tuple[bool, ...]:
         """What may change its sign is refined as it is, the rest as logarithms."""

@@ -9,7 +9,8 @@ import numpy as np
 from pounding.diagnosis.case.quantities import STANDARD_GRAVITY
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
-from pounding.diagnosis.effects.storey import CoulombFriction, FadingFriction
+from pounding.diagnosis.effects.rivals import FadingFriction
+from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import BOX, Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
