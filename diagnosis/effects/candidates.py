@@ -20,7 +20,7 @@ def kinds() -> tuple[type[Effect], ...]:
     for module in iter_modules(effects.__path__):
         if module.name not in OWN:
             import_module(f"{effects.__name__}.{module.name}")
-    return tuple(CATALOGUE.kinds)
+    return tuple(CATALOGUE.ordered())
 
 
 def candidates(model: Model) -> list[Effect]:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.laws import PlacedLaw, memoryless
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
@@ -39,6 +40,12 @@ class JointFlexibility(FrameEffect):
     name = "joint_flexibility"
     absorbing = True
     quantities = (Quantity("joint_stiffness", "N m/rad"),)
+    described = Description(
+        "rotational stiffness $k_j$ of each joint between column and floor differs from the baseline model's: $K(k_j)$ by "
+        "the frame's own model",
+        "`stiffness_change` of all storeys, `p_delta`, `base_rocking`",
+        relation("joints", "joint's turn", "moment", same, lambda x: 0.6 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.4 of the joints' stiffness, as a logarithm."""
@@ -77,6 +84,12 @@ class BaseRocking(FrameEffect):
     absorbing = True
     quantities = (Quantity("rotational_stiffness", "N m/rad"),)
     sign = 1
+    described = Description(
+        "the base turns on a spring $k_r$: "
+        r"$K^{-1} \to K^{-1} + h h^\mathsf{T}/k_r$ with the floors' heights $h$",
+        "`joint_flexibility`, `stiffness_change` of the lowest storey, `table_tilt`",
+        relation("rock", "base moment", "base's turn", nothing, lambda x: 0.7 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the compliance [rad/(N m)] that makes the roof a quarter more flexible."""
@@ -116,6 +129,12 @@ class PDelta(FrameEffect):
     linear = True
     quantities = (Quantity("weight_factor", "1"),)
     sign = 1
+    described = Description(
+        r"$K \to K - \phi\,K_g$, $K_g$ the geometric stiffness of the frame's weight",
+        "`stiffness_change` of the lower storeys, `joint_flexibility`",
+        relation("frame", "drift", "force", same, lambda x: 0.75 * x),
+        ", beyond what the baseline model has",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the factor that takes a fifth of the first mode's stiffness away."""
@@ -145,6 +164,11 @@ class AddedMass(FrameEffect):
     linear = True
     where = "floor"
     quantities = (Quantity("mass", "kg"),)
+    described = Description(
+        r"$M_{ff} \to M_{ff} + m$ on floor $f$",
+        "`stiffness_change` of the storeys below; a mass that is not rigidly fixed is *unknown*",
+        relation("floor", "acceleration", "inertia", same, lambda x: 1.4 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a quarter of the floor's mass."""
@@ -174,6 +198,11 @@ class AirDrag(FrameEffect):
     name = "air_drag"
     quantities = (Quantity("coefficient", "N s^2/m^2"),)
     sign = 1
+    described = Description(
+        r"$-c\,w\lvert w\rvert$ on each floor",
+        "`damping_change`, `coulomb_friction`",
+        relation("floors", "floor velocity", "force", nothing, lambda x: x * abs(x)),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes a fifth of the inertia of a floor."""
@@ -222,6 +251,11 @@ class TorsionalEccentricity(FrameEffect):
         Quantity("torsional_damping_factor", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        "centres of mass and stiffness apart by $e$: every floor turns too",
+        "*unknown* (a mass on a spring), a second mode close by",
+        history("plan", "floor's edge", sine, lambda t: sine(t) + 0.4 * np.sin(5 * np.pi * t)),
+    )
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return ratios of torsional to lateral frequency."""

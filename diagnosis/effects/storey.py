@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
 from pounding.diagnosis.model.laws import Law, PlacedLaw, memoryless, remembering
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass, storey_pattern, storey_stiffness
@@ -74,6 +75,12 @@ class StiffnessChange(StoreyEffect):
     name = "stiffness_change"
     linear = True
     quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$f = x\,k\,d$ at all times",
+        "the same in a neighbouring storey, `joint_flexibility`, `p_delta`, `base_rocking`; `added_mass` where only the "
+        "lowest mode is seen. Small ones vanish in the prior of the storey's stiffness",
+        relation("storey", "drift", "force", same, lambda x: 0.6 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
@@ -103,6 +110,13 @@ class DampingChange(StoreyEffect):
     law = damper
     linear = True
     quantities = (Quantity("damping", "N s/m"),)
+    described = Description(
+        r"$f = c\,v$",
+        "the same in another storey (at light damping a mode feels only the sum), `coulomb_friction` if all runs are of "
+        "one size, `air_drag`",
+        loop(damper, 0.035),
+        ", negative where the frame has less than the baseline model",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the damper that gives the storey alone five per cent of critical in the first mode."""
@@ -138,6 +152,11 @@ class CoulombFriction(StoreyEffect):
         Quantity("sticking_stiffness", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$",
+        "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
+        loop(friction, 0.3, 30.0, 0.0, np.inf),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's rms shear."""
@@ -180,6 +199,11 @@ class CubicStiffness(StoreyEffect):
     name = "cubic_stiffness"
     law = cubic_spring
     quantities = (Quantity("cubic_stiffness", "N/m^3"),)
+    described = Description(
+        r"$f = k_3\,d^3$",
+        "a `bumper` on each side, `hysteresis` (where $k_3 < 0$)",
+        loop(cubic_spring, 0.8),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes 0.3 of the linear force at twice the rms drift."""
@@ -229,6 +253,12 @@ class Hysteresis(StoreyEffect):
         Quantity("sharpness", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        "a part $k_y$ of the storey's stiffness yields at $F_y$; small motions feel nothing of it; how sharp its knee is "
+        "(Bouc and Wen's exponent) is refined and not reported",
+        "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
+        loop(yielding, 0.25, 0.6, 8.0),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's stiffness."""
@@ -268,6 +298,11 @@ class Loosening(StoreyEffect):
     law = growing_spring
     quantities = (Quantity("final_relative_change", "1"),)
     sign = -1
+    described = Description(
+        r"$f = x\,k\,(t/T)\,d$, in each run anew",
+        "`hysteresis` in a run that grows, `stiffness_change`",
+        history("storey", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
@@ -295,6 +330,11 @@ class Bumper(StoreyEffect):
     law = stop
     quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m"))
     sign = 1
+    described = Description(
+        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$",
+        "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
+        loop(stop, 0.5, 2.0),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the storey's stiffness."""

@@ -16,6 +16,9 @@ from pounding.diagnosis.model.calling import MEMORY, called
 # What a channel measures.
 ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT = range(5)
 
+TABLE_MOVED, TABLE_VELOCITY = -2, -1
+"""Where the table's displacement [m] and velocity [m/s] are among the states, whatever the number of modes."""
+
 LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
 

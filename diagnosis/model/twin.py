@@ -26,6 +26,7 @@ from pounding.diagnosis.model.calling import MEMORY, called
 from pounding.diagnosis.model.laws import PlacedLaw, filled
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.predictor import TABLE_VELOCITY
 from pounding.diagnosis.model.tilt import tilt_series
 from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
@@ -104,7 +105,7 @@ def simulate_touching(
     assembly = model.assemble(values, effects)
     run = model.observed.runs[number]
     try:
-        motion = _shaken(model, assembly, number, between)
+        motion = _shaken(model, assembly, number, values, effects, between)
     except ExperimentError as error:
         raise CaseError(
             f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
@@ -179,11 +180,18 @@ def _run(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
 ) -> np.ndarray:
-    motion = _shaken(model, assembly, number)
+    motion = _shaken(model, assembly, number, values, effects)
     return channels(model, assembly, number, motion, values, effects)
 
 
-def _shaken(model: Model, assembly: Assembly, number: int, between: Between | None = None) -> FrameMotion:
+def _shaken(
+    model: Model,
+    assembly: Assembly,
+    number: int,
+    values: np.ndarray,
+    effects: Sequence[tuple[Acting, np.ndarray]],
+    between: Between | None = None,
+) -> FrameMotion:
     """Return the motion of all frames as one body through a run."""
     run = model.observed.runs[number]
     finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
@@ -192,9 +200,13 @@ def _shaken(model: Model, assembly: Assembly, number: int, between: Between | No
     spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
     table = (1 + assembly.table_gain) * spline(np.clip(at - assembly.table_delay_s, 0.0, at[-1]))
     reduced = reduced_frame(model, assembly)
-    rate = np.concatenate([[0.0], np.cumsum((table[1:] + table[:-1]) / 2) * step])
+    # The table's velocity is the prediction's, which forgets what is slow; a law may act on it.
+    moved = model.predict(values, None, effects, [number]).before[0]
+    rate = CubicSpline(np.arange(len(moved)) * run.step_s, moved[:, TABLE_VELOCITY])(at)
     loads = _known_forces(model, assembly, number, at)
-    additions: list[Any] = [_Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)]
+    additions: list[Any] = [
+        _Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)
+    ]
     if between is not None:
         additions.append(partial(_touching, between))
     accuracy = ACCURACY if between is None else COLLIDING
