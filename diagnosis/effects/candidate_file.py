@@ -25,6 +25,7 @@ import numpy as np
 import pint
 from numba.core.errors import NumbaError
 
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.calling import PARAMETERS, with_parameters
 from pounding.diagnosis.model.laws import Law
@@ -82,10 +83,11 @@ class UserForce:
     law: Law
 
 
-def read_candidates(path: Path | str) -> list[UserForce]:
-    """Read the functions of a candidates file, compile and check them.
+def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
+    """Return what a candidates file asks for: its functions, compiled and checked, and effects that it imports.
 
-    Functions whose names begin with an underscore are the file's own business.
+    Functions whose names begin with an underscore are the file's own business. An effect of the catalogue that is not tried
+    by default is tried where the file has its class; one that is tried anyway is passed over.
 
     Raises:
         CaseError: The file is missing or cannot be run, or a function lacks units, does not compile, is not finite, is
@@ -93,8 +95,11 @@ def read_candidates(path: Path | str) -> list[UserForce]:
     """
     path = Path(path)
     module = _module(path)
-    found = []
+    found: list[UserForce | type[Effect]] = []
     for name, thing in vars(module).items():
+        if isinstance(thing, type) and issubclass(thing, Effect) and thing in CATALOGUE.optional():
+            found.append(thing)
+            continue
         function = getattr(thing, "py_func", thing)
         if (
             not name.startswith("_")
@@ -105,7 +110,8 @@ def read_candidates(path: Path | str) -> list[UserForce]:
     if not found:
         raise CaseError(
             f"{path} holds no candidate; write a function such as "
-            '`def tie(d, v, t, stiffness: "N/m" = 2e4)` that returns the force in N that opposes the drift d'
+            '`def tie(d, v, t, stiffness: "N/m" = 2e4)` that returns the force in N that opposes the drift d, or import an '
+            "effect of the catalogue that is not tried by default"
         )
     return found
 

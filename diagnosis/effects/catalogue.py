@@ -168,6 +168,10 @@ class Registry:
         """Return the kinds by groups of places, so that their order is not that in which modules were imported."""
         return [kind for places in GROUPS.values() for kind in self.kinds if kind.where in places]
 
+    def optional(self) -> list[type[Effect]]:
+        """Return the kinds that are tried only where they are asked for; rivals are no answer to ask for."""
+        return [kind for kind in self.kinds if not kind.default and not kind.rival]
+
     def names(self) -> list[str]:
         """Return the names of the effects that a diagnosis may give without being asked for them."""
         return [kind.name for kind in self.kinds if kind.default and not kind.rival]

@@ -14,7 +14,7 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, loop
 from pounding.diagnosis.effects.storey import StoreyEffect
-from pounding.diagnosis.model.laws import remembering
+from pounding.diagnosis.model.laws import Numbers, remembering
 from pounding.diagnosis.model.model import Model
 
 SHORTEST_M = 1e-9
@@ -22,7 +22,7 @@ SHORTEST_M = 1e-9
 
 
 @remembering
-def bristles(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def bristles(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return the force of bristles that bend and then slide; it remembers force and drift (Dahl 1968, exponent 1).
 
     dF/dd = (p0 sign(v) - F) / (p1 sign(v)), solved exactly for a drift that goes one way since it was remembered.

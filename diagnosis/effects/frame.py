@@ -9,7 +9,7 @@ from scipy.signal import cont2discrete, lfilter
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
-from pounding.diagnosis.model.laws import PlacedLaw, memoryless
+from pounding.diagnosis.model.laws import Numbers, PlacedLaw, memoryless
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
@@ -185,7 +185,7 @@ class AddedMass(FrameEffect):
 
 
 @memoryless
-def drag(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 v abs(v): p0 the drag [N s^2/m^2], v a floor's rate in the room."""
     return p[0] * v * abs(v)
 

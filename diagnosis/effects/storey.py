@@ -10,7 +10,7 @@ from numba import njit
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
-from pounding.diagnosis.model.laws import Law, PlacedLaw, memoryless, remembering
+from pounding.diagnosis.model.laws import Law, Numbers, PlacedLaw, memoryless, remembering
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass, storey_pattern, storey_stiffness
 from pounding.diagnosis.model.sensitivity import Term
@@ -96,7 +96,7 @@ class StiffnessChange(StoreyEffect):
 
 
 @memoryless
-def damper(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 v: p0 the damper [N s/m]."""
     return p[0] * v
 
@@ -129,7 +129,7 @@ class DampingChange(StoreyEffect):
 
 
 @remembering
-def friction(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def friction(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return the force of a stiff joint that slides; it remembers its elastic force and the drift.
 
     p: force [N], stiffness [N/m] and damping [N s/m] while stuck, and the rate [m/s] at which sliding has worn half of it
@@ -186,7 +186,7 @@ class CoulombFriction(StoreyEffect):
 
 
 @memoryless
-def cubic_spring(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def cubic_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 d^3: p0 the spring [N/m^3]."""
     return p[0] * d * d * d
 
@@ -223,7 +223,7 @@ def _stiff_share(force: float, limit: float, sharpness: float, step: float) -> f
 
 
 @remembering
-def yielding(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return what a part of a storey that yields with a rounded knee lacks of its elastic force.
 
     It remembers its force and the drift (Bouc 1967, Wen 1976, by the midpoint rule). p: yield force [N], elastic
@@ -284,7 +284,7 @@ class Hysteresis(StoreyEffect):
 
 
 @memoryless
-def growing_spring(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def growing_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 d t / p1, at most p0 d: p0 the spring [N/m], p1 the time [s] at which it is whole."""
     return p[0] * min(t / p[1], 1.0) * d
 
@@ -314,7 +314,7 @@ class Loosening(StoreyEffect):
 
 
 @memoryless
-def stop(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m]."""
     if p[0] >= 0.0:
         return p[1] * max(d - p[0], 0.0)

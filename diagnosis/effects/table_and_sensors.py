@@ -123,8 +123,8 @@ class SensorGain(ChannelEffect):
         r"$y \to (1 + x)\,y$",
         "two sensors exchanged, which is tried before",
         relation("sensor", "truth", "reading", same, lambda x: 1.4 * x),
-        "; a wrong polarity is $-2$; `g` typed where the cell gave `m/s^2` reads 9.81 times too much, $+8.81$, the other way "
-        "round $-0.898$",
+        "; a wrong polarity is $-2$; `g` typed where the cell gave `m/s^2` reads 9.81 times too much, $+8.81$, the other "
+        "way round $-0.898$",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

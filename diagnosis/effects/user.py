@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from pounding.diagnosis.effects.candidate_file import UserForce, UserParameter
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.candidates import kinds
+from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
@@ -72,15 +73,19 @@ class UserEffect(Effect):
         return (not self.source.either_sign, *(_one_sign(parameter) for parameter in others))
 
 
-def user_kinds(forces: Sequence[UserForce]) -> list[type[Effect]]:
-    """Return a kind of effect for each function of a user's.
+def user_kinds(asked: Sequence[UserForce | type[Effect]]) -> list[type[Effect]]:
+    """Return a kind of effect for each function of a user's, and the effects of the catalogue that they ask for.
 
     Raises:
         CaseError: A function has the name of an effect of the catalogue.
     """
-    kinds: list[type[Effect]] = []
-    for force in forces:
-        if force.name in CATALOGUE.names():
+    taken = {kind.name for kind in kinds() if not kind.rival}
+    found: list[type[Effect]] = []
+    for force in asked:
+        if not isinstance(force, UserForce):
+            found.append(force)
+            continue
+        if force.name in taken:
             raise CaseError(
                 f"the candidate {force.name!r} has the name of an effect of the catalogue; rename the function"
             )
@@ -94,8 +99,8 @@ def user_kinds(forces: Sequence[UserForce]) -> list[type[Effect]]:
             "source": force,
             "__doc__": force.what,
         }
-        kinds.append(type(force.name, (UserEffect,), described))
-    return kinds
+        found.append(type(force.name, (UserEffect,), described))
+    return found
 
 
 def _one_sign(parameter: UserParameter) -> bool:

@@ -74,7 +74,7 @@ def with_parameters(function: Callable[..., float], count: int) -> Callable[...,
     """Return ``function(d, v, t, *parameters)`` of `count` parameters and no memory in the form that `entry` takes."""
     inner = njit(error_model="numpy")(function)
 
-    def force(p, state, d, v, t, new):  # type: ignore[no-untyped-def]
+    def force(p, state, d, v, t, new):
         return inner(d, v, t, *_as_tuple(carray(p, (count,)), count))
 
     return force

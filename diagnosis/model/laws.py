@@ -11,12 +11,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numba import njit
 
 from pounding.diagnosis.model.calling import MEMORY, PARAMETERS, called, entry
+
+
+class Numbers(Protocol):
+    """Numbers by their places: pointers where a law is compiled, an array or a list where it is called from Python."""
+
+    def __getitem__(self, place: int, /) -> float: ...
+
+    def __setitem__(self, place: int, number: float, /) -> None: ...
+
+
+Force = Callable[[Numbers, Numbers, float, float, float, Numbers], float]
+"""What a law is made of; see the head of this module."""
 
 
 class Law:
@@ -28,9 +40,7 @@ class Law:
         cache: Whether the compiled function is kept on disk, which needs a function of a module.
     """
 
-    def __init__(
-        self, function: Callable[..., float], *, remembers: bool = False, cache: bool = True
-    ) -> None:
+    def __init__(self, function: Force, *, remembers: bool = False, cache: bool = True) -> None:
         self.function, self.remembers, self._cache = function, remembers, cache
 
     @cached_property
@@ -63,12 +73,12 @@ class Law:
         return np.asarray(_along(self.address, filled(parameters, float(time[-1])), *motion))
 
 
-def memoryless(function: Callable[..., float]) -> Law:
+def memoryless(function: Force) -> Law:
     """Return the law of a force without memory; used as a decorator."""
     return Law(function)
 
 
-def remembering(function: Callable[..., float]) -> Law:
+def remembering(function: Force) -> Law:
     """Return the law of a force with memory; used as a decorator."""
     return Law(function, remembers=True)
 

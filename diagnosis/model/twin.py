@@ -324,8 +324,8 @@ class _Addition:
             )
             for one in self._laws
         ]
-        loaded = [] if self._loads is None else np.flatnonzero(np.any(self._loads != 0, axis=0))
-        self._kept = [self._load(mbs, body, int(floor)) for floor in loaded]
+        # The engine keeps no reference to what it calls.
+        self._kept = [self._load(mbs, body, floor, loads) for floor, loads in self._loaded()]
         return self
 
     def latch(self, mbs: Any) -> None:
@@ -333,9 +333,15 @@ class _Addition:
         for connector in self._connectors:
             connector.latch(mbs)
 
-    def _load(self, mbs: Any, body: Any, floor: int) -> Any:
-        assert self._loads is not None
-        at = _between_samples(self._loads[:, floor], self._step_s)
+    def _loaded(self) -> list[tuple[int, np.ndarray]]:
+        """Return the floors on which known forces act, with these [N], each (samples,)."""
+        if self._loads is None:
+            return []
+        floors = np.flatnonzero(np.any(self._loads != 0, axis=0))
+        return [(int(floor), self._loads[:, floor]) for floor in floors]
+
+    def _load(self, mbs: Any, body: Any, floor: int, loads: np.ndarray) -> Any:
+        at = _between_samples(loads, self._step_s)
 
         def load(_mbs: Any, t: float, _load: float) -> float:
             return at(t)
