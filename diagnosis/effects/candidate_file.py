@@ -23,11 +23,12 @@ from typing import Any
 
 import numpy as np
 import pint
-from numba import njit
 from numba.core.errors import NumbaError
 
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.calling import PARAMETERS, called, compiled
+from pounding.diagnosis.model.calling import PARAMETERS, with_parameters
+from pounding.diagnosis.model.laws import Law
 
 PLACES = {"d": "storey", "u": "floor"}
 """Where a force acts, by the name of the first argument."""
@@ -71,7 +72,7 @@ class UserForce:
         where: ``storey`` or ``floor``.
         parameters: Its parameters, the first its size.
         either_sign: Whether the first parameter may be negative.
-        entry: The compiled function, kept alive with its address.
+        law: The compiled function.
     """
 
     name: str
@@ -79,32 +80,14 @@ class UserForce:
     where: str
     parameters: tuple[UserParameter, ...]
     either_sign: bool
-    entry: Any
-
-    @property
-    def address(self) -> int:
-        """Where the compiled function is."""
-        return int(self.entry.address)
-
-    def force(self, values: Sequence[float], x: np.ndarray, v: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Return the force [N] for series of drift (or displacement), rate and time, parameters in SI."""
-        padded = np.zeros(PARAMETERS)
-        padded[: len(values)] = values
-        return np.asarray(_series(self.address, padded, *map(np.ascontiguousarray, (x, v, t))))
+    law: Law
 
 
-@njit(cache=True)
-def _series(address, p, x, v, t):
-    force = np.empty(x.size)
-    for k in range(x.size):
-        force[k] = called(address, p, x[k], v[k], t[k])
-    return force
+def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
+    """Return what a candidates file asks for: its functions, compiled and checked, and effects that it imports.
 
-
-def read_candidates(path: Path | str) -> list[UserForce]:
-    """Read the functions of a candidates file, compile and check them.
-
-    Functions whose names begin with an underscore are the file's own business.
+    Functions whose names begin with an underscore are the file's own business. An effect of the catalogue that is not tried
+    by default is tried where the file has its class; one that is tried anyway is passed over.
 
     Raises:
         CaseError: The file is missing or cannot be run, or a function lacks units, does not compile, is not finite, is
@@ -112,8 +95,11 @@ def read_candidates(path: Path | str) -> list[UserForce]:
     """
     path = Path(path)
     module = _module(path)
-    found = []
+    found: list[UserForce | type[Effect]] = []
     for name, thing in vars(module).items():
+        if isinstance(thing, type) and issubclass(thing, Effect) and thing in CATALOGUE.optional():
+            found.append(thing)
+            continue
         function = getattr(thing, "py_func", thing)
         if (
             not name.startswith("_")
@@ -124,7 +110,8 @@ def read_candidates(path: Path | str) -> list[UserForce]:
     if not found:
         raise CaseError(
             f"{path} holds no candidate; write a function such as "
-            '`def tie(d, v, t, stiffness: "N/m" = 2e4)` that returns the force in N that opposes the drift d'
+            '`def tie(d, v, t, stiffness: "N/m" = 2e4)` that returns the force in N that opposes the drift d, or import an '
+            "effect of the catalogue that is not tried by default"
         )
     return found
 
@@ -155,7 +142,7 @@ def _force(path: Path, name: str, function: FunctionType) -> UserForce:
         where=place,
         parameters=parameters,
         either_sign=bool(getattr(function, "either_sign", False)),
-        entry=_compiled(where, function, len(parameters)),
+        law=_compiled(where, function, len(parameters)),
     )
     _check_numbers(where, force)
     _check_units(where, function, parameters)
@@ -212,9 +199,10 @@ def _to_si(where: str, name: str, unit: str) -> Any:
         ) from error
 
 
-def _compiled(where: str, function: Callable[..., float], count: int) -> Any:
+def _compiled(where: str, function: Callable[..., float], count: int) -> Law:
+    law = Law(with_parameters(function, count), cache=False)
     try:
-        return compiled(function, count)
+        law.compile()
     except (NumbaError, *RAISED) as error:
         # The first line names numba's own pipeline, the next what it stumbled on.
         lines = [line.strip(" -") for line in str(error).splitlines() if line.strip()] or [repr(error)]
@@ -223,6 +211,7 @@ def _compiled(where: str, function: Callable[..., float], count: int) -> Any:
             f"{where} does not compile: {reason}; use numbers, math and numpy functions of numbers, and mark "
             "helper functions with numba.njit"
         ) from None
+    return law
 
 
 def _check_numbers(where: str, force: UserForce) -> None:
@@ -230,7 +219,7 @@ def _check_numbers(where: str, force: UserForce) -> None:
     x, v, t = (axis.ravel() for axis in np.meshgrid(*TRIED, indexing="ij"))
     moved = False
     for values in product(*(parameter.sizes for parameter in force.parameters)):
-        one, two = (force.force((factor * values[0], *values[1:]), x, v, t) for factor in (1.0, 2.0))
+        one, two = (force.law.along((factor * values[0], *values[1:]), x, v, t) for factor in (1.0, 2.0))
         bad = np.flatnonzero(~np.isfinite(one))
         if len(bad):
             k = bad[0]

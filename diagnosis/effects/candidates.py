@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from pounding.diagnosis.effects import frame, storey, table_and_sensors  # noqa: F401  (they fill the catalogue)
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from pounding.diagnosis import effects
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, places
 from pounding.diagnosis.model.model import Model
 
+OWN = ("candidate_file", "user")
+"""Modules that hold no effect but read the user's own, with libraries that only they need."""
+
+
+@cache
+def kinds() -> tuple[type[Effect], ...]:
+    """Return every kind of effect that a module of this folder adds to the catalogue, rivals and optional ones included."""
+    for module in iter_modules(effects.__path__):
+        if module.name not in OWN:
+            import_module(f"{effects.__name__}.{module.name}")
+    return tuple(CATALOGUE.ordered())
+
 
 def candidates(model: Model) -> list[Effect]:
-    """Return every effect of the catalogue at every place that it can have in this case, foils included."""
-    found: list[Effect] = []
-    for kind in CATALOGUE.kinds:
-        found += places(kind, model)
-    return found
+    """Return every effect that is always tried, rivals included, at every place that it can have in this case."""
+    return [effect for kind in kinds() if kind.default for effect in places(kind, model)]

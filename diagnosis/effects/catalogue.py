@@ -1,11 +1,15 @@
-"""The catalogue: every effect once, with its equation, places, parameters, its force for scoring and how it is added.
+"""The catalogue: every effect once, with its equation, prior, places, sketch, and what it does to the models.
 
-The equations are those of docs/diagnosis/catalogue.md: d is the drift of a storey, v its rate, u a floor's
-displacement relative to the table, w its absolute velocity. An effect gives
+d is the drift of a storey, v its rate, u a floor's displacement relative to the table, w its absolute velocity. An effect is
+one class and touches no other module. It gives
 
+- its parameters with names and units, their typical sizes (`size`, `grid`) and its places (`where`),
 - `terms`: the force (or the change of an input or a sensor) that a unit of its amplitude makes on a predicted motion,
-- `apply`: the same effect in the fast simulator (`pounding.diagnosis.model.model`),
-- its parameters with names and units; `pounding.diagnosis.model.twin` puts the same numbers on the exudyn rig.
+- `apply`: the same effect in an assembly, from which both the fast simulator (`pounding.diagnosis.model.model`) and the
+  exudyn rig (`pounding.diagnosis.model.twin`) are made; a force is a law (`pounding.diagnosis.model.laws`) for all three,
+- `described`: its row and its sketch in docs/diagnosis/catalogue.md.
+
+A module of this folder that defines kinds of effects and adds them to `CATALOGUE` is found by `candidates.kinds`.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pounding.diagnosis.effects.describing import Description
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
@@ -83,6 +88,10 @@ class Effect:
     """Whether its one parameter is its amplitude, and `terms` are its derivative at any size."""
     rival: ClassVar[bool] = False
     """Whether this is outside the catalogue and stands for 'something else'."""
+    default: ClassVar[bool] = True
+    """Whether it is tried in every diagnosis; else only where it is asked for."""
+    described: ClassVar[Description | None] = None
+    """What the catalogue in the documentation says and draws of it; None for what is no effect of its own there."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
 
@@ -136,9 +145,17 @@ class Effect:
         return tuple(False for _ in self.quantities)
 
 
+GROUPS = {
+    "On a frame or a floor": ("frame", "floor"),
+    "In a storey": ("storey", "upper storey"),
+    "At the table and in the sensors": ("", "channel", "logger"),
+}
+"""Places by the heading under which the documentation has them, in the order in which candidates are tried."""
+
+
 @dataclass(frozen=True)
 class Registry:
-    """The kinds of effects, in the order of the catalogue."""
+    """The kinds of effects."""
 
     kinds: list[type[Effect]] = field(default_factory=list)
 
@@ -147,9 +164,17 @@ class Registry:
         self.kinds.append(kind)
         return kind
 
+    def ordered(self) -> list[type[Effect]]:
+        """Return the kinds by groups of places, so that their order is not that in which modules were imported."""
+        return [kind for places in GROUPS.values() for kind in self.kinds if kind.where in places]
+
+    def optional(self) -> list[type[Effect]]:
+        """Return the kinds that are tried only where they are asked for; rivals are no answer to ask for."""
+        return [kind for kind in self.kinds if not kind.default and not kind.rival]
+
     def names(self) -> list[str]:
-        """Return the names of the effects of the catalogue."""
-        return [kind.name for kind in self.kinds if not kind.rival]
+        """Return the names of the effects that a diagnosis may give without being asked for them."""
+        return [kind.name for kind in self.kinds if kind.default and not kind.rival]
 
 
 CATALOGUE = Registry()

@@ -8,9 +8,10 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
+from pounding.diagnosis.model.laws import Numbers, PlacedLaw, memoryless
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
-from pounding.diagnosis.model.predictor import DRAG
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes, StoreyFrame
 from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
@@ -39,6 +40,12 @@ class JointFlexibility(FrameEffect):
     name = "joint_flexibility"
     absorbing = True
     quantities = (Quantity("joint_stiffness", "N m/rad"),)
+    described = Description(
+        "rotational stiffness $k_j$ of each joint between column and floor differs from the baseline model's: $K(k_j)$ by "
+        "the frame's own model",
+        "`stiffness_change` of all storeys, `p_delta`, `base_rocking`",
+        relation("joints", "joint's turn", "moment", same, lambda x: 0.6 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.4 of the joints' stiffness, as a logarithm."""
@@ -77,6 +84,12 @@ class BaseRocking(FrameEffect):
     absorbing = True
     quantities = (Quantity("rotational_stiffness", "N m/rad"),)
     sign = 1
+    described = Description(
+        "the base turns on a spring $k_r$: "
+        r"$K^{-1} \to K^{-1} + h h^\mathsf{T}/k_r$ with the floors' heights $h$",
+        "`joint_flexibility`, `stiffness_change` of the lowest storey, `table_tilt`",
+        relation("rock", "base moment", "base's turn", nothing, lambda x: 0.7 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the compliance [rad/(N m)] that makes the roof a quarter more flexible."""
@@ -116,6 +129,12 @@ class PDelta(FrameEffect):
     linear = True
     quantities = (Quantity("weight_factor", "1"),)
     sign = 1
+    described = Description(
+        r"$K \to K - \phi\,K_g$, $K_g$ the geometric stiffness of the frame's weight",
+        "`stiffness_change` of the lower storeys, `joint_flexibility`",
+        relation("frame", "drift", "force", same, lambda x: 0.75 * x),
+        ", beyond what the baseline model has",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the factor that takes a fifth of the first mode's stiffness away."""
@@ -145,6 +164,11 @@ class AddedMass(FrameEffect):
     linear = True
     where = "floor"
     quantities = (Quantity("mass", "kg"),)
+    described = Description(
+        r"$M_{ff} \to M_{ff} + m$ on floor $f$",
+        "`stiffness_change` of the storeys below; a mass that is not rigidly fixed is *unknown*",
+        relation("floor", "acceleration", "inertia", same, lambda x: 1.4 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a quarter of the floor's mass."""
@@ -160,6 +184,12 @@ class AddedMass(FrameEffect):
         assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
 
 
+@memoryless
+def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p0 v abs(v): p0 the drag [N s^2/m^2], v a floor's rate in the room."""
+    return p[0] * v * abs(v)
+
+
 @CATALOGUE.add
 @dataclass(frozen=True)
 class AirDrag(FrameEffect):
@@ -168,6 +198,11 @@ class AirDrag(FrameEffect):
     name = "air_drag"
     quantities = (Quantity("coefficient", "N s^2/m^2"),)
     sign = 1
+    described = Description(
+        r"$-c\,w\lvert w\rvert$ on each floor",
+        "`damping_change`, `coulomb_friction`",
+        relation("floors", "floor velocity", "force", nothing, lambda x: x * abs(x)),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes a fifth of the inertia of a floor."""
@@ -178,21 +213,20 @@ class AirDrag(FrameEffect):
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return w abs(w) at every floor."""
 
-        def drag(floor: int) -> Term:
+        def term(floor: int) -> Term:
             def pull(m: Motion) -> np.ndarray:
                 rate = m.floor_rate[:, floor] + m.table_rate
-                return np.asarray(-rate * np.abs(rate))
+                return -drag.along((1.0,), m.floor[:, floor], rate, np.arange(len(rate)) * m.run.step_s)
 
             return force_term(motion, pull, modes.floors[floor])
 
         span = self.span(model)
-        return [drag(floor) for floor in range(span.start, span.stop)]
+        return [term(floor) for floor in range(span.start, span.stop)]
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the drag."""
-        span = self.span(model)
-        row = np.zeros(model.structure.floors)
-        assembly.laws.append((DRAG, row, (abs(float(values[0])),), (span.start, span.stop)))
+        for row in np.eye(model.structure.floors)[self.span(model)]:
+            assembly.laws.append(PlacedLaw(drag, row, (abs(float(values[0])),), in_room=True))
 
     def logarithmic(self) -> tuple[bool, ...]:
         """Drag is positive."""
@@ -217,6 +251,11 @@ class TorsionalEccentricity(FrameEffect):
         Quantity("torsional_damping_factor", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        "centres of mass and stiffness apart by $e$: every floor turns too",
+        "*unknown* (a mass on a spring), a second mode close by",
+        history("plan", "floor's edge", sine, lambda t: sine(t) + 0.4 * np.sin(5 * np.pi * t)),
+    )
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return ratios of torsional to lateral frequency."""
@@ -298,69 +337,6 @@ class TorsionalEccentricity(FrameEffect):
         assert floors >= n
         assembly.extensions.append(extend)
         assembly.influence.extend([0.0] * n)
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
-
-
-@CATALOGUE.add
-@dataclass(frozen=True)
-class Appendage(FrameEffect):
-    """A mass on a spring that nobody listed: not in the catalogue, so its evidence speaks for an unknown effect."""
-
-    name = "appendage"
-    absorbing = True
-    where = "floor"
-    rival = True
-    quantities = (Quantity("mass", "kg"), Quantity("frequency", "Hz"), Quantity("damping_ratio", "1"))
-    sign = 1
-
-    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
-        """Return angular frequencies [rad/s] from below the first to beyond the third frequency."""
-        omega = np.concatenate(scales.omega)
-        lowest = float(omega.min())
-        highest = float(np.sort(omega)[min(2, len(omega) - 1)])
-        return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
-
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return a tenth of the floor's mass."""
-        return 0.1 * floor_mass(model.structure, self.index)
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the force of a unit mass on a spring that is driven by the floor."""
-
-        def pull(m: Motion) -> np.ndarray:
-            relative = oscillator(-m.acceleration[:, self.index], shape[0], 0.02, motion.run.step_s)
-            return np.asarray(shape[0] ** 2 * relative)
-
-        return [force_term(motion, pull, modes.floors[self.index])]
-
-    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return mass, frequency and damping."""
-        return np.array([max(amplitude, 1e-6), shape[0] / (2 * np.pi), 0.02])
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Add a coordinate."""
-        weight, omega, damping_ratio = float(values[0]), 2 * np.pi * float(values[1]), float(values[2])
-        floor = self.index
-
-        def extend(
-            mass: np.ndarray, stiffness: np.ndarray, damping: np.ndarray
-        ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-            n = len(mass)
-            larger = [np.zeros((n + 1, n + 1)) for _ in range(3)]
-            row = np.zeros(n + 1)
-            row[n], row[floor] = 1.0, -1.0
-            spring = weight * omega**2 * np.outer(row, row)
-            damper = 2 * damping_ratio * omega * weight * np.outer(row, row)
-            for new, old in zip(larger, (mass, stiffness, damping), strict=True):
-                new[:n, :n] = old
-            larger[0][n, n] = weight
-            return larger[0], larger[1] + spring, larger[2] + damper
-
-        assembly.extensions.append(extend)
-        assembly.influence.append(1.0)
 
     def logarithmic(self) -> tuple[bool, ...]:
         """All are positive."""

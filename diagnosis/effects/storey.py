@@ -9,9 +9,10 @@ import numpy as np
 from numba import njit
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
+from pounding.diagnosis.model.laws import Law, Numbers, PlacedLaw, memoryless, remembering
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass, storey_pattern, storey_stiffness
-from pounding.diagnosis.model.predictor import BUMPER, CUBIC, DAMPER, FADING, FRICTION, HYSTERESIS, LOOSENING
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term, pattern_terms
@@ -25,27 +26,25 @@ STICKING = 15.0
 """Stiffness of a stuck friction joint as a multiple of the storey's: stiff, yet within the simulator's step."""
 
 
-@njit(cache=True)
-def _yielding(drift: np.ndarray, limit: float) -> np.ndarray:
-    """Return the elastic part of a drift whose elastic part is at most `limit` [m], shape (samples,)."""
-    elastic = np.empty(drift.size)
-    now, last = 0.0, 0.0
-    for k in range(drift.size):
-        now = min(max(now + drift[k] - last, -limit), limit)
-        last = drift[k]
-        elastic[k] = now
-    return elastic
-
-
 @dataclass(frozen=True)
 class StoreyEffect(Effect):
-    """An effect with a force f(d, v, t) in a storey."""
+    """An effect with a force f(d, v, t) in a storey, given by a law."""
 
     where = "storey"
+    law: ClassVar[Law]
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return the law's parameters [SI] for the effect's SI parameters."""
+        raise NotImplementedError
+
+    def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
+        """Return the law's parameters [SI] for a unit amplitude."""
+        return self.numbers(model, self.values(1.0, shape))
 
     def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
         """Return the force that opposes the drift, for a unit amplitude, shape (samples,)."""
-        raise NotImplementedError
+        drift, rate = self.along(motion.drift), self.along(motion.drift_rate)
+        return self.law.along(self.unit(model, shape), drift, rate, np.arange(len(drift)) * motion.run.step_s)
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force as a term."""
@@ -55,18 +54,13 @@ class StoreyEffect(Effect):
         """Return the row of floors that gives the drift the law acts on, (floors,)."""
         return np.asarray(model.structure.drift[self.index])
 
-    def drift(self, motion: Motion) -> np.ndarray:
-        """Return that drift [m], (samples,)."""
-        return np.asarray(motion.drift[:, self.index])
-
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return kind and parameters of the law in `pounding.diagnosis.model.predictor`."""
-        raise NotImplementedError
+    def along(self, storeys: np.ndarray) -> np.ndarray:
+        """Return that drift [m], or its rate, from those of all storeys (samples, storeys), shape (samples,)."""
+        return np.asarray(storeys[:, self.index])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the law to the assembly."""
-        kind, parameters = self.law(model, values)
-        assembly.laws.append((kind, self.row(model), parameters, (0, 0)))
+        assembly.laws.append(PlacedLaw(self.law, self.row(model), self.numbers(model, values)))
 
     def stiffness(self, model: Model) -> float:
         """Return the believed stiffness of the storey [N/m]."""
@@ -81,6 +75,12 @@ class StiffnessChange(StoreyEffect):
     name = "stiffness_change"
     linear = True
     quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$f = x\,k\,d$ at all times",
+        "the same in a neighbouring storey, `joint_flexibility`, `p_delta`, `base_rocking`; `added_mass` where only the "
+        "lowest mode is seen. Small ones vanish in the prior of the storey's stiffness",
+        relation("storey", "drift", "force", same, lambda x: 0.6 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
@@ -95,27 +95,49 @@ class StiffnessChange(StoreyEffect):
         assembly.stiffness += max(float(values[0]), -0.95) * storey_pattern(model.structure, self.index)
 
 
+@memoryless
+def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p0 v: p0 the damper [N s/m]."""
+    return p[0] * v
+
+
 @CATALOGUE.add
 @dataclass(frozen=True)
 class DampingChange(StoreyEffect):
     """A viscous damper: c v, negative where the frame has less than believed."""
 
     name = "damping_change"
+    law = damper
     linear = True
     quantities = (Quantity("damping", "N s/m"),)
+    described = Description(
+        r"$f = c\,v$",
+        "the same in another storey (at light damping a mode feels only the sum), `coulomb_friction` if all runs are of "
+        "one size, `air_drag`",
+        loop(damper, 0.035),
+        ", negative where the frame has less than the baseline model",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the damper that gives the storey alone five per cent of critical in the first mode."""
         first = float(scales.omega[model.structure.index(str(self.frame))][0])
         return 0.1 * self.stiffness(model) / first
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return v."""
-        return motion.drift_rate[:, self.index]
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return the damper."""
+        return (float(values[0]),)
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return a damper."""
-        return DAMPER, (float(values[0]),)
+
+@remembering
+def friction(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return the force of a stiff joint that slides; it remembers its elastic force and the drift.
+
+    p: force [N], stiffness [N/m] and damping [N s/m] while stuck, and the rate [m/s] at which sliding has worn half of it
+    away; infinite for one that nothing wears.
+    """
+    held = min(max(state[0] + p[1] * (d - state[1]), -p[0]), p[0])
+    new[0], new[1] = held, d
+    return min(max(held + p[2] * v, -p[0]), p[0]) / (1.0 + abs(v) / p[3])
 
 
 @CATALOGUE.add
@@ -124,11 +146,17 @@ class CoulombFriction(StoreyEffect):
     """Friction F sign(v), stuck below F."""
 
     name = "coulomb_friction"
+    law = friction
     quantities: ClassVar[tuple[Quantity, ...]] = (
         Quantity("friction_force", "N"),
         Quantity("sticking_stiffness", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$",
+        "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
+        loop(friction, 0.3, 30.0, 0.0, np.inf),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's rms shear."""
@@ -138,45 +166,29 @@ class CoulombFriction(StoreyEffect):
         """Return drifts at which the joint begins to slide [m], standing for its stiffness against its force."""
         return [(float(scales.drift[self.index]) * share,) for share in (0.005, 0.02, 0.1, 0.3)]
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the sign of the velocity, as a stiff joint that slides."""
-        return _yielding(np.ascontiguousarray(motion.drift[:, self.index]), shape[0]) / shape[0]
+    def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
+        """Return friction of 1 N that slides from the drift `shape`, without damping: it is scored on noisy rates."""
+        return (1.0, 1 / shape[0], 0.0, np.inf)
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return friction force and stiffness while stuck, as a multiple of the storey's."""
         return np.array([amplitude, STICKING])
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return a stiff joint that slides at F, damped while stuck."""
         stiffness = min(float(values[1]), STIFFEST) * self.stiffness(model)
         damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(model.structure, self.index) / 2)
-        return FRICTION, (abs(float(values[0])), stiffness, float(damping))
+        return (abs(float(values[0])), stiffness, float(damping), np.inf)
 
     def logarithmic(self) -> tuple[bool, ...]:
         """Both are positive."""
         return (True, True)
 
 
-@dataclass(frozen=True)
-class FadingFriction(CoulombFriction):
-    """Friction that fast sliding wears down: a foil of the friction that leads, and so at no place of its own."""
-
-    name = "fading_friction"
-    rival = True
-    quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s"))
-
-    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return friction force, stiffness while stuck and a rate of 1 m/s."""
-        return np.array([*super().values(amplitude, shape), 1.0])
-
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return friction that has lost half of itself at a rate."""
-        _, friction = super().law(model, values)
-        return FADING, (*friction, max(abs(float(values[2])), 1e-9))
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
+@memoryless
+def cubic_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p0 d^3: p0 the spring [N/m^3]."""
+    return p[0] * d * d * d
 
 
 @CATALOGUE.add
@@ -185,19 +197,43 @@ class CubicStiffness(StoreyEffect):
     """A spring k3 d^3."""
 
     name = "cubic_stiffness"
+    law = cubic_spring
     quantities = (Quantity("cubic_stiffness", "N/m^3"),)
+    described = Description(
+        r"$f = k_3\,d^3$",
+        "a `bumper` on each side, `hysteresis` (where $k_3 < 0$)",
+        loop(cubic_spring, 0.8),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes 0.3 of the linear force at twice the rms drift."""
         return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return d^3."""
-        return motion.drift[:, self.index] ** 3
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return the cubic spring."""
+        return (float(values[0]),)
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return a cubic spring."""
-        return CUBIC, (float(values[0]),)
+
+@njit(cache=True, error_model="numpy")
+def _stiff_share(force: float, limit: float, sharpness: float, step: float) -> float:
+    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
+    if force * step <= 0.0:
+        return 1.0
+    return max(1.0 - min(abs(force) / limit, 1.0) ** sharpness, 0.0)
+
+
+@remembering
+def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return what a part of a storey that yields with a rounded knee lacks of its elastic force.
+
+    It remembers its force and the drift (Bouc 1967, Wen 1976, by the midpoint rule). p: yield force [N], elastic
+    stiffness [N/m], sharpness of the knee.
+    """
+    first, step = state[0], p[1] * (d - state[1])
+    middle = first + 0.5 * step * _stiff_share(first, p[0], p[2], step)
+    force = first + step * _stiff_share(middle, p[0], p[2], step)
+    new[0], new[1] = min(max(force, -p[0]), p[0]), d
+    return new[0] - p[1] * d
 
 
 @CATALOGUE.add
@@ -209,6 +245,7 @@ class Hysteresis(StoreyEffect):
     """
 
     name = "hysteresis"
+    law = yielding
     absorbing = True
     quantities = (
         Quantity("yield_force", "N"),
@@ -216,6 +253,12 @@ class Hysteresis(StoreyEffect):
         Quantity("sharpness", "1", reported=False),
     )
     sign = 1
+    described = Description(
+        "a part $k_y$ of the storey's stiffness yields at $F_y$; small motions feel nothing of it; how sharp its knee is "
+        "(Bouc and Wen's exponent) is refined and not reported",
+        "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
+        loop(yielding, 0.25, 0.6, 8.0),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's stiffness."""
@@ -226,23 +269,24 @@ class Hysteresis(StoreyEffect):
         largest = float(max(scales.highest[self.index], -scales.lowest[self.index]))
         return [(largest * share,) for share in (0.06, 0.12, 0.2, 0.32, 0.46, 0.62, 0.8)]
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return what the yielding part lacks of its elastic force."""
-        drift = np.ascontiguousarray(motion.drift[:, self.index])
-        return _yielding(drift, shape[0]) - drift
-
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return yield force, stiffness and the sharpness of the knee."""
         return np.array([amplitude * shape[0], amplitude, SHARPNESS])
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the yielding part less its elastic force."""
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
-        return HYSTERESIS, (abs(float(values[0])), abs(float(values[1])), sharpness)
+        return (abs(float(values[0])), abs(float(values[1])), sharpness)
 
     def logarithmic(self) -> tuple[bool, ...]:
         """All are positive."""
         return (True, True, True)
+
+
+@memoryless
+def growing_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p0 d t / p1, at most p0 d: p0 the spring [N/m], p1 the time [s] at which it is whole."""
+    return p[0] * min(t / p[1], 1.0) * d
 
 
 @CATALOGUE.add
@@ -251,21 +295,30 @@ class Loosening(StoreyEffect):
     """The storey's stiffness falls linearly over each run to (1 + x) of itself: x k (t / T) d."""
 
     name = "loosening"
+    law = growing_spring
     quantities = (Quantity("final_relative_change", "1"),)
     sign = -1
+    described = Description(
+        r"$f = x\,k\,(t/T)\,d$, in each run anew",
+        "`hysteresis` in a run that grows, `stiffness_change`",
+        history("storey", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
         return 0.3
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return k (t / T) d."""
-        share = np.linspace(0.0, 1.0, len(motion.drift))
-        return self.stiffness(model) * share * motion.drift[:, self.index]
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return the stiffness at the end of the run, which is when it is whole."""
+        return (max(float(values[0]), -0.95) * self.stiffness(model), float("nan"))
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return a spring that grows with time, up to the duration of the run."""
-        return LOOSENING, (max(float(values[0]), -0.95) * self.stiffness(model), float("nan"))
+
+@memoryless
+def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m]."""
+    if p[0] >= 0.0:
+        return p[1] * max(d - p[0], 0.0)
+    return p[1] * min(d - p[0], 0.0)
 
 
 @CATALOGUE.add
@@ -274,8 +327,14 @@ class Bumper(StoreyEffect):
     """A stop: k (d - g) beyond the gap g, or its mirror where g is negative."""
 
     name = "bumper"
+    law = stop
     quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m"))
     sign = 1
+    described = Description(
+        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$",
+        "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
+        loop(stop, 0.5, 2.0),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the storey's stiffness."""
@@ -287,43 +346,14 @@ class Bumper(StoreyEffect):
         ends = (float(scales.highest[self.index]), float(scales.lowest[self.index]))
         return [(end * share,) for end in ends for share in shares]
 
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the penetration."""
-        beyond = self.drift(motion) - shape[0]
-        return np.maximum(beyond, 0.0) if shape[0] >= 0 else np.minimum(beyond, 0.0)
-
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return gap and stiffness."""
         return np.array([shape[0], amplitude])
 
-    def law(self, model: Model, values: np.ndarray) -> tuple[int, tuple[float, ...]]:
-        """Return a stop."""
-        return BUMPER, (float(values[0]), abs(float(values[1])))
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return gap and stiffness."""
+        return (float(values[0]), abs(float(values[1])))
 
     def logarithmic(self) -> tuple[bool, ...]:
         """The stiffness is positive."""
         return (False, True)
-
-
-@CATALOGUE.add
-@dataclass(frozen=True)
-class Tie(Bumper):
-    """A stop between floors two storeys apart, or the second floor and the table: nobody listed it, so it is a foil."""
-
-    name = "tie"
-    where = "upper storey"
-    rival = True
-
-    def row(self, model: Model) -> np.ndarray:
-        """Return the row of both storeys' drifts together, (floors,)."""
-        return np.asarray(model.structure.drift[self.index - 1 : self.index + 1].sum(axis=0))
-
-    def drift(self, motion: Motion) -> np.ndarray:
-        """Return both storeys' drifts together [m], (samples,)."""
-        return np.asarray(motion.drift[:, self.index - 1 : self.index + 1].sum(axis=1))
-
-    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
-        """Return gaps [m] on both sides, of both storeys' drifts together."""
-        both = slice(self.index - 1, self.index + 1)
-        ends = (float(scales.highest[both].sum()), float(scales.lowest[both].sum()))
-        return [(end * share,) for end in ends for share in (0.25, 0.55)]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
@@ -23,6 +24,11 @@ class TableGain(Effect):
     name = "table_gain"
     linear = True
     quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$a_g \to (1 + x)\,a_g$",
+        "a gain of all other sensors",
+        history("table", "table", sine, lambda t: 1.3 * sine(t)),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.2."""
@@ -45,6 +51,12 @@ class TableDelay(Effect):
     name = "table_delay"
     linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
+    described = Description(
+        r"$a_g(t) \to a_g(t - \tau)$",
+        "a delay of all other sensors",
+        history("table", "table", sine, lambda t: sine(t - 0.06)),
+        ", positive where the frame was shaken later than the channel says",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 6 ms."""
@@ -67,6 +79,11 @@ class TableTilt(Effect):
     name = "table_tilt"
     linear = True
     quantities = (Quantity("tilt", "rad s^2/m"),)
+    described = Description(
+        r"the table pitches by $\theta = \psi\,a_g$: floors move by $h\theta$, weights lean",
+        "`base_rocking`, `table_gain`",
+        relation("tilt", "table accel.", "pitch", nothing, lambda x: 0.7 * x),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what moves the roof by a tenth of the table at the first frequency."""
@@ -102,6 +119,13 @@ class SensorGain(ChannelEffect):
     name = "sensor_gain"
     linear = True
     quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$y \to (1 + x)\,y$",
+        "two sensors exchanged, which is tried before",
+        relation("sensor", "truth", "reading", same, lambda x: 1.4 * x),
+        "; a wrong polarity is $-2$; `g` typed where the cell gave `m/s^2` reads 9.81 times too much, $+8.81$, the other "
+        "way round $-0.898$",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.2."""
@@ -124,6 +148,12 @@ class SensorDelay(ChannelEffect):
     name = "sensor_delay"
     linear = True
     quantities = (Quantity("delay", "ms", 1000.0),)
+    described = Description(
+        r"$y(t) \to y(t - \tau)$",
+        "`table_delay`",
+        history("sensor", "reading", sine, lambda t: sine(t - 0.06)),
+        "; channels of one kind or of one frame may be late together, as a logger of their own",
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 6 ms."""
@@ -179,6 +209,11 @@ class SensorOffset(ChannelEffect):
     name = "sensor_offset"
     linear = True
     quantities = (Quantity("offset", CHANNEL_UNIT),)
+    described = Description(
+        r"$y \to y + b$",
+        "a slow drift",
+        history("sensor", "reading", sine, lambda t: sine(t) + 0.5),
+    )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the channel's rms."""

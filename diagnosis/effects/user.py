@@ -10,11 +10,12 @@ from typing import ClassVar
 import numpy as np
 
 from pounding.diagnosis.effects.candidate_file import UserForce, UserParameter
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.candidates import kinds
+from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
-from pounding.diagnosis.model.predictor import USER
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term
@@ -53,7 +54,7 @@ class UserEffect(Effect):
         def pull(m: Motion) -> np.ndarray:
             x, v = (m.floor, m.floor_rate) if self.where == "floor" else (m.drift, m.drift_rate)
             time = np.arange(len(x)) * motion.run.step_s
-            return -self.source.force((1.0, *shape), x[:, self.index], v[:, self.index], time)
+            return -self.source.law.along((1.0, *shape), x[:, self.index], v[:, self.index], time)
 
         return [force_term(motion, pull, self.row(model) @ modes.floors)]
 
@@ -64,7 +65,7 @@ class UserEffect(Effect):
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the function as a law."""
         parameters = tuple(float(value) for value in values)
-        assembly.laws.append((USER, self.row(model), parameters, (self.source.address, 0)))
+        assembly.laws.append(PlacedLaw(self.source.law, self.row(model), parameters))
 
     def logarithmic(self) -> tuple[bool, ...]:
         """What may change its sign is refined as it is, the rest as logarithms."""
@@ -72,15 +73,19 @@ class UserEffect(Effect):
         return (not self.source.either_sign, *(_one_sign(parameter) for parameter in others))
 
 
-def user_kinds(forces: Sequence[UserForce]) -> list[type[Effect]]:
-    """Return a kind of effect for each function of a user's.
+def user_kinds(asked: Sequence[UserForce | type[Effect]]) -> list[type[Effect]]:
+    """Return a kind of effect for each function of a user's, and the effects of the catalogue that they ask for.
 
     Raises:
         CaseError: A function has the name of an effect of the catalogue.
     """
-    kinds: list[type[Effect]] = []
-    for force in forces:
-        if force.name in CATALOGUE.names():
+    taken = {kind.name for kind in kinds() if not kind.rival}
+    found: list[type[Effect]] = []
+    for force in asked:
+        if not isinstance(force, UserForce):
+            found.append(force)
+            continue
+        if force.name in taken:
             raise CaseError(
                 f"the candidate {force.name!r} has the name of an effect of the catalogue; rename the function"
             )
@@ -94,8 +99,8 @@ def user_kinds(forces: Sequence[UserForce]) -> list[type[Effect]]:
             "source": force,
             "__doc__": force.what,
         }
-        kinds.append(type(force.name, (UserEffect,), described))
-    return kinds
+        found.append(type(force.name, (UserEffect,), described))
+    return found
 
 
 def _one_sign(parameter: UserParameter) -> bool:

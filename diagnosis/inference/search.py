@@ -9,7 +9,8 @@ import numpy as np
 from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
-from pounding.diagnosis.effects.storey import CoulombFriction, FadingFriction
+from pounding.diagnosis.effects.rivals import FadingFriction
+from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference.coordinates import BOX
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter

@@ -3,24 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.predictor import DRAG, USER, _remember, law
-
-
-@njit(cache=True)
-def along(
-    kind: int, parameters: np.ndarray, drift: np.ndarray, rate: np.ndarray, time: np.ndarray
-) -> np.ndarray:
-    """Return the force of a law of `pounding.diagnosis.model.predictor` along a motion [N], each array (samples,) in SI."""
-    memory = np.zeros(4)
-    force = np.empty(drift.size)
-    for k in range(drift.size):
-        force[k] = law(kind, parameters, memory, drift[k], rate[k], time[k])
-        _remember(kind, parameters, memory, drift[k])
-    return force
 
 
 def storey_force(
@@ -40,13 +25,9 @@ def storey_force(
     plain = model.assemble(fit.values)
     time = np.arange(len(drift)) * step_s
     total = np.zeros(len(drift))
-    for kind, row, numbers, _ in assembly.laws:
-        if kind in (DRAG, USER) or not np.allclose(row, structure.drift[storey]):
-            continue
-        parameters = np.zeros(5)
-        parameters[: len(numbers)] = [time[-1] if np.isnan(number) else number for number in numbers]
-        own, own_rate = np.ascontiguousarray(drift[:, storey]), np.ascontiguousarray(rate[:, storey])
-        total += along(kind, parameters, own, own_rate, time)
+    for one in assembly.laws:
+        if np.allclose(one.row, structure.drift[storey]) and not one.in_room:
+            total += one.law.along(one.parameters, drift[:, storey], rate[:, storey], time)
     frame, number = structure.place(storey)
     span = structure.span(structure.index(frame))
     # A change of the stiffness pushes the floors; the storey carries what acts on the floors above it.

@@ -1,6 +1,6 @@
 """Calls a compiled force by its address, so that the compiled loop over time need not know which function it is.
 
-The loop stays compiled and cached whatever a user writes: the function's address comes with the effect's data.
+The loop stays compiled and cached whichever laws there are: a law's address comes with the effect's data.
 """
 
 from __future__ import annotations
@@ -15,24 +15,28 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 PARAMETERS = 5
 """How many parameters a force may have."""
+MEMORY = 4
+"""How many numbers a force may remember."""
 
-_SIGNATURE = types.double(types.double, types.double, types.double, types.CPointer(types.double))
+_POINTER = types.CPointer(types.double)
+_SIGNATURE = types.double(_POINTER, _POINTER, types.double, types.double, types.double, _POINTER)
 
 
-def _typed(context: Any, address: Any, d: Any, v: Any, t: Any, pointer: Any) -> Any:
-    """Call the C function at an address with three numbers and a pointer to its parameters."""
+def _typed(context: Any, address: Any, p: Any, state: Any, d: Any, v: Any, t: Any, new: Any) -> Any:
+    """Call the C function at an address with pointers to parameters, memory and new memory, and three numbers."""
     del context
-    signature = types.double(types.intp, types.double, types.double, types.double, types.intp)
+    number, place = types.double, types.intp
+    signature = number(place, place, place, number, number, number, place)
 
     def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         del context, signature
-        double, pointer_type = ir.DoubleType(), ir.DoubleType().as_pointer()
-        kind = ir.FunctionType(double, [double, double, double, pointer_type])
+        double, pointer = ir.DoubleType(), ir.DoubleType().as_pointer()
+        kind = ir.FunctionType(double, [pointer, pointer, double, double, double, pointer])
         function = builder.inttoptr(arguments[0], kind.as_pointer())
-        place = builder.inttoptr(arguments[4], pointer_type)
-        return builder.call(function, [*arguments[1:4], place])
+        p, state, new = (builder.inttoptr(arguments[i], pointer) for i in (1, 2, 6))
+        return builder.call(function, [p, state, *arguments[3:6], new])
 
-    del address, d, v, t, pointer
+    del address, p, state, d, v, t, new
     return signature, codegen
 
 
@@ -41,16 +45,21 @@ _as_tuple: Any = to_fixed_tuple
 
 
 @njit(cache=True)
-def called(address: int, p: Any, d: float, v: float, t: float) -> float:
-    """Return the force [N] at drift d [m], rate v [m/s] and time t [s] of the function at an address.
+def called(address: int, p: Any, state: Any, d: float, v: float, t: float, new: Any) -> float:
+    """Return the force [N] at drift d [m], rate v [m/s] and time t [s] of the law at an address.
 
-    `p` are its parameters in SI, a contiguous float64 array of at least as many as the function takes.
+    Args:
+        address: Where the law's compiled function is.
+        p: Its parameters in SI, contiguous float64, shape (PARAMETERS,).
+        state: What it remembers, contiguous float64, shape (MEMORY,); it is read only.
+        d, v, t: Drift, its rate, and the time since the run began.
+        new: What it would remember from now on is written here, contiguous float64, shape (MEMORY,).
     """
-    return _call(address, d, v, t, p.ctypes.data)
+    return _call(address, p.ctypes.data, state.ctypes.data, d, v, t, new.ctypes.data)
 
 
-def compiled(function: Callable[..., float], count: int) -> Any:
-    """Return a C callback of ``function(d, v, t, *parameters)`` with `count` parameters; `.address` is what `called` takes.
+def entry(function: Callable[..., float], cache: bool = True) -> Any:
+    """Return a C callback of ``function(p, state, d, v, t, new)``; `.address` is what `called` takes.
 
     The result must be kept alive as long as its address is in use.
 
@@ -58,10 +67,14 @@ def compiled(function: Callable[..., float], count: int) -> Any:
         numba.core.errors.NumbaError: The function uses what numba does not compile.
     """
     # Division by zero gives inf or NaN as in numpy: an exception could not leave the compiled loop.
+    return cfunc(_SIGNATURE, error_model="numpy", cache=cache)(function)
+
+
+def with_parameters(function: Callable[..., float], count: int) -> Callable[..., float]:
+    """Return ``function(d, v, t, *parameters)`` of `count` parameters and no memory in the form that `entry` takes."""
     inner = njit(error_model="numpy")(function)
 
-    @cfunc(_SIGNATURE, error_model="numpy")
-    def entry(d, v, t, pointer):
-        return inner(d, v, t, *_as_tuple(carray(pointer, (count,)), count))
+    def force(p, state, d, v, t, new):
+        return inner(d, v, t, *_as_tuple(carray(p, (count,)), count))
 
-    return entry
+    return force

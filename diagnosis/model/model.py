@@ -11,7 +11,9 @@ from scipy.fft import next_fast_len
 from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.calling import PARAMETERS
 from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE
+from pounding.diagnosis.model.laws import filled
 from pounding.diagnosis.model.nuisance import Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
@@ -154,7 +156,7 @@ class Model:
         storeys = self.structure.floors
         states = 2 * len(modes.omega) + storeys + 3
         substep = run.step_s / run.substeps
-        kinds, rows, parameters, drag = _laws(assembly, modes, run.step_s * (len(run.table) - 1))
+        laws, rows, room, parameters = _laws(assembly, modes, run.step_s * (len(run.table) - 1))
         known_mid, known_at, table_mid, added = self._inputs(assembly, modes, number, run)
         measured = self._corrected(assembly, number, run, added)
         innovations, before, after, outputs = predict(
@@ -173,10 +175,10 @@ class Model:
             np.zeros((states, len(self.observed.names))) if gain is None else np.ascontiguousarray(gain),
             np.array([LATENT_RATE, TABLE_NOISE_RATE]),
             run.step_s,
-            kinds,
+            laws,
             rows,
+            room,
             parameters,
-            drag,
         )
         if gain is None:
             for channel in np.flatnonzero(assembly.channel_delay_s):
@@ -292,14 +294,12 @@ def _steps(modes: Modes, step: float) -> np.ndarray:
 def _laws(
     assembly: Assembly, modes: Modes, end: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    count = len(assembly.laws)
+    placed = assembly.laws
+    count = len(placed)
     rows = np.zeros((count, len(modes.omega)))
-    parameters = np.zeros((count, 5))
-    drag = np.zeros((count, 2), np.int64)
-    kinds = np.zeros(count, np.int64)
-    for j, (kind, row, numbers, span) in enumerate(assembly.laws):
-        kinds[j] = kind
-        rows[j] = row @ modes.floors
-        parameters[j, : len(numbers)] = [end if np.isnan(number) else number for number in numbers]
-        drag[j] = span
-    return kinds, rows, parameters, drag
+    parameters = np.zeros((count, PARAMETERS))
+    for j, one in enumerate(placed):
+        rows[j] = one.row @ modes.floors
+        parameters[j] = filled(one.parameters, end)
+    laws = np.array([one.law.address for one in placed], np.int64)
+    return laws, rows, np.array([float(one.in_room) for one in placed]), parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.storeys import Structure
 
@@ -51,8 +52,8 @@ class Assembly:
     channel_offset: np.ndarray
     event_gain: np.ndarray
     """Relative change of the contact force in each of the observations' touches."""
-    laws: list[tuple[int, np.ndarray, tuple[float, ...], tuple[int, int]]] = field(default_factory=list)
-    """Kind, row of floors that gives the drift, SI parameters, floor range (drag)."""
+    laws: list[PlacedLaw] = field(default_factory=list)
+    """Forces of the effects."""
     extensions: list[
         Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
     ] = field(default_factory=list)

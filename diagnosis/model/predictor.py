@@ -11,127 +11,31 @@ import math
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.calling import called
+from pounding.diagnosis.model.calling import MEMORY, called
 
 # What a channel measures.
 ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT = range(5)
 
-# How an effect acts; the place is a storey, a floor or the first and last floor of a frame.
-(
-    SPRING,
-    DAMPER,
-    FRICTION,
-    CUBIC,
-    HYSTERESIS,
-    LOOSENING,
-    BUMPER,
-    DRAG,
-    SLIP,
-    QUADRATIC_DAMPER,
-    CONTACT,
-    HERTZ_DAMP,
-    USER,
-    FADING,
-) = range(14)
+TABLE_MOVED, TABLE_VELOCITY = -2, -1
+"""Where the table's displacement [m] and velocity [m/s] are among the states, whatever the number of modes."""
 
 LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
 
 
 @njit(cache=True)
-def _elastoplastic(stiffness: float, limit: float, state: np.ndarray, drift: float) -> float:
-    force = state[0] + stiffness * (drift - state[1])
-    return min(max(force, -limit), limit)
-
-
-@njit(cache=True)
-def _hysteretic(stiffness: float, limit: float, sharpness: float, state: np.ndarray, drift: float) -> float:
-    """Return the force of a part that yields with a rounded knee (Bouc 1967, Wen 1976), by the midpoint rule."""
-    first, step = state[0], stiffness * (drift - state[1])
-    middle = first + 0.5 * step * _loss(first, limit, sharpness, step)
-    force = first + step * _loss(middle, limit, sharpness, step)
-    return min(max(force, -limit), limit)
-
-
-@njit(cache=True)
-def _loss(force: float, limit: float, sharpness: float, step: float) -> float:
-    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
-    if force * step <= 0.0:
-        return 1.0
-    return max(1.0 - min(abs(force) / limit, 1.0) ** sharpness, 0.0)
-
-
-@njit(cache=True)
-def law(kind: int, p: np.ndarray, state: np.ndarray, d: float, v: float, time: float) -> float:
-    """Return the force [N] of an effect that opposes the drift d [m] and its rate v [m/s]; see `effects.catalogue`.
-
-    `p` are the effect's parameters in SI, `state` its memory, (4,): force, drift, contact's approach velocity, flag.
-    """
-    if kind == SPRING:
-        return p[0] * d
-    if kind == DAMPER:
-        return p[0] * v
-    if kind == FRICTION:  # p: force, stiffness and damping of the stuck joint
-        return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0])
-    if kind == FADING:  # p: as friction's, and the rate at which it has lost half of itself
-        return min(max(_elastoplastic(p[1], p[0], state, d) + p[2] * v, -p[0]), p[0]) / (1.0 + abs(v) / p[3])
-    if kind == CUBIC:
-        return p[0] * d * d * d
-    if kind == HYSTERESIS:  # p: yield force, stiffness, sharpness of the knee
-        return _hysteretic(p[1], p[0], p[2], state, d) - p[1] * d
-    if kind == LOOSENING:
-        return p[0] * min(time / p[1], 1.0) * d
-    if kind == BUMPER:
-        if p[0] >= 0.0:
-            return p[1] * max(d - p[0], 0.0)
-        return p[1] * min(d - p[0], 0.0)
-    if kind == QUADRATIC_DAMPER:
-        return p[0] * v * abs(v)
-    if kind == SLIP:  # a part of the stiffness is lost within a play, on either side
-        return -p[1] * min(max(d, -p[0]), p[0])
-    if kind == CONTACT:  # p: gap, stiffness, damping, exponent; never pulls
-        x = d - p[0]
-        if x <= 0.0:
-            return 0.0
-        return max(p[1] * x ** p[3] + p[2] * v, 0.0)
-    return 0.0
-
-
-@njit(cache=True)
-def _remember(kind: int, p: np.ndarray, state: np.ndarray, d: float) -> None:
-    if kind in (FRICTION, FADING):
-        state[0] = _elastoplastic(p[1], p[0], state, d)
-        state[1] = d
-    elif kind == HYSTERESIS:
-        state[0] = _hysteretic(p[1], p[0], p[2], state, d)
-        state[1] = d
-
-
-@njit(cache=True)
-def _effect_forces(kinds, rows, parameters, memory, drag, floors, eta, rate, table_rate, time, keep, force):
+def _effect_forces(laws, rows, room, parameters, memory, new, eta, rate, table_rate, time, keep, force):
     """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
     modes = eta.size
-    for j in range(kinds.size):
-        if kinds[j] == DRAG:
-            for f in range(drag[j, 0], drag[j, 1]):
-                w = table_rate
-                for m in range(modes):
-                    w += floors[f, m] * rate[m]
-                pull = -parameters[j, 0] * w * abs(w)
-                for m in range(modes):
-                    force[m] += floors[f, m] * pull
-            continue
+    for j in range(laws.size):
         d = 0.0
-        v = 0.0
+        v = room[j] * table_rate
         for m in range(modes):
             d += rows[j, m] * eta[m]
             v += rows[j, m] * rate[m]
-        if kinds[j] == USER:  # a function of the user's, whose address stands where drag has its floors
-            pull = -called(drag[j, 0], parameters[j], d, v, time)
-        else:
-            pull = -law(kinds[j], parameters[j], memory[j], d, v, time)
+        pull = -called(laws[j], parameters[j], memory[j], d, v, time, new[j])
         if keep:
-            _remember(kinds[j], parameters[j], memory[j], d)
+            memory[j] = new[j]
         for m in range(modes):
             force[m] += rows[j, m] * pull
 
@@ -160,10 +64,10 @@ def predict(
     gain,
     decay,
     step_s,
-    kinds,
+    laws,
     rows,
+    room,
     parameters,
-    drag,
 ):
     """Run the predictor over one run.
 
@@ -182,7 +86,10 @@ def predict(
         gain: Filter gain, shape (2 modes + storeys + 3, channels); zeros for a simulation.
         decay: Rates of the latent forces and of the table noise [1/s], shape (2,).
         step_s: Sampling step [s].
-        kinds, rows, parameters, drag: Effects: kind, modal row of its drift, SI parameters, floor range for drag.
+        laws: Address of each effect's law (`pounding.diagnosis.model.laws`), shape (effects,).
+        rows: Modal row of the drift on which it acts, shape (effects, modes).
+        room: 1 where it acts on the rate in the room, which has the table's in it, else 0, shape (effects,).
+        parameters: Its parameters in SI, shape (effects, PARAMETERS).
 
     Returns:
         Innovations (samples, channels), NaN samples as zero; predicted states (samples, states); filtered states;
@@ -201,7 +108,8 @@ def predict(
     outputs = np.zeros((samples, channels))
     before = np.zeros((samples, states))
     after = np.zeros((samples, states))
-    memory = np.zeros((kinds.size, 4))
+    memory = np.zeros((laws.size, MEMORY))
+    new = np.zeros((laws.size, MEMORY))
     force = np.zeros(n)
     last = np.zeros(n)
     eta_mid = np.zeros(n)
@@ -224,7 +132,7 @@ def predict(
             for m in range(n):
                 force[m] += latent_rows[s, m] * z[2 * n + s]
         _effect_forces(
-            kinds, rows, parameters, memory, drag, floors, eta, rate, z[states - 1], time, False, force
+            laws, rows, room, parameters, memory, new, eta, rate, z[states - 1], time, False, force
         )
         for c in range(channels):
             y = 0.0
@@ -265,12 +173,12 @@ def predict(
             for m in range(n):
                 last[m] = -force[m]
             _effect_forces(
-                kinds,
+                laws,
                 rows,
+                room,
                 parameters,
                 memory,
-                drag,
-                floors,
+                new,
                 eta_mid,
                 rate_mid,
                 z[states - 1],

@@ -79,12 +79,6 @@ class StoreyFrame:
         storey_height = np.diff(self.height_m, prepend=0.0)
         return self.drift.T @ np.diag(weight / storey_height) @ self.drift
 
-    @property
-    def rocking(self) -> np.ndarray:
-        """Stiffness lost for a small unit base flexibility, -dK/d(1/k) [N^2 m^2/m^2], shape (floors, floors)."""
-        moment = self.stiffness @ self.height_m
-        return np.outer(moment, moment)
-
 
 def from_reduced(reduced: ReducedFrame, name: str | None = None) -> StoreyFrame:
     """Return the storeys of a reduced frame."""

@@ -1,12 +1,13 @@
 """The diagnosed model on the exudyn rig: the same effects, as matrices, connectors, loads and inputs of the engine.
 
 What the report calls 'after' is a run of this. The frames are the calibrated storeys; laws are connectors between
-floors, those with a memory keep it as a first-order coordinate of the engine, so that its step control sees it.
+floors, whose force is the compiled function that the prediction has too. What a law remembers advances before each step
+of the engine, so that a step that is taken back leaves no trace.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -21,10 +22,11 @@ from pounding import frames
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.calling import called
+from pounding.diagnosis.model.calling import MEMORY, called
+from pounding.diagnosis.model.laws import PlacedLaw, filled
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
-from pounding.diagnosis.model.predictor import DRAG, FRICTION, HYSTERESIS, USER, law
+from pounding.diagnosis.model.predictor import TABLE_VELOCITY
 from pounding.diagnosis.model.tilt import tilt_series
 from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
@@ -47,16 +49,6 @@ class Between:
     right: int
     law: ContactLaw
     gap_m: float
-
-
-@dataclass(frozen=True)
-class _Law:
-    """A law of an assembly: kind, row of floors, SI parameters, floors it drags."""
-
-    kind: int
-    row: np.ndarray
-    parameters: np.ndarray
-    span: tuple[int, int]
 
 
 def simulate_engine(
@@ -113,7 +105,7 @@ def simulate_touching(
     assembly = model.assemble(values, effects)
     run = model.observed.runs[number]
     try:
-        motion = _shaken(model, assembly, number, between)
+        motion = _shaken(model, assembly, number, values, effects, between)
     except ExperimentError as error:
         raise CaseError(
             f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
@@ -188,11 +180,18 @@ def _run(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
 ) -> np.ndarray:
-    motion = _shaken(model, assembly, number)
+    motion = _shaken(model, assembly, number, values, effects)
     return channels(model, assembly, number, motion, values, effects)
 
 
-def _shaken(model: Model, assembly: Assembly, number: int, between: Between | None = None) -> FrameMotion:
+def _shaken(
+    model: Model,
+    assembly: Assembly,
+    number: int,
+    values: np.ndarray,
+    effects: Sequence[tuple[Acting, np.ndarray]],
+    between: Between | None = None,
+) -> FrameMotion:
     """Return the motion of all frames as one body through a run."""
     run = model.observed.runs[number]
     finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
@@ -201,10 +200,13 @@ def _shaken(model: Model, assembly: Assembly, number: int, between: Between | No
     spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
     table = (1 + assembly.table_gain) * spline(np.clip(at - assembly.table_delay_s, 0.0, at[-1]))
     reduced = reduced_frame(model, assembly)
-    laws = [_Law(kind, row, _padded(numbers, at[-1]), span) for kind, row, numbers, span in assembly.laws]
-    rate = np.concatenate([[0.0], np.cumsum((table[1:] + table[:-1]) / 2) * step])
+    # The table's velocity is the prediction's, which forgets what is slow; a law may act on it.
+    moved = model.predict(values, None, effects, [number]).before[0]
+    rate = CubicSpline(np.arange(len(moved)) * run.step_s, moved[:, TABLE_VELOCITY])(at)
     loads = _known_forces(model, assembly, number, at)
-    additions: list[Any] = [_Addition(reduced, laws, rate.tolist(), 1 / step, loads)]
+    additions: list[Any] = [
+        _Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)
+    ]
     if between is not None:
         additions.append(partial(_touching, between))
     accuracy = ACCURACY if between is None else COLLIDING
@@ -214,11 +216,6 @@ def _shaken(model: Model, assembly: Assembly, number: int, between: Between | No
 def _touching(between: Between, rig: Any) -> ContactConnector:
     markers = [rig.bodies[0].marker(floor + 1) for floor in (between.left, between.right)]
     return ContactConnector(rig.mbs, between.law, between.gap_m, *markers)
-
-
-def _padded(numbers: Sequence[float], end: float) -> np.ndarray:
-    filled = [end if np.isnan(number) else number for number in numbers]
-    return np.array(filled + [0.0] * (5 - len(filled)))
 
 
 def _known_forces(model: Model, assembly: Assembly, number: int, at: np.ndarray) -> np.ndarray | None:
@@ -241,122 +238,120 @@ def _known_forces(model: Model, assembly: Assembly, number: int, at: np.ndarray)
     return forces if np.any(forces) else None
 
 
+Series = Callable[[float], float]
+"""A quantity as a function of time [s]."""
+
+
+def _between_samples(samples: np.ndarray, step_s: float) -> Series:
+    """Return samples as a function of time, straight between them and constant after the last."""
+    # Plain floats: indexing an array costs more than the whole interpolation.
+    series, per_step, last = samples.tolist(), 1 / step_s, len(samples) - 1
+
+    def at(t: float) -> float:
+        place = min(t * per_step, float(last))
+        index = min(int(place), last - 1)
+        return float(series[index] + (series[index + 1] - series[index]) * (place - index))
+
+    return at
+
+
+class _LawConnector:
+    """A law as a connector of the engine, its memory that of the motion up to the step that is being tried.
+
+    Args:
+        mbs: The exudyn system.
+        ends: Markers below and above the drift on which it acts.
+        placed: The law at its place.
+        end_s: End of the run [s].
+        rate: What adds to the drift's rate [m/s], or None.
+    """
+
+    def __init__(
+        self, mbs: Any, ends: tuple[int, int], placed: PlacedLaw, end_s: float, rate: Series | None
+    ) -> None:
+        self._address, self._remembers = placed.law.address, placed.law.remembers
+        self._parameters = filled(placed.parameters, end_s)
+        self._state, self._new = np.zeros(MEMORY), np.zeros(MEMORY)
+        self._rate = rate
+        self._item = mbs.AddObject(
+            items.ObjectConnectorCoordinateSpringDamper(
+                markerNumbers=list(ends), stiffness=1.0, springForceUserFunction=self._force
+            )
+        )
+
+    def _force(self, _mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
+        faster = 0.0 if self._rate is None else self._rate(t)
+        return float(called(self._address, self._parameters, self._state, d, v + faster, t, self._new))
+
+    def latch(self, mbs: Any) -> None:
+        """Remember the motion up to now, which is where a step begins."""
+        if self._remembers:
+            kind = exudyn.OutputVariableType
+            d, v = (float(mbs.GetObjectOutput(self._item, one)) for one in (kind.Displacement, kind.Velocity))
+            self._force(mbs, mbs.systemData.GetTime(), self._item, d, v)
+            self._state[:] = self._new
+
+
 class _Addition:
-    """Puts laws and known forces on the rig's one body; called by the rig with the assembled items."""
+    """Puts laws and known forces on the rig's one body; called by the rig with the assembled items.
+
+    Args:
+        laws: The laws.
+        end_s: End of the run [s].
+        table_rate: Velocity of the table [m/s].
+        loads: Known forces on the floors [N], shape (samples, floors), or None.
+        step_s: Step of their samples [s].
+    """
 
     def __init__(
         self,
-        reduced: frames.ReducedFrame,
-        laws: Sequence[_Law],
-        table_rate: list[float],
-        per_step: float,
+        laws: Sequence[PlacedLaw],
+        end_s: float,
+        table_rate: Series,
         loads: np.ndarray | None,
+        step_s: float,
     ) -> None:
-        self.reduced, self.laws = reduced, laws
-        self.table_rate, self.per_step, self.loads = table_rate, per_step, loads
+        self._laws, self._end_s, self._table_rate = laws, end_s, table_rate
+        self._loads, self._step_s = loads, step_s
 
-    def __call__(self, rig: Any) -> list[Any]:
+    def __call__(self, rig: Any) -> _Addition:
         mbs, body = rig.mbs, rig.bodies[0]
-        kept: list[Any] = []
-        ground = mbs.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
-        self.ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
-        for one in self.laws:
-            if one.kind == DRAG:
-                kept += [self._drag(mbs, body, floor, one) for floor in range(*one.span)]
-            elif one.kind in (FRICTION, HYSTERESIS):
-                kept.append(self._with_memory(mbs, body, one))
-            else:
-                kept.append(self._plain(mbs, body, one))
-        if self.loads is not None:
-            kept += [
-                self._load(mbs, body, int(floor)) for floor in np.flatnonzero(np.any(self.loads != 0, axis=0))
-            ]
-        return kept
-
-    def _ends(self, body: Any, row: np.ndarray) -> tuple[int, int]:
-        """Return the markers below and above a storey."""
-        above, below = int(np.argmax(row)), np.flatnonzero(row < 0)
-        lower = body.marker(int(below[0]) + 1) if len(below) else self.ground
-        return lower, body.marker(above + 1)
-
-    def _plain(self, mbs: Any, body: Any, one: _Law) -> Any:
-        memory = np.zeros(4)
-
-        def force(_mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-            if one.kind == USER:
-                return float(called(one.span[0], one.parameters, d, v, t))
-            return float(law(one.kind, one.parameters, memory, d, v, t))
-
-        return self._connector(mbs, self._ends(body, one.row), force)
-
-    def _with_memory(self, mbs: Any, body: Any, one: _Law) -> Any:
-        """Add an elastoplastic law; its elastic drift is a coordinate of the engine that stops at the yield drift."""
-        limit, stiffness, third = (float(p) for p in one.parameters[:3])
-        yield_drift = limit / stiffness
-        # The third is a stuck joint's damping, or the sharpness of a yielding part's knee.
-        damping, sharpness = (third, 0.0) if one.kind == FRICTION else (0.0, third)
-        elastic = mbs.AddNode(
-            items.NodeGenericODE1(
-                referenceCoordinates=[0.0], initialCoordinates=[0.0], numberOfODE1Coordinates=1
+        node = mbs.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
+        ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        self._connectors = [
+            _LawConnector(
+                mbs, _ends(body, ground, one.row), one, self._end_s, self._table_rate if one.in_room else None
             )
-        )
-        kind = exudyn.OutputVariableType
-        above, below = int(np.argmax(one.row)), np.flatnonzero(one.row < 0)
-        node = body.node
+            for one in self._laws
+        ]
+        # The engine keeps no reference to what it calls.
+        self._kept = [self._load(mbs, body, floor, loads) for floor, loads in self._loaded()]
+        return self
 
-        def drift_rate(system: Any) -> float:
-            rates = system.GetNodeOutput(node, kind.Coordinates_t)
-            return float(rates[above] - (rates[below[0]] if len(below) else 0.0))
+    def latch(self, mbs: Any) -> None:
+        """Let the laws remember; called before each step."""
+        for connector in self._connectors:
+            connector.latch(mbs)
 
-        def flow(system: Any, t: float, _item: int, z: Any) -> list[float]:
-            v = drift_rate(system)
-            if z[0] * v <= 0:
-                return [v]
-            share = min(abs(z[0]) / yield_drift, 1.0)
-            return [v * (1.0 - share**sharpness)] if sharpness else [v if share < 1.0 else 0.0]
+    def _loaded(self) -> list[tuple[int, np.ndarray]]:
+        """Return the floors on which known forces act, with these [N], each (samples,)."""
+        if self._loads is None:
+            return []
+        floors = np.flatnonzero(np.any(self._loads != 0, axis=0))
+        return [(int(floor), self._loads[:, floor]) for floor in floors]
 
-        memory = mbs.AddObject(items.ObjectGenericODE1(nodeNumbers=[elastic], rhsUserFunction=flow))
-
-        def force(system: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-            z = float(np.atleast_1d(system.GetNodeOutput(elastic, kind.Coordinates))[0])
-            held = min(max(stiffness * z, -limit), limit)
-            if one.kind == FRICTION:
-                return min(max(held + damping * v, -limit), limit)
-            return held - stiffness * d
-
-        return flow, memory, self._connector(mbs, self._ends(body, one.row), force)
-
-    def _drag(self, mbs: Any, body: Any, floor: int, one: _Law) -> Any:
-        rate, per_step, last = self.table_rate, self.per_step, len(self.table_rate) - 1
-        coefficient = float(one.parameters[0])
-
-        def force(_mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-            index = min(int(t * per_step), last)
-            w = v + rate[index]
-            return coefficient * w * abs(w)
-
-        return self._connector(mbs, (self.ground, body.marker(floor + 1)), force)
-
-    def _load(self, mbs: Any, body: Any, floor: int) -> Any:
-        assert self.loads is not None
-        series, per_step = self.loads[:, floor].tolist(), self.per_step
-        last = len(series) - 1
+    def _load(self, mbs: Any, body: Any, floor: int, loads: np.ndarray) -> Any:
+        at = _between_samples(loads, self._step_s)
 
         def load(_mbs: Any, t: float, _load: float) -> float:
-            place = min(t * per_step, float(last))
-            index = min(int(place), last - 1)
-            return series[index] + (series[index + 1] - series[index]) * (place - index)
+            return at(t)
 
-        mbs.AddLoad(
-            items.LoadCoordinate(markerNumber=body.marker(int(floor) + 1), load=1.0, loadUserFunction=load)
-        )
+        marker = body.marker(floor + 1)
+        mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=load))
         return load
 
-    @staticmethod
-    def _connector(mbs: Any, ends: tuple[int, int], force: Any) -> Any:
-        item = mbs.AddObject(
-            items.ObjectConnectorCoordinateSpringDamper(
-                markerNumbers=list(ends), stiffness=1.0, springForceUserFunction=force
-            )
-        )
-        return force, item
+
+def _ends(body: Any, ground: int, row: np.ndarray) -> tuple[int, int]:
+    """Return the markers below and above the drift that a row of floors gives."""
+    above, below = int(np.argmax(row)), np.flatnonzero(row < 0)
+    return body.marker(int(below[0]) + 1) if len(below) else ground, body.marker(above + 1)

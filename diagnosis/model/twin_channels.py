@@ -13,6 +13,7 @@ from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
     ACCELERATION,
     TABLE_DISPLACEMENT,
+    TABLE_MOVED,
     VELOCITY,
 )
 from pounding.diagnosis.model.tilt import tilt_series
@@ -42,7 +43,7 @@ def channels(
     # Sensors that are late show the motion of before.
     place = CubicHermiteSpline(motion.time_s, motion.displacement_m, motion.velocity_m_s)
     rate = CubicHermiteSpline(motion.time_s, motion.velocity_m_s, motion.acceleration_m_s2)
-    table = CubicSpline(times, model.predict(values, None, effects, [number]).before[0][:, -2])
+    table = CubicSpline(times, model.predict(values, None, effects, [number]).before[0][:, TABLE_MOVED])
     floors = model.structure.floors
     outputs = np.zeros((len(times), len(observed.names)))
     modes = model.plain_modes(assembly)

@@ -1,11 +1,12 @@
-"""Draw docs/_static/catalogue.png: where each effect of the catalogue sits, and what it does.
+"""Write what docs/diagnosis/catalogue.md has from the effects themselves: its tables, and docs/_static/catalogue.png.
 
-Run it with `python docs/diagnosis/sketches.py`. Forces are those of `pounding.diagnosis.model.predictor.law`.
+Run it with `python docs/diagnosis/sketches.py` after an effect was added or its description changed.
 """
 
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,43 +16,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from pounding.diagnosis.inference.storey_force import along
-from pounding.diagnosis.model.predictor import BUMPER, CUBIC, DAMPER, FRICTION, HYSTERESIS
+from pounding.diagnosis.effects.candidates import kinds
+from pounding.diagnosis.effects.catalogue_page import shown, tables
+from pounding.diagnosis.effects.describing import Curves, Sketch, nothing, relation
 from pounding.diagnosis.report.palette import GREY, ORANGE
 
-TIME = np.linspace(0.0, 1.0, 800)
-DRIFT = np.sin(2 * np.pi * 2 * TIME) * (0.55 + 0.45 * TIME)
-RATE = np.gradient(DRIFT, TIME)
-SLOPE = 1.0
-COLUMNS = 6
-
-
-def storey(axes: Axes, kind: int, *numbers: float) -> None:
-    """Force against drift: the storey's own spring dashed, with the effect in colour."""
-    parameters = np.zeros(5)
-    parameters[: len(numbers)] = numbers
-    own = SLOPE * DRIFT
-    axes.plot(DRIFT, own, "--", color=GREY, lw=1)
-    axes.plot(DRIFT, own + along(kind, parameters, DRIFT, RATE, TIME), color=ORANGE, lw=1.2)
-    axes.set_xlabel("drift", fontsize=7, labelpad=1)
-    axes.set_ylabel("force", fontsize=7, labelpad=1)
-
-
-def lines(x: np.ndarray, model: np.ndarray, true: np.ndarray, across: str, up: str) -> Callable[[Axes], None]:
-    """A relation as believed, dashed, and as it is."""
-
-    def draw(axes: Axes) -> None:
-        axes.plot(x, model, "--", color=GREY, lw=1)
-        axes.plot(x, true, color=ORANGE, lw=1.2)
-        axes.set_xlabel(across, fontsize=7, labelpad=1)
-        axes.set_ylabel(up, fontsize=7, labelpad=1)
-
-    return draw
-
-
-def law(kind: int, *numbers: float) -> Callable[[Axes], None]:
-    """The law of an effect in a storey."""
-    return lambda axes: storey(axes, kind, *numbers)
+COLUMNS = 5
+PAGE = Path(__file__).parent / "catalogue.md"
+PICTURE = Path(__file__).parents[1] / "_static" / "catalogue.png"
 
 
 def building(axes: Axes, mark: str, at: float = 0.0) -> None:
@@ -88,55 +60,51 @@ def building(axes: Axes, mark: str, at: float = 0.0) -> None:
     axes.axis("off")
 
 
-def panels() -> list[tuple[str, str, Callable[[Axes], None]]]:
-    """Return name, what is marked, and what is drawn beside it, in the order of the catalogue."""
-    x = np.linspace(-1, 1, 101)
-    t, deep = TIME, np.linspace(0, 1, 101)
-    motion = np.sin(2 * np.pi * 2 * t)
-    event = np.maximum(x, 0.0)
-    return [
-        ("stiffness_change", "storey", lines(x, x, 0.6 * x, "drift", "force")),
-        ("joint_flexibility", "joints", lines(x, x, 0.6 * x, "joint's turn", "moment")),
-        ("base_rocking", "rock", lines(x, 0 * x, 0.7 * x, "base moment", "base's turn")),
-        ("p_delta", "frame", lines(x, x, 0.75 * x, "drift", "force")),
-        ("added_mass", "floor", lines(x, x, 1.4 * x, "acceleration", "inertia")),
-        ("damping_change", "storey", law(DAMPER, 0.035)),
-        ("coulomb_friction", "storey", law(FRICTION, 0.3, 30.0, 0.0)),
-        ("air_drag", "floors", lines(x, 0 * x, x * abs(x), "floor velocity", "force")),
-        ("cubic_stiffness", "storey", law(CUBIC, 0.8)),
-        ("hysteresis", "storey", law(HYSTERESIS, 0.25, 0.6, 8.0)),
-        ("loosening", "storey", lines(t, 1 + 0 * t, 1 - 0.5 * t, "time in the run", "stiffness")),
-        ("bumper", "storey", law(BUMPER, 0.5, 2.0)),
-        (
-            "torsional_eccentricity",
-            "plan",
-            lines(t, motion, motion + 0.4 * np.sin(5 * np.pi * t), "time", "floor's edge"),
-        ),
-        ("table_gain", "table", lines(t, motion, 1.3 * motion, "time", "table")),
-        ("table_delay", "table", lines(t, motion, np.sin(2 * np.pi * 2 * (t - 0.06)), "time", "table")),
-        ("table_tilt", "tilt", lines(x, 0 * x, 0.7 * x, "table accel.", "pitch")),
-        ("sensor_gain", "sensor", lines(x, x, 1.4 * x, "truth", "reading")),
-        ("sensor_delay", "sensor", lines(t, motion, np.sin(2 * np.pi * 2 * (t - 0.06)), "time", "reading")),
-        ("sensor_offset", "sensor", lines(t, motion, motion + 0.5, "time", "reading")),
-        ("gap_offset", "contact", lines(x, 2 * event, 2 * np.maximum(x - 0.3, 0), "closing", "force")),
-        ("contact_stiffness", "contact", lines(deep, deep, 0.55 * deep, "deformation", "force")),
-        ("contact_damping", "contact", _loops(0.15, 0.4)),
-        ("contact_law", "contact", lines(deep, deep, deep**1.5, "deformation", "force")),
-        ("second_contact", "second", lines(x, 0 * x, 2 * event, "closing", "force")),
-    ]
-
-
-def _loops(model: float, true: float) -> Callable[[Axes], None]:
+def contact_loops() -> Curves:
+    """A contact's force over a deformation that comes and goes, with little damping and with more."""
     phase = np.linspace(0, np.pi, 200)
     deep, speed = np.sin(phase), np.cos(phase)
+    return deep, np.maximum(deep + 0.15 * speed, 0.0), np.maximum(deep + 0.4 * speed, 0.0)
 
-    def draw(axes: Axes) -> None:
-        for share, style, colour in ((model, "--", GREY), (true, "-", ORANGE)):
-            axes.plot(deep, np.maximum(deep + share * speed, 0.0), style, color=colour, lw=1.1)
-        axes.set_xlabel("deformation", fontsize=7, labelpad=1)
-        axes.set_ylabel("force", fontsize=7, labelpad=1)
 
-    return draw
+def deforming(true: Callable[[np.ndarray], np.ndarray]) -> Sketch:
+    """A contact's force over its deformation."""
+    deep = np.linspace(0, 1, 101)
+    return Sketch("contact", "deformation", "force", lambda: (deep, deep, true(deep)))
+
+
+def closing(gap: float) -> Callable[[np.ndarray], np.ndarray]:
+    """A contact's force over how far the frames have come together."""
+    return lambda x: 2 * np.maximum(x - gap, 0.0)
+
+
+CONTACTS = (
+    ("gap_offset", relation("contact", "closing", "force", closing(0.0), closing(0.3))),
+    ("contact_stiffness", deforming(lambda x: 0.55 * x)),
+    ("contact_damping", Sketch("contact", "deformation", "force", contact_loops)),
+    ("contact_law", deforming(lambda x: x**1.5)),
+    ("second_contact", relation("second", "closing", "force", nothing, closing(0.0))),
+)
+"""Effects between two frames, which are no candidates in a frame."""
+
+
+def panels() -> list[tuple[str, Sketch]]:
+    """Return name and sketch of every effect."""
+    own = [(kind.name, kind.described.sketch) for kind in shown(kinds()) if kind.described is not None]
+    return [*own, *CONTACTS]
+
+
+def draw(axes: Axes, sketch: Sketch) -> None:
+    """Draw what an effect does: dashed as in the baseline model, in colour as it is."""
+    x, baseline, true = sketch.curves()
+    axes.plot(x, baseline, "--", color=GREY, lw=1)
+    axes.plot(x, true, color=ORANGE, lw=1.2)
+    axes.set_xlabel(sketch.across, fontsize=7, labelpad=1)
+    axes.set_ylabel(sketch.up, fontsize=7, labelpad=1)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
 
 
 def place(axes: Axes, mark: str) -> None:
@@ -157,30 +125,37 @@ def place(axes: Axes, mark: str) -> None:
         building(axes, mark)
 
 
-def main() -> None:
-    """Draw all panels and write the picture."""
-    shown = panels()
-    rows = -(-len(shown) // COLUMNS)
-    figure = Figure(figsize=(13.5, 1.95 * rows))
+def picture() -> None:
+    """Draw all panels."""
+    every = panels()
+    rows = -(-len(every) // COLUMNS)
+    figure = Figure(figsize=(11.5, 1.95 * rows))
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(
         rows, COLUMNS, left=0.01, right=0.99, top=0.95, bottom=0.05, hspace=0.55, wspace=0.12
     )
-    for number, (name, mark, draw) in enumerate(shown):
+    for number, (name, sketch) in enumerate(every):
         cell = grid[number // COLUMNS, number % COLUMNS].subgridspec(1, 2, width_ratios=(1, 1.3), wspace=0.22)
         left, right = figure.add_subplot(cell[0]), figure.add_subplot(cell[1])
-        place(left, mark)
-        draw(right)
-        right.set_xticks([])
-        right.set_yticks([])
-        for side in ("top", "right"):
-            right.spines[side].set_visible(False)
+        place(left, sketch.mark)
+        draw(right, sketch)
         right.set_title(name, fontsize=9, loc="right", family="monospace")
-    path = Path(__file__).parents[1] / "_static" / "catalogue.png"
     store = io.BytesIO()
     figure.savefig(store, format="png", dpi=90)
     # A drawing of a few colours needs no more than these.
-    Image.open(store).convert("RGB").quantize(32).save(path, optimize=True)
+    Image.open(store).convert("RGB").quantize(32).save(PICTURE, optimize=True)
+
+
+def main() -> None:
+    """Write the tables and the picture."""
+    page = PAGE.read_text(encoding="utf-8")
+    for heading, rows in tables(kinds()).items():
+        pattern = rf"(## {re.escape(heading)}\n(?:(?!\||##).*\n)*)(?:\|.*\n)+"
+        page, found = re.subn(pattern, lambda match, rows=rows: f"{match[1]}{rows}\n", page)
+        if found != 1:
+            raise SystemExit(f"{PAGE}: there is no table under the heading {heading!r}; add one")
+    PAGE.write_text(page, encoding="utf-8")
+    picture()
 
 
 if __name__ == "__main__":

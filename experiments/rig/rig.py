@@ -90,7 +90,8 @@ class Assembly(NamedTuple):
 
 
 Addition = Callable[[Assembly], Any]
-"""Adds something to the assembled system before it runs; what it returns is kept alive until the run ends."""
+"""Adds something to the assembled system before it runs; what it returns is kept alive until the run ends, and its
+`latch`, if it has one, is called before each step."""
 
 
 class Rig:
@@ -170,7 +171,7 @@ class Rig:
             connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
             kept: list[Any] = list(connectors)
             kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
-            latches = [one.latch for one in connectors if one.latch is not None]
+            latches = [one.latch for one in kept if getattr(one, "latch", None) is not None]
             guard = Guard(self.frames, bodies, latches, progress)
             mbs.SetPreStepUserFunction(guard)
             end = table.duration_s if duration_s is None else float(duration_s)

@@ -1,24 +1,23 @@
-"""Every effect of the catalogue: its name, places, parameters, its force for scoring, and its run in the engine."""
+"""The catalogue as a whole: its names, places and parameters, and what the documentation has of it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pounding.diagnosis.effects.candidates import candidates
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
+from pounding.diagnosis.effects.candidates import candidates, kinds
+from pounding.diagnosis.effects.catalogue import CATALOGUE, GROUPS, Effect
+from pounding.diagnosis.effects.catalogue_page import shown, tables
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
-from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.observations import root_mean_square
-from pounding.diagnosis.model.twin import simulate_engine
 from tests.diagnosis.models import measured
 
+PAGE = Path(__file__).parents[3] / "docs" / "diagnosis" / "catalogue.md"
 BELIEVED = measured()
 BASELINE = run_filter(BELIEVED, np.zeros(len(BELIEVED.std)), starting_noise(BELIEVED, (0,), 0.01), (0,))
 SIZES = scales(BELIEVED, BASELINE)
@@ -32,13 +31,46 @@ def one_of_each() -> list[Effect]:
     return list(found.values())
 
 
-def names(effect: Effect) -> str:
-    return type(effect).__name__
-
-
 def test_the_catalogue_has_every_effect_of_a_single_frame() -> None:
     candidates(BELIEVED)
     assert set(CATALOGUE.names()) == set(HIDDEN) - set(CONTACT)
+
+
+def test_what_is_not_tried_by_default_is_no_candidate() -> None:
+    tried = {type(effect) for effect in candidates(BELIEVED)}
+    assert tried == {kind for kind in kinds() if kind.default}
+    assert {kind.name for kind in CATALOGUE.optional()} == {"dahl_friction"}
+
+
+def test_the_order_of_candidates_is_that_of_places_and_not_that_of_imports() -> None:
+    backwards = type(CATALOGUE)(list(reversed(kinds())))
+    groups = list(GROUPS.values())
+    numbers = [
+        next(i for i, group in enumerate(groups) if kind.where in group) for kind in backwards.ordered()
+    ]
+    assert numbers == sorted(numbers)
+    assert len(numbers) == len(kinds())
+
+
+def test_the_documentation_has_what_the_effects_say() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    for heading, table in tables(kinds()).items():
+        section = page.split(f"## {heading}\n")[1].split("\n## ")[0]
+        assert table in section, "run `python docs/diagnosis/sketches.py`"
+
+
+def test_every_effect_that_may_be_named_is_described() -> None:
+    described = {kind.name for kind in shown(kinds())}
+    assert described == {kind.name for kind in kinds() if not kind.rival}
+
+
+@pytest.mark.parametrize("kind", shown(kinds()), ids=lambda kind: kind.name)
+def test_a_sketch_shows_a_difference(kind: type[Effect]) -> None:
+    assert kind.described is not None
+    x, baseline, true = kind.described.sketch.curves()
+    assert x.shape == baseline.shape == true.shape
+    assert np.isfinite(np.stack([x, baseline, true])).all()
+    assert np.abs(true - baseline).max() > 0.1 * np.abs(true).max()
 
 
 def test_every_storey_floor_and_channel_is_a_place() -> None:
@@ -48,72 +80,6 @@ def test_every_storey_floor_and_channel_is_a_place() -> None:
     channels = {effect.channel for effect in found if effect.name == "sensor_gain"}
     assert storeys == floors == {1, 2, 3}
     assert channels == set(BELIEVED.observed.names)
-
-
-def small(effect: Effect) -> tuple[np.ndarray, np.ndarray, tuple[float, ...], float]:
-    """Return the values of hardly anything, of a little, the shape, and the amplitude between the two."""
-    shapes = effect.grid(SIZES)
-    friction = effect.name == "coulomb_friction"
-    shape = shapes[0 if friction else len(shapes) // 2]
-    # Friction slides from a drift on that grows with it; the other forces are proportional to their amplitude.
-    share = 0.1 if friction else 0.01
-    size = (effect.sign or 1) * share * effect.size(BELIEVED, SIZES, shape)
-    return effect.values(size, shape), effect.values(2 * size, shape), shape, size
-
-
-@pytest.mark.parametrize("effect", one_of_each(), ids=names)
-def test_the_force_for_scoring_is_the_effect_itself(effect: Effect) -> None:
-    """The signature is the derivative of the predictor with the effect in it."""
-    before, after, shape, size = small(effect)
-    motion = motions(BELIEVED, BASELINE)[0]
-    groups = [[effect.terms(BELIEVED, BASELINE.modes, motion, shape)]]
-    column = grouped_signatures(BELIEVED, BASELINE, groups)[0][:, 0]
-
-    def innovations(values: np.ndarray) -> np.ndarray:
-        if any("_frequency_ratio" in q.name or q.name == "frequency" for q in effect.quantities):
-            there = run_filter(BELIEVED, BASELINE.values, BASELINE.noise, (0,), [(effect, values)])
-            return whitened(there.prediction.innovations[0], BASELINE.filters[0]).ravel()
-        gains = [steady.gain for steady in BASELINE.filters]
-        found = BELIEVED.predict(BASELINE.values, gains, [(effect, values)], (0,)).innovations[0]
-        return whitened(found, BASELINE.filters[0]).ravel()
-
-    if effect.name in ("sensor_delay",):
-        expected_least = 0.5  # A shift of the data moves their noise too.
-    elif effect.name == "coulomb_friction":
-        expected_least = 0.6  # The stuck joint's own stiffness and damping are not in the score.
-    else:
-        expected_least = 0.95
-    change = (innovations(before) - innovations(after)) / size
-    cosine = column @ change / np.linalg.norm(column) / np.linalg.norm(change)
-    assert cosine > expected_least
-
-
-@pytest.mark.parametrize("effect", one_of_each(), ids=names)
-def test_the_engine_agrees_with_the_fast_simulator(effect: Effect) -> None:
-    short = replace(
-        BELIEVED.observed,
-        runs=tuple(
-            replace(run, table=run.table[:700], time_s=run.time_s[:700], measured=run.measured[:700],
-                    contact=run.contact[:700])
-            for run in BELIEVED.observed.runs[:1]
-        ),
-    )  # fmt: skip
-    model = type(BELIEVED)(BELIEVED.structure, short, BELIEVED.prior)
-    shapes = effect.grid(SIZES)
-    shape = shapes[len(shapes) // 2]
-    size = (effect.sign or 1) * 0.5 * effect.size(model, SIZES, shape)
-    acting = [(effect, effect.values(size, shape))]
-    nuisance = np.zeros(len(model.std))
-    fast = simulate(model, nuisance, acting, [0])[0]
-    engine = simulate_engine(model, nuisance, acting, [0])[0]
-    rms = root_mean_square(fast)
-    rms[:3] = np.maximum(rms[:3], 1e-9)
-    error = root_mean_square(fast - engine) / rms
-    without = root_mean_square(fast - simulate(model, nuisance, [], [0])[0]) / rms
-    # Where joints stick or yield the two switch at slightly different moments.
-    tolerance = 0.03 if effect.name in ("coulomb_friction", "hysteresis") else 0.006
-    assert error.max() < tolerance
-    assert without.max() > 3 * error.max()
 
 
 def test_every_parameter_has_a_unit_and_positive_ones_are_refined_as_such() -> None:

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pounding import frames
+from pounding.diagnosis.effects.storey import cubic_spring
 from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     motions,
@@ -16,9 +17,9 @@ from pounding.diagnosis.inference.filtering import (
 )
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.kalman import discretise, linear_system, steady_filter
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import root_mean_square
-from pounding.diagnosis.model.predictor import CUBIC
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
@@ -26,7 +27,7 @@ from tests.diagnosis.models import STEP_S, measured
 
 class Cubic:
     def apply(self, assembly, values, model):  # type: ignore[no-untyped-def]
-        assembly.laws.append((CUBIC, model.structure.drift[1], (float(values[0]),), (0, 0)))
+        assembly.laws.append(PlacedLaw(cubic_spring, model.structure.drift[1], (float(values[0]),)))
 
 
 def test_without_gain_it_is_the_exact_linear_response() -> None:

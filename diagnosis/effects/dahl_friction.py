@@ -1,0 +1,72 @@
+"""Dahl's friction: a joint that gives way before it slides.
+
+It is not tried by default. `coulomb_friction` has a stuck joint's stiffness among its parameters and fits nearly the same
+data, so the two would only make a class of each other; where the way into sliding is the question, it is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, loop
+from pounding.diagnosis.effects.storey import StoreyEffect
+from pounding.diagnosis.model.laws import Numbers, remembering
+from pounding.diagnosis.model.model import Model
+
+SHORTEST_M = 1e-9
+"""Shortest drift [m] over which the friction may build up."""
+
+
+@remembering
+def bristles(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return the force of bristles that bend and then slide; it remembers force and drift (Dahl 1968, exponent 1).
+
+    dF/dd = (p0 sign(v) - F) / (p1 sign(v)), solved exactly for a drift that goes one way since it was remembered.
+    p: friction force [N], drift [m] in which it would be reached at the stiffness with which it starts.
+    """
+    moved = d - state[1]
+    slides_at = p[0] if moved >= 0.0 else -p[0]
+    new[0] = slides_at + (state[0] - slides_at) * math.exp(-abs(moved) / p[1])
+    new[1] = d
+    return new[0]
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class DahlFriction(StoreyEffect):
+    """Friction that builds up over a drift x0: it never quite sticks."""
+
+    name = "dahl_friction"
+    law = bristles
+    default = False
+    quantities = (Quantity("friction_force", "N"), Quantity("build_up_drift", "mm", 1000.0))
+    sign = 1
+    described = Description(
+        r"$\mathrm{d}f/\mathrm{d}d = \bigl(F\,\mathrm{sign}(v) - f\bigr) / \bigl(x_0\,\mathrm{sign}(v)\bigr)$",
+        "`coulomb_friction` (where $x_0$ is small), `hysteresis`, and `damping_change` at one amplitude",
+        loop(bristles, 0.3, 0.25),
+    )
+
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return 0.3 of the storey's rms shear."""
+        return 0.3 * float(scales.shear[self.index])
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return drifts [m] over which it builds up, from hardly any to the usual one."""
+        return [(float(scales.drift[self.index]) * share,) for share in (0.03, 0.1, 0.3, 1.0)]
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return friction force and drift."""
+        return np.array([amplitude, shape[0]])
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return friction force and drift."""
+        return (abs(float(values[0])), max(abs(float(values[1])), SHORTEST_M))
+
+    def logarithmic(self) -> tuple[bool, ...]:
+        """Both are positive."""
+        return (True, True)
