@@ -30,7 +30,7 @@ def place(page: Path) -> str:
 
 
 def source(parts: list[str]) -> Path | None:
-    """The file or folder of a dotted name without `pounding`, if it is a module or a package."""
+    """The source of a dotted name, if it is a module or a package."""
     at = HOUSE.joinpath(*parts)
     if (at / "__init__.py").exists():
         return at / "__init__.py"
@@ -54,13 +54,9 @@ def defined(path: Path) -> set[str]:
 
 def known(name: str) -> bool:
     """Whether a dotted name leads to a module, or to something at the top level of one."""
-    parts = name.split(".")[1:]
-    if source(parts):
-        return True
-    if parts == ["errors"]:
-        return (HOUSE / "pounding/errors.py").exists()
-    module = source(parts[:-1]) if len(parts) > 1 else None
-    return module is not None and parts[-1] in defined(module)
+    parts = name.split(".")
+    module = source(parts[:-1])
+    return source(parts) is not None or (module is not None and parts[-1] in defined(module))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=place)
@@ -95,7 +91,7 @@ def test_every_verb_and_study_exists(page: Path) -> None:
     assert set(A_VERB.findall(text)) <= set(VERBS) | {"study"}
 
 
-@pytest.mark.parametrize("package", ("frames", "contact", "experiments", "diagnosis"))
+@pytest.mark.parametrize("package", ["frames", "contact", "experiments", "diagnosis"])
 def test_the_page_on_the_house_names_every_room(package: str) -> None:
     page = (HOUSE / "docs/house.md").read_text(encoding="utf-8")
     rooms = [path.parent.name for path in (HOUSE / package).glob("*/__init__.py")]
