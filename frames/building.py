@@ -34,7 +34,7 @@ def build(
     rigid_floors: bool = True,
     use_cache: bool = True,
 ) -> ReducedFrame:
-    """Return the reduced form of a frame: the believed model, unless options say otherwise.
+    """Return the reduced form of a frame: the baseline model, unless options say otherwise.
 
     Args:
         frame: A plate frame or a stick; a stick keeps its storeys as they are and takes ``damping`` alone.

@@ -1,4 +1,4 @@
-"""The `pounding` command: one verb a module, nothing computed here."""
+"""The `pounding` command: one module for each verb; nothing is computed here."""
 
 import os
 

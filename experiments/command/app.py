@@ -12,7 +12,7 @@ from pounding.experiments.console.exit_status import command, run
 
 app = command(
     name="pounding",
-    help="Adjacent frames on a shaking table: modal tests, shakings, pounding, separation gaps, diagnosis.",
+    help="Adjacent frames on a shaking table: modal tests, shakings, collisions, required gaps, diagnosis.",
 )
 
 # Verbs are imported only when they are called, so that `pounding --help` does not load a finite-element code.
@@ -62,7 +62,7 @@ STUDIES = {
     "modal-diagnosis": "pounding.diagnosis.studies.modal_diagnosis:main",
     "peak-diagnosis": "pounding.diagnosis.studies.peak_diagnosis:main",
 }
-"""The studies by name, each a function that `python -m` and the tests call too."""
+"""The studies by name; `python -m` and the tests call the same functions."""
 
 for _name, _function in STUDIES.items():
     study.command(_function, name=_name, help=described(_function))
@@ -75,6 +75,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
         arguments: The words after ``pounding``; those of the command line when None.
 
     Raises:
-        SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted.
+        SystemExit: 2 with one sentence on standard error for invalid input, 130 for Ctrl-C.
     """
     run(app, arguments)

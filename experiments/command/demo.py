@@ -1,4 +1,4 @@
-"""`pounding demo`: the main job from steel plate to collision, on real input, in a few minutes."""
+"""`pounding demo`: from the frames' geometry to a collision, on real input, in a few minutes."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ from pounding.frames.errors import FrameError
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 PAIR = ("15B", "5B")
 SHARE_OF_REQUIRED_GAP = 0.8
-"""The thesis' gaps are between 0.67 and 0.98 of those that would have kept the same frames apart."""
+"""The gaps of the thesis are between 0.67 and 0.98 of the required gaps of the same frames."""
 
 MOTIONS = ("elcentro", "elcentro-peer180")
-"""The tests' own El Centro if the user has it, else the one that is installed with us, under its own name."""
+"""The El Centro of the tests if the user has it, else the one that an installed package contains, under its own name."""
 
 
 def demo(
@@ -44,7 +44,7 @@ def demo(
     out: Annotated[Path, Parameter(help="Folder for pictures, films and VTK files.")] = Path("results/demo"),
     records: options.Records = None,
 ) -> None:
-    """Build the five frames, test and shake them, let two collide; numbers beside the published ones."""
+    """Build, test and shake the five frames, let two collide, and print the results beside the published values."""
     console = Console(highlight=False)
     began = time.perf_counter()
     keeping.prepare(out)
@@ -81,7 +81,7 @@ def draw_frames(folder: Path) -> None:
 
 
 def collide(motion: Record, records: Path | None, folder: Path) -> None:
-    """Let the pair collide at a part of the gap that would keep it apart: numbers, plots, a film.
+    """Let the pair collide at a share of its required gap: numbers, plots, a film.
 
     Args:
         motion: Record at model scale.
@@ -135,7 +135,7 @@ def _motion(folder: Path | None) -> Record:
 
 
 def _drawn(draw: Callable[[], None]) -> None:
-    """Draw, or say in one sentence that this machine cannot, and go on."""
+    """Draw, or print one sentence that this machine cannot draw, and continue."""
     try:
         draw()
     except FrameError as error:

@@ -1,4 +1,4 @@
-"""`pounding design`: the gap between two buildings at full scale by every rule there is."""
+"""`pounding design`: the gap between two buildings at full scale by every rule that applies."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from pounding.experiments.separation.rules.design import DEFAULT_DAMPING_PERCENT
 from pounding.experiments.separation.rules.design import design as answer
 
 Hertz = Annotated[
-    float | None, Parameter(help="First frequency [Hz]; default: AS 1170.4 by the height, eq 7.19.")
+    float | None, Parameter(help="First frequency [Hz]; default: from the height by AS 1170.4, eq 7.19.")
 ]
 Peak = Annotated[
-    float | None, Parameter(help="Peak displacement at the lower roof [mm], for the rules by peaks.")
+    float | None, Parameter(help="Peak displacement at the lower roof [mm], for rules that need peaks.")
 ]
 
 
@@ -41,7 +41,7 @@ def design(
     report: Report = None,
     json: options.Json = False,
 ) -> None:
-    """Say how far apart two buildings must stand by codes' rules and the thesis' equations, at full scale."""
+    """Print the full-scale gap that two buildings need by codes' rules and the thesis' equations."""
     site = Site(
         tall_m=tall,
         short_m=short,

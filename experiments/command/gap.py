@@ -1,4 +1,4 @@
-"""`pounding gap`: the gap that two frames need under a record."""
+"""`pounding gap`: the clearance that two frames need under a record."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FullScale = Annotated[
     bool, Parameter(negative=(), help="Frames of full-scale buildings: the record's time is not compressed.")
 ]
 Report = Annotated[
-    Path | None, Parameter(help="HTML file to write: the answer with its picture, to hand on.")
+    Path | None, Parameter(help="HTML file to write: the answer with its picture, self-contained.")
 ]
 
 
@@ -43,10 +43,10 @@ def gap(
     report: Report = None,
     json: options.Json = False,
 ) -> None:
-    """Say how far apart two frames must stand under a record, and what the codes' rules would ask for.
+    """Compute the gap that keeps two frames apart under a record, beside the gaps by the codes' rules.
 
-    The required gap is the largest closing motion of an exact run without pounding; all lengths are the
-    model's.
+    The required gap is the largest closing motion of an exact run without contact. All lengths are those of
+    the models.
 
     Args:
         left: Frame on the left, a name or a frame file; it moves in +x towards the right one.

@@ -1,4 +1,4 @@
-"""`pounding hide`: a case with effects hidden in it, by a simulator that the diagnosis does not know."""
+"""`pounding hide`: a case with effects hidden in it, made by a simulator that is not that of the diagnosis."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from pounding.experiments.results.provenance import stamp
 
 def hide(
     *effects: str,
-    out: Annotated[Path, Parameter(help="Folder of the case; made if it is not there.")],
+    out: Annotated[Path, Parameter(help="Folder of the case; created if missing.")],
     frame: Annotated[
         list[str] | None,
         Parameter(negative=(), help="Frame of the thesis on the table, repeatable for a pair; default: 5A."),
     ] = None,
     visibility: Annotated[
         float | None,
-        Parameter(help="Effect over noise after calibration; drawn from 0.1 to 10 by default."),
+        Parameter(help="Signal-to-noise ratio of each effect after calibration; default: drawn, 0.1 to 10."),
     ] = None,
     motions: Annotated[
         Literal["records", "artificial", "mixed"],
         Parameter(
-            help="Shake with the four records where they can be found, with artificial motions, or both."
+            help="Shake with the four records if they can be found, with artificial motions, or with both."
         ),
     ] = "mixed",
     duration: Annotated[
         float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8, 4 to 5.5 for pairs.")
     ] = None,
-    seed: Annotated[int, Parameter(help="Seed of everything that is drawn.")] = 0,
+    seed: Annotated[int, Parameter(help="Seed of all random numbers.")] = 0,
     truth: Annotated[
-        Path | None, Parameter(help="File for the truth; by default it is written nowhere.")
+        Path | None, Parameter(help="File for the truth; default: the truth is not written.")
     ] = None,
     json: options.Json = False,
 ) -> None:
     """Write a case in which effects are hidden, to try the diagnosis on.
 
     Args:
-        effects: What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
-            coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case
-            without any. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
+        effects: Names of effects in or outside the catalogue, each optionally with its place, such as
+            coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without
+            an effect. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
     hidden = hide_effects(
         effects,

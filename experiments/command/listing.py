@@ -1,4 +1,4 @@
-"""`pounding list`: what there is to work with."""
+"""`pounding list`: the available frames, records, impact laws and studies."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from pounding.experiments.results.provenance import stamp
 
 
 def listing(*, records: options.Records = None, json: options.Json = False) -> None:
-    """Show the frames that are shipped, the records and where they are, the impact laws and the studies."""
+    """List the shipped frames, the records and where they were found, the impact laws and the studies."""
     result = stamp({"records": None if records is None else str(records)}) | inventory(records)
     emit(result, as_json=json, show=lambda: _tables(result))
 
 
 def inventory(folder: options.Records = None) -> dict[str, Any]:
-    """Return the shipped frames, the records found or to be got, the laws and the studies."""
+    """Return the shipped frames, the records that were found or how to get them, the laws and the studies."""
     return {
         "frames": [_frame(name) for name in frames.names()],
         "ground_motions": [asdict(entry) for entry in ground_motions.available(folder)],

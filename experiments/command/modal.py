@@ -1,4 +1,4 @@
-"""`pounding modal`: natural modes of a frame beside what was measured."""
+"""`pounding modal`: natural modes of a frame beside the measured values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def modal(
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     calibration: Annotated[
-        str | None, Parameter(help="Joint calibration of the frame file, free_vibration or sweep say.")
+        str | None, Parameter(help="Joint calibration in the frame file, such as free_vibration or sweep.")
     ] = None,
     up_to_hz: Annotated[float, Parameter(help="Show the modes up to this frequency [Hz].")] = 60.0,
     json: options.Json = False,

@@ -1,4 +1,4 @@
-"""`pounding pound`: two frames side by side on the table, and what happens where they touch."""
+"""`pounding pound`: two frames side by side on the table, and the impacts between them."""
 
 from __future__ import annotations
 
@@ -30,39 +30,41 @@ def pound(
     left: str,
     right: str,
     *,
-    gap: Annotated[list[float], Parameter(help="Gap at rest [mm], one for all floors or one a floor.")],
+    gap: Annotated[list[float], Parameter(help="Gap at rest [mm], one for all floors or one per floor.")],
     record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
     floor: Annotated[
-        list[int] | None, Parameter(help="Floor that can touch, repeatable; default: the lower frame's roof.")
+        list[int] | None, Parameter(help="Floor with a contact, repeatable; default: the lower frame's roof.")
     ] = None,
     law: Annotated[
-        str, Parameter(help="Impact law by name (see `pounding list`), or all.")
+        str, Parameter(help="Name of an impact law (see `pounding list`), or all.")
     ] = "linear_viscoelastic",
     parameters: Annotated[
         Literal["printed", "formula"],
-        Parameter(help="Contact parameters: the thesis' tables, or what its formulas give."),
+        Parameter(help="Contact parameters: from the thesis' tables, or from its formulas."),
     ] = "printed",
     stiffness: Annotated[
-        float | None, Parameter(help="Contact stiffness [N/m, Hertz family N/m^1.5] instead of the set's.")
+        float | None, Parameter(help="Contact stiffness [N/m; Hertz family N/m^1.5] instead of the set's.")
     ] = None,
     restitution: Annotated[
-        float | None, Parameter(help="Coefficient of restitution that the law's damping is to give.")
+        float | None, Parameter(help="Coefficient of restitution from which the law's damping is computed.")
     ] = None,
     tension: Annotated[bool, Parameter(negative=(), help="Let a contact pull just before it opens.")] = False,
-    flip: Annotated[bool, Parameter(negative=(), help="Turn the record's sign.")] = False,
+    flip: Annotated[bool, Parameter(negative=(), help="Reverse the record's sign.")] = False,
     pga: options.Pga = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     records: options.Records = None,
     out: options.Out = None,
-    film: Annotated[bool, Parameter(negative=(), help="Film the hardest collision in --out.")] = False,
+    film: Annotated[
+        bool, Parameter(negative=(), help="Write a film of the hardest impact to --out.")
+    ] = False,
     json: options.Json = False,
 ) -> None:
     """Shake two frames side by side and report every impact between them.
 
     Args:
-        left: Frame on the left (name or frame file); it moves in +x towards the other.
+        left: Frame on the left (name or frame file); it moves in +x towards the right frame.
         right: Frame on the right.
     """
     pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
@@ -118,7 +120,7 @@ def pound(
 def _changed(
     law: Law, stiffness: float | None, restitution: float | None, masses: tuple[float, float]
 ) -> Law:
-    """Return a law with another stiffness, all else as it is, or with the damping of a restitution."""
+    """Return a law with another stiffness and else unchanged, or with the damping of a restitution."""
     stiffer = law if stiffness is None else dataclasses.replace(law, stiffness=stiffness)
     if restitution is None:
         return stiffer
@@ -132,7 +134,7 @@ def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
 
 
 def _progress() -> Progress:
-    """Return bars that leave nothing behind, and nothing at all where standard error is no terminal."""
+    """Return progress bars that disappear when done; none where standard error is no terminal."""
     console = progress_console()
     return Progress(console=console, transient=True, disable=not console.is_terminal)
 
@@ -164,7 +166,7 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
             yield f"{title}: the floors did not touch."
         yield (
             f"energy closes to {100 * run['energy_error']:.2g} %; "
-            f"{run['model_s']:.1f} model seconds in {run['wall_s']:.2f} s"
+            f"{run['model_s']:.1f} simulated s in {run['wall_s']:.2f} s"
         )
     yield table(
         "Largest displacement of the roofs, in mm",

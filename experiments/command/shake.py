@@ -22,9 +22,9 @@ from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 
 COLUMNS_HELP = (
-    "CSV of your own measured histories to lay over the run: header, first column time_s, one column a "
-    "channel. A [[channel]] of a case.toml beside it (name, quantity, frame, floor, unit) says what a column "
-    "is; else its name does, like 15B_relative_displacement_floor10_mm or table_acceleration_g (units g, "
+    "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "
+    "channel. A [[channel]] of a case.toml beside it (name, quantity, frame, floor, unit) describes a column; "
+    "otherwise its name must, like 15B_relative_displacement_floor10_mm or table_acceleration_g (units g, "
     "m_s2, cm_s2, m, cm, mm, m_s, cm_s, mm_s). With a channel of the table's acceleration the clocks are "
     "matched by correlation."
 )
@@ -41,13 +41,13 @@ def shake(
     records: options.Records = None,
     measured_file: Annotated[Path | None, Parameter(name="--measured", help=COLUMNS_HELP)] = None,
     out: options.Out = None,
-    film: Annotated[bool, Parameter(negative=(), help="Make a film of the run in --out.")] = False,
-    csv: Annotated[bool, Parameter(negative=(), help="Write the histories as CSV in --out as well.")] = False,
+    film: Annotated[bool, Parameter(negative=(), help="Write a film of the run to --out.")] = False,
+    csv: Annotated[bool, Parameter(negative=(), help="Also write the histories as CSV to --out.")] = False,
     json: options.Json = False,
 ) -> None:
-    """Shake a frame alone on the table and report its peaks, its stress and its warnings.
+    """Shake a frame alone on the table and report its peaks, its stress and warnings.
 
-    The record is brought to the scale of the models: time is multiplied by sqrt(1/30).
+    The record is scaled to the models: its time is multiplied by sqrt(1/30).
 
     Args:
         frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
@@ -77,9 +77,9 @@ def shake(
 
 
 def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:
-    """Return how the run compares with each measured channel that it has a history for.
+    """Return the comparison of the run with each measured channel for which the run has a history.
 
-    A channel that it has none for (another frame's, a contact's) is told by a warning.
+    A warning names a channel without a history in the run (of another frame, of a contact).
 
     Args:
         done: The run.
@@ -136,7 +136,7 @@ def _show(result: dict[str, Any], done: Shaking) -> Iterable[Any]:
             if error
             else row
         )
-    yield f"{result['model_s']:.2f} model seconds in {result['wall_s']:.2f} s"
+    yield f"{result['model_s']:.2f} simulated s in {result['wall_s']:.2f} s"
     if "files" in result:
         yield f"written: {', '.join(result['files'])}"
 

@@ -26,7 +26,7 @@ Json = Annotated[
     bool,
     Parameter(name="--json", negative=(), help="Print one JSON object and nothing else on standard output."),
 ]
-Out = Annotated[Path | None, Parameter(help="Folder for files; made if it is not there.")]
+Out = Annotated[Path | None, Parameter(help="Folder for files; created if missing.")]
 Pga = Annotated[
     float | None, Parameter(help="Peak of the table's acceleration [g]; default: the record's own.")
 ]

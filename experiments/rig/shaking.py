@@ -1,4 +1,4 @@
-"""One frame on the shaking table: its peaks, its stresses, and whether the model may be believed there."""
+"""One frame on the shaking table: its peaks, its stresses, and whether the model is valid there."""
 
 from __future__ import annotations
 

@@ -71,8 +71,8 @@ def _processor_s() -> float:
 
 def _sentence(result: dict[str, Any]) -> str:
     return (
-        f"{result['runs']} runs, {result['model_s']:.0f} model seconds in {result['wall_s']:.0f} s "
-        f"({result['processor_s']:.0f} s of processor time, {result['integration_s']:.0f} s of it integration); "
+        f"{result['runs']} runs, {result['model_s']:.0f} simulated s in {result['wall_s']:.0f} s "
+        f"({result['processor_s']:.0f} s of CPU time, {result['integration_s']:.0f} s of it integration); "
         f"energy closes to {result['energy_error']:.1e}"
     )
 

@@ -1,4 +1,4 @@
-"""What the mesh, rigid floors and the reduction cost: bare plates on rigid joints, and the believed model.
+"""What the mesh, rigid floors and the reduction cost: bare plates on rigid joints, and the baseline model.
 
 The OpenSees figures are an independent shell code's (ShellDKGQ, mesh-converged) for the same bare plates. Run
 it with ``python -m pounding.experiments.studies.frame_mesh``.

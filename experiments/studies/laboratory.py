@@ -1,6 +1,6 @@
 """The laboratory's preliminary tests of the five frames, simulated, beside Table 3.1.
 
-Roof push, free vibration and sine sweep run on the believed model, and frequency and damping are read from
+Roof push, free vibration and sine sweep run on the baseline model, and frequency and damping are read from
 the simulated records alone by the half-power bandwidth. What is read must be what was put in; further tables
 show how far a short record or a tapering window leads astray, and how far a fast sweep does when it is read
 at its loudest instant. Run it with ``pounding study laboratory``.

@@ -43,13 +43,13 @@ Alternative = Callable[[PlateFrame], PlateFrame]
 Step = Callable[[], None]
 
 ALTERNATIVES: dict[str, Alternative] = {
-    "believed": lambda frame: frame,
+    "baseline": lambda frame: frame,
     "mass as stated": lambda frame: _weighing(frame, 0.0),
     "mass as stated less a base plate": lambda frame: _weighing(frame, BASE_PLATE_KG),
     "columns cut at floors": lambda frame: _columns(frame, continuous=False),
     "columns 40 mm inwards along y": lambda frame: _columns(frame, inset_y_m=0.04),
 }
-"""What else could have been assumed; each is calibrated on the first frequency like the believed model."""
+"""What else could have been assumed; each is calibrated on the first frequency like the baseline model."""
 
 
 def thesis_frame(name: str) -> PlateFrame:

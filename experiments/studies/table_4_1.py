@@ -1,6 +1,6 @@
 """Table 4.1 of the thesis: 64 measured peaks of frames that shake alone, beside SAP2000's and ours.
 
-`BLIND` is the model believed before any peak was looked at: joints calibrated on the frequency of free
+`BLIND` is the baseline model, fixed before any peak was compared: joints calibrated on the frequency of free
 vibration and nothing else, gravity's P-Delta on, the damping of the free-vibration tests in every mode, the
 records as they are (their peaks are those of section 3.7), positive acceleration towards +x. All other
 variants are shown beside it, none is picked. Run it with ``pounding study table-4-1``.
@@ -66,7 +66,7 @@ class Variant:
 
 
 BLIND = Variant()
-"""The believed model; fixed before the first comparison was run."""
+"""The baseline model; fixed before the first comparison was run."""
 
 
 def variants() -> list[Variant]:

@@ -100,7 +100,7 @@ class Verdict:
 
     Attributes:
         held_out: Mean abs(ours - measured) / measured on the two other records, mean over the splits [-].
-        neutral: The same for the believed model [-].
+        neutral: The same for the baseline model [-].
         fitted: Fitted value of each split (splits,) for one value for all frames; (splits, frames) else.
         all_four: The mean error of one fit to all four records, which flatters [-].
     """
@@ -180,9 +180,9 @@ def show(found: pd.DataFrame) -> Iterable[Any]:
         numbers = [f"{100 * row[key]:.1f}" for key in keys]
         values = f"{row['fitted_low']:.3g} to {row['fitted_high']:.3g} {row['unit']}"
         rows.append([str(name), numbers[0], values, *numbers[1:]])
-    believed = f"{100 * found.neutral.iloc[0]:.1f}"
+    baseline = f"{100 * found.neutral.iloc[0]:.1f}"
     yield table(
-        f"What is missing? |ours - measured| / measured [%], believed model {believed} on held-out records;"
+        f"What is missing? |ours - measured| / measured [%], baseline model {baseline} on held-out records;"
         " one value for all frames, or one for each",
         heads,
         rows,
@@ -200,7 +200,7 @@ def main(
 ) -> dict[str, Any]:
     """Find which single physical change brings the model closest to Table 4.1, on records not fitted."""
     found = verdicts(all_peaks(records, folder=keep, workers=workers, scheduler=scheduler))
-    settings = {"believed": asdict(BLIND), "changes": {name: one.what for name, one in CHANGES.items()}}
+    settings = {"baseline": asdict(BLIND), "changes": {name: one.what for name, one in CHANGES.items()}}
     result = stamp(settings, [find(name, records) for name in RECORDS])
     result |= {"verdicts": found.reset_index().to_dict("records")}
     if out is not None:

@@ -86,7 +86,7 @@ def verdict_picture(found: pd.DataFrame, sap2000: float, path: Path) -> None:
         100 * found.all_four, y, "|", ms=10, color=MEASURED, label="the same, fitted to all four records"
     )
     axis.plot(100 * found.held_out_each, y, "o", ms=4.5, color=OURS, label="one value a frame, held out")
-    for value, colour, name in ((found.neutral.iloc[0], OURS, "believed"), (sap2000, SAP2000, "SAP2000")):
+    for value, colour, name in ((found.neutral.iloc[0], OURS, "baseline"), (sap2000, SAP2000, "SAP2000")):
         axis.axvline(100 * value, color=colour, lw=1.0, ls="--", label=name)
     axis.set_yticks(y, found.index)
     axis.invert_yaxis()

@@ -64,7 +64,7 @@ def analyse(
 
     Args:
         frame: A plate frame, or a stick (which moves along x alone).
-        options: How a plate frame is modelled; the believed model when None.
+        options: How a plate frame is modelled; the baseline model when None.
         up_to_hz: Modes up to this frequency [Hz].
         damping: Damping ratio of all modes, a fraction; the frame's own when None.
 

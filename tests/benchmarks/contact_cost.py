@@ -1,6 +1,6 @@
 """What a colliding run costs over storeys, contacts, frames in a row, modes kept and laws.
 
-Processor seconds a model second and microseconds a step, so that what else runs on the machine does not count;
+CPU s per simulated s and microseconds per step, so that what else runs on the machine does not count;
 the best of three runs. One thing varies at a time, the rest stays as it is in the base case: 15B beside 5B
 under El Centro, one contact, the linear viscoelastic law, the default accuracy.
 
@@ -148,7 +148,7 @@ def picture(rows: list[Row], path: Path) -> None:
         place.minorticks_off()
         place.set_xlabel(name)
         place.grid(alpha=0.3)
-    axes[0].set_ylabel("processor s a model s")
+    axes[0].set_ylabel("CPU s per simulated s")
     figure.savefig(path, dpi=110)
 
 

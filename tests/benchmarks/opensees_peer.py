@@ -69,7 +69,7 @@ def numbers(law: Law) -> dict[str, float]:
 
 @dataclasses.dataclass(frozen=True)
 class Sample:
-    """What is compared: peak force [N] and displacement [m], cost [s of processor a model second]."""
+    """What is compared: peak force [N] and displacement [m], cost [CPU s per simulated s]."""
 
     engine: str
     setting: str

@@ -164,7 +164,7 @@ def picture(rows: list[dict], path: Path) -> None:
     heights = [row for row in rows if row["what"] == "storeys"]
     _bars(right, [row["pair"] for row in heights], [row["ms_per_case"] for row in heights])
     right.set_title("407 cases of other heights", loc="left", fontsize=10)
-    left.set_ylabel("processor time a case [ms]")
+    left.set_ylabel("CPU time per case [ms]")
     for axis in (left, middle, right):
         axis.spines[["top", "right"]].set_visible(False)
         axis.grid(axis="y", color="#dddddd")

@@ -1,6 +1,6 @@
 """Thesis, Table 4.1 (p. 71): 64 measured peak displacements of frames that shake alone.
 
-The model is the believed one: fixed, and committed, before the first comparison. What is asserted are the
+The model is the baseline model: fixed, and committed, before the first comparison. What is asserted are the
 errors that this first comparison found, with little room, so that a change of the model that makes them worse
 fails. They are large, and docs/validation/table-4-1.md says so: no bound here claims that the model is good.
 """

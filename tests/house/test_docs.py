@@ -1,0 +1,98 @@
+"""What the documentation names exists: files, modules and what stands in them, tests, verbs and studies."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from pounding.experiments.command.app import STUDIES, VERBS
+
+HOUSE = Path(__file__).parents[2]
+PAGES = [HOUSE / "README.md", *sorted((HOUSE / "docs").rglob("*.md"))]
+
+FOLDERS = "frames|contact|experiments|diagnosis|tests|docs|pounding"
+A_PATH = re.compile(rf"(?<![\w/.~-])((?:{FOLDERS})/[\w./*-]*[\w*/])(?:::(\w+))?")
+A_NAME = re.compile(r"(?<![\w/.-])pounding(?:\.[A-Za-z_]\w*)+")
+A_TEST = re.compile(r"(?<![\w/])test_\w+\.py")
+A_BARE_IMPORT = re.compile(r"^\s*(?:import|from) (?:frames|contact|experiments|diagnosis)\b", re.MULTILINE)
+A_STUDY = re.compile(r"pounding study ([a-z][a-z0-9-]*)")
+A_VERB = re.compile(r"(?:^|`|\$ )(?:\.venv/bin/)?pounding ([a-z]+)\b", re.MULTILINE)
+
+GENERATED = ("docs/_build", "docs/reference/")
+"""What the build of the documentation writes, and what no clone has."""
+
+
+def place(page: Path) -> str:
+    return page.relative_to(HOUSE).as_posix()
+
+
+def source(parts: list[str]) -> Path | None:
+    """The source of a dotted name, if it is a module or a package."""
+    at = HOUSE.joinpath(*parts)
+    if (at / "__init__.py").exists():
+        return at / "__init__.py"
+    return at.with_suffix(".py") if at.with_suffix(".py").exists() else None
+
+
+def defined(path: Path) -> set[str]:
+    """The names that a module binds at its top level, by definition, assignment or import."""
+    found: set[str] = set()
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            found |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.Assign):
+            found |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            found.add(node.target.id)
+    return found
+
+
+def known(name: str) -> bool:
+    """Whether a dotted name leads to a module, or to something at the top level of one."""
+    parts = name.split(".")
+    module = source(parts[:-1])
+    return source(parts) is not None or (module is not None and parts[-1] in defined(module))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=place)
+def test_every_path_exists(page: Path) -> None:
+    named = {path for path, _ in A_PATH.findall(page.read_text(encoding="utf-8"))}
+    pages = {path for path in named if (page.parent / f"{path}.md").exists()}
+    lost = [path for path in named - pages if not path.startswith(GENERATED) and not any(HOUSE.glob(path))]
+    assert not lost
+
+
+@pytest.mark.parametrize("page", PAGES, ids=place)
+def test_every_test_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    files = {path.name for path in (HOUSE / "tests").rglob("test_*.py")}
+    assert set(A_TEST.findall(text)) <= files
+    for path, function in A_PATH.findall(text):
+        if function:
+            assert function in defined(HOUSE / path)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=place)
+def test_every_module_and_function_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert not [name for name in A_NAME.findall(text) if not known(name)]
+    assert not A_BARE_IMPORT.findall(text), "the packages are imported as pounding.frames and so on"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=place)
+def test_every_verb_and_study_exists(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert set(A_STUDY.findall(text)) <= set(STUDIES)
+    assert set(A_VERB.findall(text)) <= set(VERBS) | {"study"}
+
+
+@pytest.mark.parametrize("package", ["frames", "contact", "experiments", "diagnosis"])
+def test_the_page_on_the_house_names_every_room(package: str) -> None:
+    page = (HOUSE / "docs/house.md").read_text(encoding="utf-8")
+    rooms = [path.parent.name for path in (HOUSE / package).glob("*/__init__.py")]
+    assert not [room for room in rooms if f"| `{package}/{room}/` |" not in page]
