@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 NOTHING, CONTACT, PAIR_NOTHING = "nothing_missing", "contact_named", "pair_nothing_missing"
 VERDICTS = (NOTHING, "effect_named", "effect_class", "unknown_effect", CONTACT, PAIR_NOTHING)
 """Kinds of verdicts on frames, a claim on what is between two of them, and none: a contact hides much."""
-TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
+TERMS = ("intercept", "ln_bayes", "margin", "signal_to_noise", "explained", "several")
 SIGNS = {
     "nothing_missing": -1,
     "effect_named": 1,
@@ -55,18 +55,18 @@ class Features:
 
     Attributes:
         verdict: Its kind.
-        nats: Log evidence of the best candidate against 'nothing missing'.
+        ln_bayes: Log evidence of the best candidate against 'nothing missing'.
         margin: How far the best of another type or place lies behind [nats].
-        visible: What the effect takes out of the channel where it shows most, in units of its noise.
-        closed: Share of the explainable gap that is closed.
+        signal_to_noise: What the effect takes out of the channel where it shows most, in units of its noise.
+        explained: Share of the explainable misfit that the effects explain.
         effects: How many effects are claimed.
     """
 
     verdict: str
-    nats: float
+    ln_bayes: float
     margin: float
-    visible: float
-    closed: float
+    signal_to_noise: float
+    explained: float
     effects: int
 
     def terms(self) -> np.ndarray:
@@ -74,10 +74,10 @@ class Features:
         return np.array(
             [
                 1.0,
-                np.log1p(max(_finite(self.nats), 0.0) / 10),
+                np.log1p(max(_finite(self.ln_bayes), 0.0) / 10),
                 np.log1p(max(_finite(self.margin), 0.0) / 10),
-                np.log(np.clip(_finite(self.visible), 0.05, 50.0)),
-                np.clip(_finite(self.closed), -1.0, 1.0),
+                np.log(np.clip(_finite(self.signal_to_noise), 0.05, 50.0)),
+                np.clip(_finite(self.explained), -1.0, 1.0),
                 float(self.effects > 1),
             ]
         )
@@ -121,24 +121,30 @@ def confidence(features: Features, calibration: Calibration | None = None) -> fl
     return float(np.clip(expit(weights @ features.terms()), *LIMITS))
 
 
-def features_of(found: Findings, decision: Decision, visible: float, closed: float) -> Features:
+def features_of(found: Findings, decision: Decision, signal_to_noise: float, explained: float) -> Features:
     """Return the features of a verdict."""
     best = decision.judged
     if decision.verdict == NOTHING:
         singles = [one for one in found.judged if len(one.effects) == 1]
-        nats = singles[0].nats if singles else 0.0
+        ln_bayes = singles[0].ln_bayes if singles else 0.0
         kind = NOTHING if found.pair is None else PAIR_NOTHING
-        return Features(kind, float(nats), 0.0, visible, closed, 0)
+        return Features(kind, float(ln_bayes), 0.0, signal_to_noise, explained, 0)
     mine = {_key(effect) for effect in best.effects} | {
         _key(effect) for one in decision.alike for effect in one.effects
     }
-    others = [one.nats for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine]
+    others = [
+        one.ln_bayes for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine
+    ]
     refined = {effect for one in found.judged for effect in one.effects}
     others += [
-        one.nats for one in found.scores.ranked if one.effect not in refined and _key(one.effect) not in mine
+        one.ln_bayes
+        for one in found.scores.ranked
+        if one.effect not in refined and _key(one.effect) not in mine
     ]
-    margin = best.nats - max(others, default=0.0)
-    return Features(decision.verdict, best.nats, float(margin), visible, closed, len(best.effects))
+    margin = best.ln_bayes - max(others, default=0.0)
+    return Features(
+        decision.verdict, best.ln_bayes, float(margin), signal_to_noise, explained, len(best.effects)
+    )
 
 
 def _key(effect: Any) -> tuple[object, ...]:
@@ -241,7 +247,7 @@ def _regression(
         return value, shifted.T @ (expit(odds) - right) + off / spread
 
     either, one_way = (None, None), (0.0, None) if sign > 0 else (None, 0.0)
-    bounds = [one_way if term in ("nats", "margin") and sign else either for term in TERMS]
+    bounds = [one_way if term in ("ln_bayes", "margin") and sign else either for term in TERMS]
     weights = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
     weights[0] -= centre @ weights
     return [float(weight) for weight in weights]

@@ -111,10 +111,10 @@ def _with_claims(
 def _features(claims: list[dict[str, Any]], found: list[dict[str, Any]]) -> Features:
     """Return what the confidence in claims on a contact and its cell rests on: the weakest, and what comes next to it."""
     weakest = min(claims, key=lambda one: one["log_evidence"])
-    nats = weakest["log_evidence"]
+    ln_bayes = weakest["log_evidence"]
     behind = [one["log_evidence"] for one in found if one["effect"] != weakest["effect"]]
-    margin = nats - max([0.0, *behind]) if weakest["contact"] is not None else nats
-    return Features(CONTACT, nats, margin, 1.0, 1.0, len(claims))
+    margin = ln_bayes - max([0.0, *behind]) if weakest["contact"] is not None else ln_bayes
+    return Features(CONTACT, ln_bayes, margin, 1.0, 1.0, len(claims))
 
 
 def _holds(
@@ -131,10 +131,10 @@ def _holds(
     """
     if not contact_findings.ranked or best["effect"] != contact_findings.ranked[0][1].hypothesis.effect:
         return True
-    nats = float(best["log_evidence"])
+    ln_bayes = float(best["log_evidence"])
     if foretold is None:
-        return pair.cell is not None or nats > UNHEARD_FACTOR * needed
-    asked = FORETOLD * nats * foretold.impacts / contact_findings.impacts
+        return pair.cell is not None or ln_bayes > UNHEARD_FACTOR * needed
+    asked = FORETOLD * ln_bayes * foretold.impacts / contact_findings.impacts
     return foretold.gained > min(asked, FORETOLD_MOST) - FORETOLD_LEAST
 
 
@@ -150,9 +150,9 @@ def place(entry: dict[str, Any]) -> dict[str, Any]:
     return {key: entry.get(key) for key in keys}
 
 
-def _entry(effect: str, parameters: list[dict[str, Any]], nats: float, **where: Any) -> dict[str, Any]:
+def _entry(effect: str, parameters: list[dict[str, Any]], ln_bayes: float, **where: Any) -> dict[str, Any]:
     entry = place({"effect": effect, **where})
-    return entry | {"parameters": parameters, "log_evidence": nats, "class": [entry]}
+    return entry | {"parameters": parameters, "log_evidence": ln_bayes, "class": [entry]}
 
 
 def _parameter(name: str, value: float | str, std: float | None, unit: str) -> dict[str, Any]:
@@ -162,10 +162,10 @@ def _parameter(name: str, value: float | str, std: float | None, unit: str) -> d
 def candidates(case: Case, contact_findings: ContactFindings) -> list[dict[str, Any]]:
     """Return the contact's effects with parameters and nats, best first, the law once."""
     found: list[dict[str, Any]] = []
-    for nats, fit in contact_findings.ranked:
+    for ln_bayes, fit in contact_findings.ranked:
         if fit.hypothesis.effect == "contact_law" and any(one["effect"] == "contact_law" for one in found):
             continue
-        found.append(_entry(fit.hypothesis.effect, _parameters(case, fit), float(nats), contact=1))
+        found.append(_entry(fit.hypothesis.effect, _parameters(case, fit), float(ln_bayes), contact=1))
     contact = case.contacts[0]
     beyond = (
         (contact_findings.nearest_m - contact.gap_m) / contact_findings.spread_m
@@ -173,10 +173,10 @@ def candidates(case: Case, contact_findings: ContactFindings) -> list[dict[str, 
         else 0.0
     )
     if beyond > 0:
-        nats = float(0.5 * beyond**2 - 3.0)
+        ln_bayes = float(0.5 * beyond**2 - 3.0)
         offset = 1e3 * (contact_findings.nearest_m - contact.gap_m)
         parameters = [_parameter("offset", offset, 1e3 * contact_findings.spread_m, "mm")]
-        found.append(_entry("gap_offset", parameters, nats, contact=1))
+        found.append(_entry("gap_offset", parameters, ln_bayes, contact=1))
     return found
 
 
@@ -209,17 +209,17 @@ def _cell(case: Case, pair: Pair) -> list[dict[str, Any]]:
         "sensor_offset": ("offset", 1 / channel.to_si, channel.unit),
     }
     shown = []
-    for effect, value, std, nats in pair.cell.faults:
+    for effect, value, std, ln_bayes in pair.cell.faults:
         name, factor, unit = told[effect]
         parameters = [_parameter(name, value * factor, std * factor, unit)]
-        shown.append(_entry(effect, parameters, nats, channel=channel.name))
+        shown.append(_entry(effect, parameters, ln_bayes, channel=channel.name))
     return shown
 
 
 def _second(case: Case, pair: Pair, contact_findings: ContactFindings) -> list[dict[str, Any]]:
     if pair.second is None:
         return []
-    floor, nats, _ = pair.second
+    floor, ln_bayes, _ = pair.second
     contact, parameters = case.contacts[0], []
     if contact_findings.second is not None:
         gap = _parameter(
@@ -227,7 +227,7 @@ def _second(case: Case, pair: Pair, contact_findings: ContactFindings) -> list[d
         )
         parameters = [gap]
     where = {"left": contact.left, "right": contact.right, "floor": floor}
-    return [_entry("second_contact", parameters, nats, **where)]
+    return [_entry("second_contact", parameters, ln_bayes, **where)]
 
 
 def _odd(case: Case, contact_findings: ContactFindings) -> list[str]:

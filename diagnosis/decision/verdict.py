@@ -12,7 +12,7 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.misfit import by_frame, gap, over_floor
+from pounding.diagnosis.inference.misfit import by_frame, misfit, over_floor
 from pounding.diagnosis.inference.misfit_map import where
 from pounding.diagnosis.inference.model_checks import model_checks
 from pounding.diagnosis.model.twin import simulate_engine
@@ -43,7 +43,7 @@ def decide(found: Findings) -> Decision:
     """Return the verdict on a case."""
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
-    if not single or not found.plain(single[0], visible(found, single[0])):
+    if not single or not found.plain(single[0], signal_to_noise(found, single[0])):
         objections = _model_checks(found, found.null)
         if objections or remaining(found, found.null) > _unexplained(found):
             return Decision("unknown_effect", single[0] if single else found.null, (), objections)
@@ -66,7 +66,7 @@ def decide(found: Findings) -> Decision:
         if len(chosen.effects) == 1
         and other is not chosen
         and not other.effects[0].rival
-        and other.nats > chosen.nats - CLASS_NATS
+        and other.ln_bayes > chosen.ln_bayes - CLASS_NATS
     )
     verdict = "effect_class" if alike else "effect_named"
     return Decision(verdict, chosen, alike)
@@ -75,7 +75,7 @@ def decide(found: Findings) -> Decision:
 def _listed(single: list[Judged]) -> Judged:
     """Return the best single effect; one of the catalogue where a foil is not told from it."""
     catalogue = [one for one in single if not one.effects[0].rival]
-    near = catalogue and catalogue[0].nats > single[0].nats - FOIL_NATS
+    near = catalogue and catalogue[0].ln_bayes > single[0].ln_bayes - FOIL_NATS
     return catalogue[0] if near else single[0]
 
 
@@ -129,10 +129,10 @@ def remaining(found: Findings, judged: Judged) -> float:
 
 def _over(found: Findings, judged: Judged) -> np.ndarray:
     """Return gaps over the noise floor of each channel, training and held-out runs, (2, channels)."""
-    return over_floor(found.model, judged.channel_gap, found.floor)
+    return over_floor(found.model, judged.channel_misfit, found.floor)
 
 
-def visible(found: Findings, judged: Judged, without: Judged | None = None) -> float:
+def signal_to_noise(found: Findings, judged: Judged, without: Judged | None = None) -> float:
     """Return how much effects take out of the channel where they show most, in units of that channel's noise.
 
     Contact forces being known, what acts on one frame moves that one alone: what else takes out of the channels of the
@@ -174,11 +174,11 @@ def closed(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
-    nats, _ = found.thresholds(
+    ln_bayes, _ = found.thresholds(
         any(effect.absorbing for effect in double.effects if effect not in single.effects)
     )
-    likely = double.nats > single.nats + SECOND_NATS * nats + SECOND_SHARE * single.nats
-    if not likely or visible(found, double, single) < SECOND_SIZE:
+    likely = double.ln_bayes > single.ln_bayes + SECOND_NATS * ln_bayes + SECOND_SHARE * single.ln_bayes
+    if not likely or signal_to_noise(found, double, single) < SECOND_SIZE:
         return False
     if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
         return True
@@ -193,7 +193,7 @@ def features(found: Findings, decision: Decision) -> Features:
     shown = decision.judged
     if decision.verdict == "nothing_missing" and found.judged:
         shown = found.judged[0]
-    return features_of(found, decision, visible(found, shown), closed(found, shown))
+    return features_of(found, decision, signal_to_noise(found, shown), closed(found, shown))
 
 
 def report_of(case: Case, found: Findings) -> dict[str, Any]:
@@ -224,14 +224,14 @@ def _gaps(found: Findings, judged: Judged) -> dict[str, Any]:
         _, corrected, filtered = found.settled
 
     def numbers(which: int) -> dict[str, float]:
-        after = found.null.gap[which]
+        after = found.null.misfit[which]
         if judged is not found.null:
             runs = (found.training, found.held_out)[which]
             outputs = simulate_engine(corrected, filtered.values, filtered.effects, runs)
             found.engine.update(zip(runs, outputs, strict=True))
-            after = gap(found.model, outputs, runs)
+            after = misfit(found.model, outputs, runs)
         return {
-            "before": found.null.gap[which],
+            "before": found.null.misfit[which],
             "after": after,
             "noise_floor": float(np.nanmedian(found.floor[which])),
         }
@@ -256,7 +256,7 @@ def _effects(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
                 entry
                 | {
                     "parameters": parameters(case, found, effect, fit.values[number], fit.std[number]),
-                    "log_evidence": decision.judged.nats,
+                    "log_evidence": decision.judged.ln_bayes,
                     "class": [entry, *(other.effects[0].place() for other in decision.alike)],
                 }
             )
@@ -289,9 +289,9 @@ def parameters(
 
 
 def _candidates(found: Findings) -> list[dict[str, Any]]:
-    nats: dict[Effect, float] = {one.effect: one.nats for one in found.scores.ranked}
+    ln_bayes: dict[Effect, float] = {one.effect: one.ln_bayes for one in found.scores.ranked}
     for judged in (*found.judged, *found.claimable()):
         if len(judged.effects) == 1:
-            nats[judged.effects[0]] = judged.nats
-    ranked = sorted(nats.items(), key=lambda item: -item[1])
+            ln_bayes[judged.effects[0]] = judged.ln_bayes
+    ranked = sorted(ln_bayes.items(), key=lambda item: -item[1])
     return [effect.place() | {"log_evidence": value} for effect, value in ranked if not effect.rival]

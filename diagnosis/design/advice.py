@@ -71,14 +71,14 @@ def rivals(found: Findings, decision: Decision) -> tuple[Judged, Judged] | None:
         return None
     first = found.judged[0] if decision.verdict == "nothing_missing" else decision.judged
     if decision.verdict == "nothing_missing":
-        return (first, found.null) if first.nats > 0 else None
+        return (first, found.null) if first.ln_bayes > 0 else None
     if decision.alike:
         return first, decision.alike[0]
     mine = {tuple(effect.place().values()) for effect in first.effects}
     for other in found.judged:
         theirs = {tuple(effect.place().values()) for effect in other.effects}
         if len(other.effects) == len(first.effects) and theirs != mine:
-            return (first, other) if other.nats > first.nats - WEAK_NATS else None
+            return (first, other) if other.ln_bayes > first.ln_bayes - WEAK_NATS else None
     return None
 
 
@@ -100,16 +100,16 @@ def sentences(gains: Sequence[tuple[str, float]], names: tuple[str, str]) -> lis
         gains: Each measurement in words and what it is expected to bring [nats], most first.
         names: The two rivals in words.
     """
-    useful = [(what, nats) for what, nats in gains if nats >= ENOUGH][:SHOWN]
+    useful = [(what, ln_bayes) for what, ln_bayes in gains if ln_bayes >= ENOUGH][:SHOWN]
     if not useful and gains:
-        what, nats = gains[0]
+        what, ln_bayes = gains[0]
         return [
             f"None of the further measurements tried would tell {names[0]} from {names[1]}; "
-            f"the best, {what}, is expected to bring {max(nats, 0.0):.1f} nats."
+            f"the best, {what}, is expected to bring {max(ln_bayes, 0.0):.1f} nats."
         ]
     return [
-        f"{what[0].upper()}{what[1:]} is expected to tell {names[0]} from {names[1]} by {nats:.0f} nats more."
-        for what, nats in useful
+        f"{what[0].upper()}{what[1:]} is expected to tell {names[0]} from {names[1]} by {ln_bayes:.0f} nats more."
+        for what, ln_bayes in useful
     ]
 
 

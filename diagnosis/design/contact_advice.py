@@ -43,15 +43,15 @@ def rivals(contact_findings: ContactFindings, needed: float) -> tuple[Fitted, Fi
     """
     if contact_findings.null is None or not contact_findings.ranked:
         return None
-    nats, best = contact_findings.ranked[0]
-    if nats < needed:
-        return (best, contact_findings.null) if nats > 0 else None
+    ln_bayes, best = contact_findings.ranked[0]
+    if ln_bayes < needed:
+        return (best, contact_findings.null) if ln_bayes > 0 else None
     others = [
         (score, one)
         for score, one in contact_findings.ranked
         if one.hypothesis.effect != best.hypothesis.effect
     ]
-    near = [one for score, one in others if score > nats - WEAK_NATS]
+    near = [one for score, one in others if score > ln_bayes - WEAK_NATS]
     return (best, near[0]) if near else None
 
 

@@ -61,12 +61,12 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     return [_entry(case, found, name, places) for name, places in kinds.items()]
 
 
-def threshold(information: np.ndarray, nats: float) -> np.ndarray:
+def threshold(information: np.ndarray, ln_bayes: float) -> np.ndarray:
     """Return the amplitude, in prior standard deviations, whose expected log evidence is so many `nats`.
 
     The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `pounding.diagnosis.inference.evidence.score`).
     """
-    needed = nats + 0.5 * np.log1p(information)
+    needed = ln_bayes + 0.5 * np.log1p(information)
     with np.errstate(divide="ignore"):
         return np.asarray(np.sqrt(2 * needed * (1 + information)) / information)
 
@@ -82,12 +82,12 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
 
 def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
     effect, model = one.effect, found.model
-    nats, size = found.thresholds(effect.absorbing)
+    ln_bayes, size = found.thresholds(effect.absorbing)
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]
     widths = np.array([effect.size(model, found.sizes, shape) for shape in shapes])
-    amplitudes = threshold(np.maximum(information, 1e-12), nats) * widths
+    amplitudes = threshold(np.maximum(information, 1e-12), ln_bayes) * widths
     best = int(np.argmin(amplitudes / widths))
     sign = effect.sign or 1
     amplitude = float(amplitudes[best])

@@ -12,7 +12,7 @@ from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.design.detectability import smallest
 from pounding.diagnosis.design.distinguishing_tests import apart
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import channel_gaps, simulate
+from pounding.diagnosis.inference.misfit import channel_misfits, simulate
 from pounding.diagnosis.report.origin import origin
 
 EXPLAINABLE = 1.1
@@ -26,12 +26,12 @@ def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, 
 
     ``closed`` is the share of the gap above the noise floor that was closed, or None where nothing is explainable.
     """
-    gaps = {
+    misfits = {
         name: gap | {"closed": _closed(gap)} if gap and "noise_floor" in gap else gap
         for name, gap in report["gap"].items()
     }
     return report | {
-        "gap": gaps,
+        "gap": misfits,
         "channels": channels(found, decide(found)),
         "smallest_detectable": smallest(case, found, decide(found)),
         "apart": apart(report, _measured(found)),
@@ -41,18 +41,18 @@ def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, 
 
 
 def _thresholds(found: Findings, absorbing: bool) -> dict[str, float]:
-    nats, size = found.thresholds(absorbing)
-    return {"log_evidence": nats, "share_of_noise": size}
+    ln_bayes, size = found.thresholds(absorbing)
+    return {"log_evidence": ln_bayes, "share_of_noise": size}
 
 
 def channels(found: Findings, decision: Decision) -> list[dict[str, Any]]:
     """Return each channel's gap before and after and its noise floor, on the held-out runs if there are any."""
     which = 1 if found.held_out else 0
-    after = found.null.channel_gap[which]
+    after = found.null.channel_misfit[which]
     if decision.verdict in ("effect_named", "effect_class"):
         runs = (found.training, found.held_out)[which]
-        after = channel_gaps(found.model, after_runs(found, decision, runs), runs)
-    names, columns = found.model.observed.names, (found.null.channel_gap[which], after, found.floor[which])
+        after = channel_misfits(found.model, after_runs(found, decision, runs), runs)
+    names, columns = found.model.observed.names, (found.null.channel_misfit[which], after, found.floor[which])
     return [
         {"channel": name, "before": before, "after": left, "noise_floor": noise}
         for name, before, left, noise in zip(names, *columns, strict=True)

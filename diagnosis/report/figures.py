@@ -19,7 +19,7 @@ from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import levelled, simulate
 from pounding.diagnosis.report.details import after_runs
-from pounding.diagnosis.report.misfit_maps import gap_maps
+from pounding.diagnosis.report.misfit_maps import misfit_maps
 from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
 from pounding.diagnosis.report.residual_force_figure import leftover_figure
 
@@ -58,7 +58,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     model, observed = found.model, found.model.observed
     run = (found.held_out or found.training)[0]
     data = observed.runs[run]
-    channel = int(np.nanargmax(found.null.channel_gap[1 if found.held_out else 0]))
+    channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
     simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
     if _shown(decision):
@@ -95,7 +95,7 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
     figure = _figure(9, 1.2 + 0.36 * len(names))
     bars, bands, each = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
     at = np.arange(len(names))
-    bars.barh(at - 0.2, 100 * found.null.channel_gap[which], 0.36, color=BLUE, label="before")
+    bars.barh(at - 0.2, 100 * found.null.channel_misfit[which], 0.36, color=BLUE, label="before")
     if _shown(decision):
         after = np.array([np.nan if one["after"] is None else one["after"] for one in report["channels"]])
         bars.barh(at + 0.2, 100 * after, 0.36, color=ORANGE, label="after")
@@ -106,7 +106,7 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
         )
     bars.set_yticks(at, names)
     bars.set_xscale("log")
-    lengths = 100 * np.concatenate([found.null.channel_gap[which], floor])
+    lengths = 100 * np.concatenate([found.null.channel_misfit[which], floor])
     bars.set_xlim(0.6 * np.nanmin(lengths), max(1.3 * np.nanmax(lengths), 4 * np.nanmin(lengths)))
     bars.xaxis.set_major_locator(LogLocator(10, (1, 2, 5)))
     bars.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -114,7 +114,7 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
     bars.set_xlabel("gap [%]")
     bars.set_title("held-out run" if which else "runs used", fontsize=10)
     figure.legend(*bars.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
-    maps = gap_maps(
+    maps = misfit_maps(
         model,
         found.null.fit.filtered,
         np.nan_to_num(found.floor[0], nan=1.0),
@@ -132,11 +132,11 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
     return figure
 
 
-def _map(axes: Axes, gaps: np.ndarray, noise: np.ndarray, labels: list[str], title: str) -> Any:
+def _map(axes: Axes, misfits: np.ndarray, noise: np.ndarray, labels: list[str], title: str) -> Any:
     """Draw gaps [%] as numbers on colours that say how far above the noise they are."""
-    ratio = np.clip(np.nan_to_num(gaps / noise, nan=1.0), 1.0, 30.0)
+    ratio = np.clip(np.nan_to_num(misfits / noise, nan=1.0), 1.0, 30.0)
     image = axes.imshow(ratio, norm=LogNorm(1, 30), cmap="YlOrRd", aspect="auto")
-    for (row, column), value in np.ndenumerate(gaps):
+    for (row, column), value in np.ndenumerate(misfits):
         if np.isfinite(value):
             colour = "white" if ratio[row, column] > 10 else "black"
             text = f"{100 * value:.0f}" if value >= 0.0995 else f"{100 * value:.1f}"

@@ -16,7 +16,7 @@ from pounding.diagnosis.model.observations import root_mean_square
 
 
 @dataclass(frozen=True)
-class GapMaps:
+class MisfitMaps:
     """Gaps of a fit by channel and band, and by channel and run, as shares of each channel's rms.
 
     Attributes:
@@ -33,7 +33,7 @@ class GapMaps:
     run_noise: np.ndarray
 
 
-def gap_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> GapMaps:
+def misfit_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> MisfitMaps:
     """Return where a fit and the measurements disagree, over all the time of the runs.
 
     Args:
@@ -61,7 +61,7 @@ def gap_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence
         samples += len(filled)
     known = np.where(np.asarray(total) > 0, total, np.nan)[:, None]
     width = np.sqrt(np.diff(edges) / nyquist)
-    return GapMaps(
+    return MisfitMaps(
         edges_hz=edges,
         runs=tuple(model.observed.runs[run].name for run in runs),
         by_band=np.sqrt(np.sum(bands, axis=0) / known),

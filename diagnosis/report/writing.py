@@ -161,12 +161,12 @@ def tables(report: dict[str, Any]) -> Iterable[RenderableType | str]:
 
 def _gaps(report: dict[str, Any]) -> Table:
     title = "Gap: rms(simulated - measured) / rms(measured)"
-    gaps = Table("gap", "before", "after", "noise floor", "closed", title=title)
+    misfits = Table("gap", "before", "after", "noise floor", "closed", title=title)
     held_out = report["gap"]["held_out"]
     for label, gap in (
         ("training", report["gap"]["training"]),
         (f"held out ({held_out['run']})" if held_out else "held out: none, there is a single run", held_out),
     ):
         shares = [percent((gap or {}).get(key)) for key in ("before", "after", "noise_floor", "closed")]
-        gaps.add_row(label, *shares)
-    return gaps
+        misfits.add_row(label, *shares)
+    return misfits

@@ -220,8 +220,8 @@ def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
     amplitude = threshold(information, DETECTED_NATS)
     # The expected evidence as `pounding.diagnosis.inference.evidence` has it, for a pull of information times amplitude.
-    nats = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
-    np.testing.assert_allclose(nats, DETECTED_NATS)
+    ln_bayes = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
+    np.testing.assert_allclose(ln_bayes, DETECTED_NATS)
 
 
 def entry(effect: str, **place: Any) -> dict[str, Any]:

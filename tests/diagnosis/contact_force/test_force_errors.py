@@ -24,7 +24,7 @@ from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Judged
-from pounding.diagnosis.inference.misfit import channel_gaps, simulate
+from pounding.diagnosis.inference.misfit import channel_misfits, simulate
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
@@ -71,7 +71,7 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
 
     def held_out(model: Model) -> np.ndarray:
         outputs = simulate(model, np.zeros(len(model.std)), (), (1,))
-        return channel_gaps(model, outputs, (1,))
+        return channel_misfits(model, outputs, (1,))
 
     # As likely as with the right forces, which errors had made far less likely, and the struck floors' noise is one per
     # cent again, as it was made.
@@ -101,7 +101,7 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
 
     def left(model: Model, filtered: Filtered) -> float:
         outputs = simulate(model, filtered.values, filtered.effects, (1,))
-        return float(np.median(channel_gaps(model, outputs, (1,))))
+        return float(np.median(channel_misfits(model, outputs, (1,))))
 
     # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
     assert left(settled, frames) < 0.7 * left(without, fit.filtered)
@@ -112,14 +112,14 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     effect = SimpleNamespace(rival=False)
     fit = SimpleNamespace(effects=(effect,), filtered="fitted")
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
-    better = replace(chosen, gap=(0.05, 0.05))
+    better = replace(chosen, misfit=(0.05, 0.05))
     model = SimpleNamespace(structure=None, observed=Observed(), prior=None)
 
     def decided(found: Any, explained: Judged) -> Decision:
         verdict = "effect_named" if found.judged[0] is explained else "unknown_effect"
         return Decision(verdict, found.judged[0], ())
 
-    monkeypatch.setattr(diagnose, "Believed", lambda *given: "as measured")
+    monkeypatch.setattr(diagnose, "Model", lambda *given: "as measured")
     monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
     for explained, after in ((better, better), (None, chosen)):

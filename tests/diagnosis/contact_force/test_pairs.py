@@ -93,11 +93,11 @@ def test_what_is_different_in_a_contact_is_named(
     if not measured:
         # Forces that the motion asks for need more where no impacts that they were not fitted to agree.
         (_, best), *others = found.ranked
-        for nats, expected in (
+        for ln_bayes, expected in (
             (1.9 * BLIND_FACTOR * CLAIM_NATS, []),
             (2.1 * BLIND_FACTOR * CLAIM_NATS, [effect]),
         ):
-            sure = replace(found, ranked=((nats, best), *others))
+            sure = replace(found, ranked=((ln_bayes, best), *others))
             assert claimed(joined(case, pair, sure, NOTHING)) == expected
         told = foretold_by(case, pair, found)
         assert told is not None
@@ -129,7 +129,7 @@ def test_laws_share_what_is_believed_of_another_law() -> None:
         "contact_stiffness",
         "contact_damping",
     ]
-    assert sum(np.exp(nats - 20.0) for nats, _ in ranked[3:]) == pytest.approx(1.0)
+    assert sum(np.exp(ln_bayes - 20.0) for ln_bayes, _ in ranked[3:]) == pytest.approx(1.0)
 
 
 def test_another_law_is_named() -> None:

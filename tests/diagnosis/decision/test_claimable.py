@@ -11,7 +11,7 @@ import pytest
 
 from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import remaining, visible
+from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.report.figures import _evidence
 from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model_of
@@ -24,22 +24,22 @@ def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
     ]
 
 
-def together(nats: float, *several: tuple[Any, list[float]]) -> Judged:
+def together(ln_bayes: float, *several: tuple[Any, list[float]]) -> Judged:
     """Return effects as they may have been judged."""
     effects, values = zip(*several, strict=True)
     return Judged(
-        cast(Any, SimpleNamespace(effects=effects, values=values)), nats, (0.1, 0.1), np.ones((2, 1))
+        cast(Any, SimpleNamespace(effects=effects, values=values)), ln_bayes, (0.1, 0.1), np.ones((2, 1))
     )
 
 
-def absorbing(nats: float) -> Judged:
+def absorbing(ln_bayes: float) -> Judged:
     """Return a change of a frame's modes with so much evidence."""
-    return together(nats, effect("p_delta", 1.0, absorbing=True))
+    return together(ln_bayes, effect("p_delta", 1.0, absorbing=True))
 
 
-def local(nats: float) -> Judged:
+def local(ln_bayes: float) -> Judged:
     """Return an effect in a storey with so much evidence."""
-    return together(nats, effect("bumper", 1.0))
+    return together(ln_bayes, effect("bumper", 1.0))
 
 
 def one(name: str, value: float, **where: Any) -> Judged:
@@ -60,7 +60,7 @@ def test_effects_are_judged_beside_the_delay_of_a_filter_that_is_likelier_than_e
     # What imitates the delay alone is not claimed.
     (claimed_one,) = found.claimable()
     assert claimed_one.effects == (bumper[0],)
-    assert claimed_one.nats == pytest.approx(200.0)
+    assert claimed_one.ln_bayes == pytest.approx(200.0)
     assert claimed_one.beside is judged_ones[1]
     found.judged = [together(1000.0, late), *judged_ones]
     assert found.claimable() == [found.judged[0], judged_ones[2]]
@@ -119,13 +119,13 @@ def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
     model = model_of(colliding(CONTACT))
     nothing: Any = None
     found = Findings(
-        model_of, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(model.observed.names)))
+        model, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(model.observed.names)))
     )
-    gaps = np.where(model.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
-    fit = replace(local(0.0), channel_gap=gaps)
+    misfits = np.where(model.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
+    fit = replace(local(0.0), channel_misfit=misfits)
     assert remaining(found, fit) == pytest.approx(2.0)
     # Without a second run only the first counts.
-    assert remaining(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
+    assert remaining(found, replace(fit, channel_misfit=misfits * [[1.0], [np.nan]])) == pytest.approx(2.0)
 
 
 def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
@@ -133,12 +133,12 @@ def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
     model = model_of(colliding(CONTACT))
     tall = model.observed.floor < 3
     nothing: Any = None
-    before = replace(local(0.0), channel_gap=2.0 * np.ones((2, len(tall))))
+    before = replace(local(0.0), channel_misfit=2.0 * np.ones((2, len(tall))))
     found = Findings(model, before, nothing, nothing, (0,), (1,), floor=np.ones((2, len(tall))))
-    gaps = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
+    misfits = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
     for frame, size in (("tall", 1.0), ("stiff", np.sqrt(3.0)), (None, np.sqrt(3.0))):
-        fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_gap=gaps)
-        assert visible(found, fit) == pytest.approx(size)
+        fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_misfit=misfits)
+        assert signal_to_noise(found, fit) == pytest.approx(size)
 
 
 @pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])

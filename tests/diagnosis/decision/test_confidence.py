@@ -29,12 +29,14 @@ def cases(count: int, seed: int) -> list[tuple[Features, bool]]:
     rng = np.random.default_rng(seed)
     found = []
     for _ in range(count):
-        nats, margin = rng.lognormal(4.0, 1.5), rng.lognormal(3.0, 1.5)
+        ln_bayes, margin = rng.lognormal(4.0, 1.5), rng.lognormal(3.0, 1.5)
         verdict = VERDICTS[rng.integers(4)]
         effects = int(rng.integers(1, 3)) if verdict == "effect_named" else 1
-        visible, closed = rng.lognormal(0.5, 1.0), rng.uniform(0.0, 1.0)
+        signal_to_noise, closed = rng.lognormal(0.5, 1.0), rng.uniform(0.0, 1.0)
         rate = 0.3 + 0.65 * margin / (margin + 15.0) if verdict != "nothing_missing" else 0.9
-        found.append((Features(verdict, nats, margin, visible, closed, effects), bool(rng.random() < rate)))
+        found.append(
+            (Features(verdict, ln_bayes, margin, signal_to_noise, closed, effects), bool(rng.random() < rate))
+        )
     return found
 
 
@@ -59,8 +61,8 @@ def test_few_cases_make_no_steep_rule() -> None:
 def test_the_shipped_file_says_where_it_comes_from_and_more_evidence_never_lowers_a_named_effect() -> None:
     assert shipped().source
     rates = [
-        confidence(Features("effect_named", nats, margin, 1.0, 0.9, 1))
-        for nats, margin in ((40.0, 1.0), (40.0, 30.0), (400.0, 300.0))
+        confidence(Features("effect_named", ln_bayes, margin, 1.0, 0.9, 1))
+        for ln_bayes, margin in ((40.0, 1.0), (40.0, 30.0), (400.0, 300.0))
     ]
     assert rates == sorted(rates)
     assert all(0.01 <= confidence(Features(verdict, 0.0, 0.0, 0.0, 0.0, 0)) <= 0.99 for verdict in VERDICTS)
@@ -103,10 +105,10 @@ def test_pairs_are_lines_of_json(tmp_path: Path) -> None:
     file = tmp_path / "pairs.jsonl"
     one = {
         "verdict": "effect_named",
-        "nats": 1,
+        "ln_bayes": 1,
         "margin": 1,
-        "visible": 1,
-        "closed": 1,
+        "signal_to_noise": 1,
+        "explained": 1,
         "effects": 1,
         "right": True,
     }

@@ -61,7 +61,7 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
 def findings(case: Case) -> tuple[Findings, ContactFindings]:
     """Return findings on a pair whose frames are as believed, and what its impacts say."""
     pair, contact_findings, _ = judged(case)
-    null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), nats=0.0)
+    null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), ln_bayes=0.0)
     found = SimpleNamespace(pair=pair, judged=[], null=null, model=pair.slow, claimable=lambda: [])
     return cast(Findings, found), contact_findings
 

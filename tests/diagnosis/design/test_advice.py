@@ -64,7 +64,7 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
     assert decide(strong).verdict != "nothing_missing"
     assert strong.judged[0].effects[0].name == "hysteresis"
     # The order of magnitude holds; the null model bends more than a linear imitation can.
-    assert strong.judged[0].nats > 100
+    assert strong.judged[0].ln_bayes > 100
 
 
 def test_what_is_tried_is_a_measurement_that_was_not_made_and_a_clear_verdict_asks_for_none() -> None:
@@ -85,4 +85,4 @@ def test_a_rival_that_is_the_truth_itself_gains_nothing() -> None:
     cubic = effect("cubic_stiffness", 2)
     found = searched(measured([(cubic, np.array([2e9]))]))
     best = found.judged[0].fit
-    assert all(abs(nats) < 1e-6 for _, nats in expected(found, best, best))
+    assert all(abs(ln_bayes) < 1e-6 for _, ln_bayes in expected(found, best, best))

@@ -104,7 +104,7 @@ def test_what_nothing_in_the_catalogue_fits_is_named_once_the_user_offers_it(
     assert effect.place() | {"effect": "stroke_damper", "frame": "bench", "storey": 2} == effect.place()
     assert decision.judged.fit.values[0][0] == pytest.approx(150.0, rel=0.02)
     # The held-out gap falls from 15 % to the noise.
-    assert decision.judged.gap[1] == pytest.approx(0.02, rel=0.1)
+    assert decision.judged.misfit[1] == pytest.approx(0.02, rel=0.1)
 
 
 def test_parameters_are_reported_in_the_users_units(kinds: list[type[Effect]]) -> None:
