@@ -97,8 +97,6 @@ class Findings:
     """Two frames that touch, at the rate of the logger."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
-    engine: dict[int, np.ndarray] = field(default_factory=dict)
-    """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 
     def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
         """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.

@@ -1,4 +1,4 @@
-"""Gaps of a fit over whole runs: by channel and band, and by channel and run."""
+"""Misfits of a fit over whole runs: by channel and band, and by channel and run."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pounding.diagnosis.model.observations import root_mean_square
 
 @dataclass(frozen=True)
 class MisfitMaps:
-    """Gaps of a fit by channel and band, and by channel and run, as shares of each channel's rms.
+    """Misfits of a fit by channel and band, and by channel and run, as shares of each channel's rms.
 
     Attributes:
         edges_hz: Edges of the bands. runs: Names of the runs.
-        by_band, by_run: Gaps, shape (channels, bands) and (channels, runs).
+        by_band, by_run: Misfits, shape (channels, bands) and (channels, runs).
         band_noise, run_noise: What noise alone would leave there, the same shapes.
     """
 
