@@ -18,12 +18,12 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import prepare
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import decide, remaining
+from pounding.diagnosis.decision.verdict import remaining
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.findings import Judged
+from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import channel_misfits, simulate
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated
@@ -113,24 +113,26 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     fit = SimpleNamespace(effects=(effect,), filtered="fitted")
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
     better = replace(chosen, misfit=(0.05, 0.05))
-    model = SimpleNamespace(structure=None, observed=Observed(), prior=None)
+    nothing: Any = None
+    model: Any = SimpleNamespace(structure=None, observed=Observed(), prior=None)
 
-    def decided(found: Any, explained: Judged) -> Decision:
-        verdict = "effect_named" if found.judged[0] is explained else "unknown_effect"
-        return Decision(verdict, found.judged[0], ())
+    def decided(found: Findings, explained: Judged) -> Decision:
+        return Decision("effect_named" if found.judged[0] is explained else "unknown_effect", found.judged[0])
 
     monkeypatch.setattr(diagnose, "Model", lambda *given: "as measured")
     monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
     for explained, after in ((better, better), (None, chosen)):
         monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
-        found: Any = SimpleNamespace(
-            pair=SimpleNamespace(slow=model), model=model, judged=[chosen], settled=None,
-            training=(0,), held_out=(1,),
-        )  # fmt: skip
-        diagnose._settle(found, ())
-        assert found.judged == [after]
-        assert (found.settled is None) == (explained is None)
+        found = Findings(model, nothing, nothing, nothing, (0,), (1,), [chosen])
+        found.pair = cast(Any, SimpleNamespace(slow=model))
+        unknown = Decision("unknown_effect", chosen)
+        settled, decision = diagnose._settled(found, unknown, ())
+        assert settled.judged == [after]
+        assert decision.judged is after
+        assert (settled.settled is None) == (explained is None)
+        # What was found before is not changed.
+        assert found.judged == [chosen]
 
 
 @pytest.mark.slow
@@ -138,9 +140,9 @@ def test_a_calibration_is_not_held_back_by_what_wrong_forces_needed(tmp_path: Pa
     """Frames that were calibrated on forces a few per cent off left 2.7 times the noise, and the gain was no effect."""
     drawn = draw_set(80, 20261208, pairs=True)[38]
     write_hidden(hide(drawn.effects, drawn.frames, seed=drawn.seed), tmp_path / "case")
-    found = find(read_case(tmp_path / "case"), lambda what, share: None)
+    found, decision = find(read_case(tmp_path / "case"), lambda what, share: None)
     assert remaining(found, found.null) < 1.1
-    assert [effect.label() for effect in decide(found).judged.effects] == ["sensor gain, channel 10_d10"]
+    assert [effect.label() for effect in decision.judged.effects] == ["sensor gain, channel 10_d10"]
 
 
 def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:

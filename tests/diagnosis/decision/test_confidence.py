@@ -11,6 +11,8 @@ import pytest
 
 from pounding.diagnosis.benchmark.fitting import main
 from pounding.diagnosis.decision.confidence import (
+    FILE,
+    FORMER,
     VERDICTS,
     Features,
     confidence,
@@ -99,6 +101,24 @@ def test_only_the_kinds_that_are_asked_for_are_fitted_anew(tmp_path: Path) -> No
     written = read_calibration(tmp_path / "own.toml").coefficients
     assert written["nothing_missing"] == shipped().coefficients["nothing_missing"]
     assert written["effect_class"] == pytest.approx(learnt.coefficients["effect_class"], abs=1e-4)
+
+
+def test_calibrations_and_features_of_before_are_read_by_their_names_of_then(tmp_path: Path) -> None:
+    written = FILE.read_text(encoding="utf-8")
+    for new, old in FORMER.items():
+        written = written.replace(f"\n{new} =", f"\n{old} =")
+    (tmp_path / "former.toml").write_text(written, encoding="utf-8")
+    assert read_calibration(tmp_path / "former.toml") == shipped()
+    line = {
+        "verdict": "effect_named",
+        "nats": 40.0,
+        "margin": 3.0,
+        "visible": 2.0,
+        "closed": None,
+        "effects": 1,
+    }
+    (tmp_path / "pairs.jsonl").write_text(json.dumps(line | {"right": True}))
+    assert read_pairs(tmp_path / "pairs.jsonl") == [(Features("effect_named", 40.0, 3.0, 2.0, 0.0, 1), True)]
 
 
 def test_pairs_are_lines_of_json(tmp_path: Path) -> None:
