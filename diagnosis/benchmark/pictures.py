@@ -50,7 +50,7 @@ def _write(figure: Figure, path: Path) -> None:
 
 def _sizes(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     known = [row for row in rows if row["detected"]["cases"]]
-    names = [_bounds(*row["visibility"]) for row in known]
+    names = [_bounds(*row["signal_to_noise"]) for row in known]
     for key, colour, shift in (("detected", DETECTED, -0.2), ("exact", EXACT, 0.2)):
         places = np.arange(len(known)) + shift
         shares = np.array([row[key]["share"] for row in known])
@@ -60,7 +60,7 @@ def _sizes(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     axes.set_xticks(
         range(len(known)), [f"{name}\n{count} cases" for name, count in zip(names, cases, strict=True)]
     )
-    axes.set_xlabel("visibility: largest change of a channel over its noise [-]")
+    axes.set_xlabel("signal-to-noise ratio: largest change of a channel over its noise [-]")
     axes.set_ylabel("share of the single effects [-]")
     axes.set_ylim(0, 1.05)
     axes.legend(loc="upper left", frameon=False)

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from pounding.diagnosis.benchmark.methods import report_of_method
 from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.decision.claims import Claim, claim, parameter, place_of
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.evidence import scales
@@ -24,6 +25,7 @@ from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.report.report import Report
 
 WORTH = 0.05
 """Share by which the residual has to fall before anything is said to be missing."""
@@ -34,8 +36,8 @@ EVALUATIONS = 12
 RUNAWAY = 1e3
 
 
-def refit_each(folder: Path) -> dict[str, Any]:
-    """Report on a case by the smallest residual; the keys are those of the workflow's report, in short.
+def refit_each(folder: Path) -> Report:
+    """Report on a case by the smallest residual, without a confidence and misfits.
 
     Args:
         folder: The case.
@@ -52,16 +54,7 @@ def refit_each(folder: Path) -> dict[str, Any]:
     fits = sorted(((*refit.best(effect), effect) for effect in rivals), key=lambda fit: fit[0])
     claims = [_claim(effect, values, plain / residual) for residual, values, effect in fits]
     missing = bool(fits) and fits[0][0] < (1 - WORTH) * plain
-    return {
-        "schema": 1,
-        "verdict": "effect_named" if missing else "nothing_missing",
-        "confidence": None,
-        "effects": claims[:1] if missing else [],
-        "candidates": claims,
-        "gap": {"training": None, "held_out": None},
-        "where": [],
-        "warnings": [],
-    }
+    return report_of_method(claims[:1] if missing else [], claims)
 
 
 def _sizes(model: Model) -> Scales:
@@ -127,10 +120,10 @@ class Refit:
         return float(np.sqrt(2 * fit.cost)), values(fit.x[len(self.free) :])
 
 
-def _claim(effect: Effect, values: np.ndarray, better: float) -> dict[str, Any]:
+def _claim(effect: Effect, values: np.ndarray, better: float) -> Claim:
     told = [
-        {"name": quantity.name, "value": float(value) * quantity.per_si, "std": None, "unit": quantity.unit}
+        parameter(quantity.name, float(value) * quantity.per_si, None, quantity.unit)
         for quantity, value in zip(effect.quantities, values, strict=True)
         if quantity.reported
     ]
-    return {**effect.place(), "parameters": told, "log_evidence": float(np.log(better)), "class": []}
+    return claim(place_of(effect), told, float(np.log(better)))

@@ -1,4 +1,4 @@
-"""A storey-wise sparse regression with BIC: the leftover force of each storey against a library of terms.
+"""A storey-wise sparse regression with BIC: the residual force of each storey against a library of terms.
 
 What most people would write first (Brunton, Proctor and Kutz 2016, PNAS 113(15), applied storey by storey):
 drift and rate from the measured motion, inertia forces from the accelerations, sequentially thresholded least
@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
@@ -18,9 +17,12 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from pounding import frames
+from pounding.diagnosis.benchmark.methods import report_of_method
 from pounding.diagnosis.case.case import Case, CaseFrame, Run
 from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.decision.claims import Claim, Place, claim, parameter
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.report.report import Report
 
 LOWEST = 0.4
 """Of the first frequency: below, twice integrated accelerometers show their noise and little else."""
@@ -55,7 +57,7 @@ Optimiser = Callable[[np.ndarray, np.ndarray, float, int], np.ndarray]
 
 @dataclass(frozen=True)
 class Storey:
-    """The library of one storey: columns (samples, terms), leftover force (samples,), columns' effects."""
+    """The library of one storey: columns (samples, terms), residual force (samples,), columns' effects."""
 
     frame: str
     number: int
@@ -64,8 +66,8 @@ class Storey:
     effects: tuple[str, ...]
 
 
-def sparse_regression(folder: Path, optimiser: Optimiser | None = None) -> dict[str, Any]:
-    """Report on a case by sparse regression; the keys are those of the workflow's report, in short.
+def sparse_regression(folder: Path, optimiser: Optimiser | None = None) -> Report:
+    """Report on a case by sparse regression, without a confidence and misfits.
 
     Args:
         folder: The case.
@@ -78,18 +80,9 @@ def sparse_regression(folder: Path, optimiser: Optimiser | None = None) -> dict[
     storeys = [storey for frame in case.frames for storey in _storeys(case, frame)]
     claims = sorted(
         (claim for storey in storeys for claim in _claims(storey, optimiser or thresholded)),
-        key=lambda c: -c["log_evidence"],
+        key=lambda one: -one.log_evidence,
     )
-    return {
-        "schema": 1,
-        "verdict": "effect_named" if claims else "nothing_missing",
-        "confidence": None,
-        "effects": claims[:1],
-        "candidates": claims,
-        "gap": {"training": None, "held_out": None},
-        "where": [],
-        "warnings": [],
-    }
+    return report_of_method(claims[:1], claims)
 
 
 def best_model(
@@ -159,7 +152,7 @@ def thresholded_by_pysindy(
     return np.concatenate([known[:, -1] - known[:, :-1] @ found, found])
 
 
-def _claims(storey: Storey, optimiser: Optimiser) -> list[dict[str, Any]]:
+def _claims(storey: Storey, optimiser: Optimiser) -> list[Claim]:
     """Return what a storey's best model says: its strongest term, or its stiffness where that is far off."""
     gain, factors = best_model(storey.columns, storey.force, ALWAYS, optimiser)
     if gain > SURE:
@@ -169,17 +162,11 @@ def _claims(storey: Storey, optimiser: Optimiser) -> list[dict[str, Any]]:
     return [_claim(storey, 0, float(factors[0]), 0.0)] if abs(factors[0]) > FAR_OFF else []
 
 
-def _claim(storey: Storey, term: int, factor: float, gain: float) -> dict[str, Any]:
+def _claim(storey: Storey, term: int, factor: float, gain: float) -> Claim:
     effect = storey.effects[term]
-    place = {"frame": storey.frame, "storey": None if effect == "air_drag" else storey.number}
-    return {
-        "effect": effect,
-        **dict.fromkeys(("floor", "channel", "contact", "left", "right")),
-        **place,
-        "parameters": [{"name": LIBRARY[effect], "value": factor, "std": None, "unit": ""}],
-        "log_evidence": gain / 2,
-        "class": [],
-    }
+    number = None if effect == "air_drag" else storey.number
+    place = Place(effect=effect, frame=storey.frame, storey=number)
+    return claim(place, [parameter(LIBRARY[effect], factor, None, "")], gain / 2)
 
 
 def _storeys(case: Case, frame: CaseFrame) -> list[Storey]:
@@ -194,7 +181,7 @@ def _storeys(case: Case, frame: CaseFrame) -> list[Storey]:
         blocks, forces = [], []
         for displacement, velocity, acceleration, absolute in parts:
             left = masses @ acceleration + stiffness @ displacement + dampers @ velocity
-            # The leftover forces of the floors above are what the storey did not carry.
+            # The residual forces of the floors above are what the storey did not carry.
             forces.append(-left[index:].sum(axis=0))
             below = np.zeros_like(displacement[0])
             drift = displacement[index] - (displacement[index - 1] if index else below)

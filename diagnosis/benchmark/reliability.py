@@ -18,27 +18,23 @@ from cyclopts import Parameter
 from pounding.diagnosis.benchmark.pictures import draw_reliability
 from pounding.diagnosis.benchmark.scoring import Judged, judge
 from pounding.diagnosis.benchmark.summary import reliability, shown
-from pounding.diagnosis.decision.confidence import behind, restated
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.report.reading import report_from
+from pounding.diagnosis.report.report import Report
 from pounding.experiments.console.exit_status import run_script
 from pounding.frames.files import write_whole
 
-Finished = tuple[int, dict[str, Any], dict[str, Any]]
+Finished = tuple[int, dict[str, Any], Report]
+"""Number of a case in its set, its truth, and the report on it."""
 
 
 def finished(folder: Path) -> list[Finished]:
     """Return number, truth and report of the finished cases of a benchmark's folder, in the order of the set.
 
     Raises:
-        CaseError: There is none.
+        CaseError: There is none, or one of the files is none.
     """
-    found = []
-    for path in sorted((folder / "cases").glob("*.json")):
-        kept = json.loads(path.read_text(encoding="utf-8"))
-        if values := kept.get("values"):
-            found.append(
-                (int(kept["case"]["index"]), json.loads(values["truth"]), json.loads(values["report"]))
-            )
+    found = [one for path in sorted((folder / "cases").glob("*.json")) if (one := _finished(path))]
     if not found:
         raise CaseError(
             f"{folder}: no finished case of a benchmark; run `pounding diagnose --benchmark N --out` first"
@@ -46,14 +42,29 @@ def finished(folder: Path) -> list[Finished]:
     return sorted(found, key=lambda one: one[0])
 
 
+def _finished(path: Path) -> Finished | None:
+    """Return what a file keeps of a case, or None of one that failed."""
+    try:
+        kept = json.loads(path.read_text(encoding="utf-8"))
+        values = kept["values"]
+        if not values:
+            return None
+        number, truth, text = int(kept["case"]["index"]), json.loads(values["truth"]), values["report"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise CaseError(
+            f"{path}: is no finished case of a benchmark ({type(error).__name__}: {error}); "
+            "take it away, or run the benchmark again"
+        ) from error
+    return number, truth, report_from(text, str(path))
+
+
 def lines(cases: Sequence[Finished]) -> list[str]:
-    """Return features with ``right`` of cases as `confidence.read_pairs` has them; of contacts those that
-    stand alone."""
+    """Return features with ``right`` of cases as `confidence.read_pairs` has them; of contacts those that stand alone."""
     written = []
     for _, truth, report in cases:
-        features, *others = behind(report)
-        if not others:
-            written.append(json.dumps(asdict(features) | {"right": shown(judge(truth, report))}))
+        behind = report.confidence_basis.behind() if report.confidence_basis else ()
+        if len(behind) == 1:
+            written.append(json.dumps(asdict(behind[0]) | {"right": shown(judge(truth, report))}))
     return written
 
 
@@ -88,8 +99,14 @@ def main(
         draw_reliability(rows, picture)
 
 
-def _restated(truth: dict[str, Any], report: dict[str, Any]) -> Judged:
-    return replace(judge(truth, report), confidence=restated(report))
+def _restated(truth: dict[str, Any], report: Report) -> Judged:
+    """Return a judged case with the confidence that the shipped calibration states."""
+    judged = judge(truth, report)
+    return (
+        replace(judged, confidence=report.confidence_basis.confidence())
+        if report.confidence_basis
+        else judged
+    )
 
 
 if __name__ == "__main__":

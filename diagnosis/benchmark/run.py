@@ -9,30 +9,29 @@ import resource
 import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from msgspec import to_builtins
 from rich.console import Console
 
 from pounding.diagnosis.benchmark.drawing import Drawn, draw_set
 from pounding.diagnosis.benchmark.pictures import draw_benchmark
 from pounding.diagnosis.benchmark.scoring import judge
 from pounding.diagnosis.benchmark.summary import summarise
-from pounding.diagnosis.benchmark.tables import tables
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.motions import available
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.report.reading import report_from
+from pounding.diagnosis.report.report import Report
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.sweeps.store import code_version
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.frames.files import write_whole
 
-Method = Callable[[Path], Mapping[str, Any]]
-
-__all__ = ["METHODS", "run_benchmark", "tables"]
+Method = Callable[[Path], Report]
 
 METHODS = ("diagnosis", "refit", "sparse", "sparse-pysindy")
 """The workflow itself and what people would do instead (see `competitors`)."""
@@ -54,9 +53,9 @@ def method(name: str) -> Method:
         CaseError: There is no such method.
     """
     if name == "diagnosis":
-        from pounding.diagnosis.workflow import diagnose_case
+        from pounding.diagnosis.workflow import diagnose
 
-        return diagnose_case
+        return diagnose
     if name in METHODS:
         from pounding.diagnosis.benchmark import competitors
 
@@ -89,7 +88,7 @@ def one_case(index: int, count: int, seed: int, way: str, motions: str, pairs: b
     memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return {
         "truth": json.dumps(hidden.truth),
-        "report": json.dumps(report),
+        "report": report.json(),
         "seconds": seconds,
         "memory_mb": memory_mb,
     }
@@ -152,7 +151,10 @@ def run_benchmark(
     if "truth" not in done:
         raise CaseError(f"no case of the benchmark was finished; the first: {done['failure'].values[0]}")
     texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
-    finished = [(json.loads(truth), json.loads(report), float(s)) for truth, report, s in texts if truth]
+    source = f"a finished case in {out}"
+    finished = [
+        (json.loads(truth), report_from(report, source), float(s)) for truth, report, s in texts if truth
+    ]
     judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
     result = {
         **stamp(settings | {"first": first or count, "only": list(only)}),
@@ -162,7 +164,8 @@ def run_benchmark(
         "failures": [str(reason) for reason in done["failure"].values if reason],
         "memory_mb": float(done["memory_mb"].max()),
         "judged": [
-            {**vars(case), "seed": truth["seed"], "hidden": truth["effects"], "found": report["effects"]}
+            vars(case)
+            | {"seed": truth["seed"], "hidden": truth["effects"], "found": to_builtins(report.effects)}
             for case, (truth, report, _) in zip(judged, finished, strict=True)
         ],
     }
@@ -175,8 +178,7 @@ def run_benchmark(
 def _version() -> str:
     """Return a hash of all source that a judged case depends on."""
     digest = hashlib.sha256(code_version(one_case).encode())
-    spec = find_spec("diagnosis")
-    root = Path(str(spec.origin)).parent if spec else Path()
+    root = Path(__file__).parents[1]
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

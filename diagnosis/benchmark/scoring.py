@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from pounding.diagnosis.decision.claims import Claim, Place
 from pounding.diagnosis.hidden.places import EFFECTS
+from pounding.diagnosis.report.report import Misfit, Report
 
 NOTHING, UNKNOWN, OUTSIDE = "nothing_missing", "unknown_effect", "outside"
 
@@ -23,9 +25,6 @@ PLACES = {
 }
 """The keys that say where, by kind of place."""
 
-EXPLAINABLE = 1.1
-"""A gap counts as explainable when it exceeds the noise floor by this factor."""
-
 
 @dataclass(frozen=True)
 class Judged:
@@ -36,13 +35,13 @@ class Judged:
         effects: Names of what is hidden.
         called: What the verdict says: an effect's name, ``nothing_missing`` or ``unknown_effect``.
         frames: Frames on the table.
-        visibility: Of the least visible hidden effect; NaN without one.
+        signal_to_noise: Largest change of a channel by the weakest hidden effect over its noise; NaN without one.
         detected: Something was found missing.
         exact: Type and place of every hidden effect are right and nothing else is claimed; for nothing
             hidden that nothing was found, for an outsider that it was called unknown.
         in_class: Every hidden effect is in one of the stated classes (exact verdicts are too).
         confidence: The stated one.
-        gap_closed: Share of the explainable held-out gap that was closed; NaN where nothing was explainable.
+        misfit_explained: Share of the explainable held-out misfit that the effects explain; NaN where none was explainable.
         parameter_errors: Relative error of each parameter of the effects that were exact; from the
             nearest where a parameter has more than one definition in use.
         seconds: What the diagnosis took [s].
@@ -52,26 +51,26 @@ class Judged:
     effects: tuple[str, ...]
     called: str
     frames: tuple[str, ...]
-    visibility: float
+    signal_to_noise: float
     detected: bool
     exact: bool
     in_class: bool
     confidence: float
-    gap_closed: float
+    misfit_explained: float
     parameter_errors: tuple[float, ...]
     seconds: float
 
 
-def judge(truth: Mapping[str, Any], report: Mapping[str, Any], seconds: float = np.nan) -> Judged:
+def judge(truth: Mapping[str, Any], report: Report, seconds: float = np.nan) -> Judged:
     """Judge a report by the truth.
 
     Args:
         truth: What was hidden (see `pounding.diagnosis.hidden.hide`).
-        report: What was found, with the keys of docs/diagnosis/case-format.md.
+        report: What was found.
         seconds: What it took [s].
     """
-    hidden, verdict = truth["effects"], report["verdict"]
-    claims = report["effects"] if verdict not in (NOTHING, UNKNOWN) else []
+    hidden, verdict = truth["effects"], report.verdict
+    claims = report.effects if report.named else ()
     detected = verdict != NOTHING
     if truth["kind"] == "nothing":
         exact = in_class = not detected
@@ -83,60 +82,54 @@ def judge(truth: Mapping[str, Any], report: Mapping[str, Any], seconds: float = 
     return Judged(
         truth["kind"],
         tuple(effect["effect"] for effect in hidden),
-        claims[0]["effect"] if claims else verdict,
+        claims[0].effect if claims else verdict,
         tuple(truth["frames"]),
         min((effect["visibility"] for effect in hidden), default=np.nan),
         detected,
         exact,
         in_class,
-        np.nan if report.get("confidence") is None else float(report["confidence"]),
-        _closed(report),
+        np.nan if report.confidence is None else report.confidence,
+        _explained(report),
         _parameter_errors(hidden, claims),
         seconds,
     )
 
 
-def same(truth: Mapping[str, Any], claim: Mapping[str, Any]) -> bool:
+def same(truth: Mapping[str, Any], claim: Place) -> bool:
     """Return whether type and place agree."""
-    if truth["effect"] != claim["effect"]:
+    if truth["effect"] != claim.effect:
         return False
-    return all(truth.get(key) == claim.get(key) for key in PLACES[EFFECTS[truth["effect"]].place])
+    return all(truth.get(key) == getattr(claim, key) for key in PLACES[EFFECTS[truth["effect"]].place])
 
 
-def _named(truth: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+def _named(truth: Mapping[str, Any], claims: Sequence[Claim]) -> Claim | None:
     return next((claim for claim in claims if same(truth, claim)), None)
 
 
-def _classed(truth: Mapping[str, Any], claims: Sequence[Mapping[str, Any]]) -> bool:
-    return any(same(truth, member) for claim in claims for member in (claim, *(claim.get("class") or ())))
+def _classed(truth: Mapping[str, Any], claims: Sequence[Claim]) -> bool:
+    return any(same(truth, member) for claim in claims for member in (claim, *claim.members))
 
 
-def _closed(report: Mapping[str, Any]) -> float:
-    """Return the share of the held-out gap above the noise floor that the effects closed.
+def _explained(report: Report) -> float:
+    """Return the share of the held-out misfit above the noise floor that the effects explain, NaN where it has none.
 
-    What is named of a contact alone is judged by the gap of the impacts: forces are known inputs to the frames' motion.
+    What is named of a contact alone is judged by the held-out impacts: forces are known inputs to the frames' motion.
     """
-    gaps = report.get("gap") or {}
-    if report["effects"] and all(
-        EFFECTS[one["effect"]].place in ("contact", "between") for one in report["effects"]
-    ):
-        gap = (gaps.get("contact") or {"before": np.nan, "after": np.nan}) | {"noise_floor": 1.0}
-    else:
-        gap = gaps.get("held_out")
-    if not gap or not gap["before"] >= EXPLAINABLE * gap["noise_floor"]:
-        return np.nan
-    return float((gap["before"] - gap["after"]) / (gap["before"] - gap["noise_floor"]))
+    misfit: Misfit | None = report.misfit.held_out
+    if report.effects and all(EFFECTS[one.effect].place in ("contact", "between") for one in report.effects):
+        impacts = report.misfit.contact
+        misfit = Misfit(before=impacts.before, after=impacts.after, noise_floor=1.0) if impacts else None
+    share = None if misfit is None else misfit.share()
+    return np.nan if share is None else share
 
 
-def _parameter_errors(
-    hidden: Sequence[Mapping[str, Any]], claims: Sequence[Mapping[str, Any]]
-) -> tuple[float, ...]:
+def _parameter_errors(hidden: Sequence[Mapping[str, Any]], claims: Sequence[Claim]) -> tuple[float, ...]:
     errors = []
     for effect in hidden:
         claim = _named(effect, claims)
         if claim is None:
             continue
-        found = {parameter["name"]: parameter["value"] for parameter in claim["parameters"]}
+        found = {parameter.name: parameter.value for parameter in claim.parameters}
         for parameter in effect["parameters"]:
             value = found.get(parameter["name"])
             if isinstance(value, int | float) and isinstance(parameter["value"], int | float):

@@ -13,14 +13,14 @@ from pounding.diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judg
 from pounding.diagnosis.hidden.places import EFFECTS
 
 SIZES = (0.0, 0.3, 1.0, 2.0, 5.0, np.inf)
-"""Bounds of the visibility in the table of detection against size."""
+"""Bounds of the signal-to-noise ratio in the table of detection against size."""
 
 PLAIN = 2.0
-"""Visibility from which an effect exceeds twice the noise floor."""
+"""Signal-to-noise ratio from which an effect exceeds twice the noise floor."""
 
 CONFIDENCES = (0.0, 0.5, 0.7, 0.8, 0.9, 1.0)
 SHOWN = 0.5
-"""Visibility below which no data of one rig can show an effect: for the confidence, 'nothing missing' is then right."""
+"""Signal-to-noise ratio below which no data of one rig can show an effect: 'nothing missing' is then right as shown."""
 
 TARGETS = {
     "exact_of_detected": 0.90,
@@ -28,7 +28,7 @@ TARGETS = {
     "class_right_of_detected": 0.95,
     "false_alarms": 0.05,
     "outsiders_caught": 0.80,
-    "gap_closed_median": 0.80,
+    "misfit_explained_median": 0.80,
     "parameter_error_median": 0.05,
 }
 """What is to be reached; false alarms and parameter errors at most, the others at least."""
@@ -60,8 +60,10 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
     named = [case for case in cases if case.kind not in ("nothing", OUTSIDE)]
     single = [case for case in named if case.kind == "single"]
     detected = [case for case in named if case.detected]
-    plain = [case for case in named if case.visibility > PLAIN]
-    closed = [case.gap_closed for case in named if case.detected and np.isfinite(case.gap_closed)]
+    plain = [case for case in named if case.signal_to_noise > PLAIN]
+    explained = [
+        case.misfit_explained for case in named if case.detected and np.isfinite(case.misfit_explained)
+    ]
     errors = [error for case in named for error in case.parameter_errors]
     return {
         "cases": len(cases),
@@ -70,13 +72,17 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "exact_of_plain": share(plain, lambda case: case.exact),
         "class_right_of_detected": share(detected, lambda case: case.in_class),
         "exact_of_detected_singles": share([c for c in single if c.detected], lambda case: case.exact),
-        "exact_of_plain_singles": share([c for c in single if c.visibility > PLAIN], lambda case: case.exact),
+        "exact_of_plain_singles": share(
+            [c for c in single if c.signal_to_noise > PLAIN], lambda case: case.exact
+        ),
         "doubles_exact": share([c for c in named if c.kind == "double"], lambda case: case.exact),
         "false_alarms": share(nulls, lambda case: case.detected),
         "outsiders_caught": share(outsiders, lambda case: case.exact),
         "outsiders_not_misnamed": share(outsiders, lambda case: case.called in (NOTHING, UNKNOWN)),
-        "plain_outsiders_caught": share([c for c in outsiders if c.visibility > PLAIN], lambda c: c.exact),
-        "gap_closed_median": _median(closed),
+        "plain_outsiders_caught": share(
+            [c for c in outsiders if c.signal_to_noise > PLAIN], lambda c: c.exact
+        ),
+        "misfit_explained_median": _median(explained),
         "parameter_error_median": _median(errors),
         "seconds_median": _median([case.seconds for case in cases]),
         "seconds_largest": max((case.seconds for case in cases), default=None),
@@ -93,7 +99,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
 
 
 def _contacts(single: Sequence[Judged]) -> dict[str, Any]:
-    """Return the figures that only pairs have: impacts are chaotic, so a contact's visibility says little."""
+    """Return the figures that only pairs have: impacts are chaotic, so a contact's signal-to-noise ratio says little."""
     of_contacts = [case for case in single if EFFECTS[case.effects[0]].place in ("contact", "between")]
     if not of_contacts:
         return {}
@@ -104,7 +110,7 @@ def _contacts(single: Sequence[Judged]) -> dict[str, Any]:
             [c for c in of_contacts if c.detected], lambda case: case.exact
         ),
         "exact_of_plain_frame_singles": share(
-            [c for c in of_frames if c.visibility > PLAIN], lambda case: case.exact
+            [c for c in of_frames if c.signal_to_noise > PLAIN], lambda case: case.exact
         ),
     }
 
@@ -116,10 +122,10 @@ def _median(values: Sequence[float]) -> float | None:
 def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
     rows = []
     for low, high in pairwise(SIZES):
-        inside = [case for case in cases if low <= case.visibility < high]
+        inside = [case for case in cases if low <= case.signal_to_noise < high]
         rows.append(
             {
-                "visibility": [low, None if np.isinf(high) else high],
+                "signal_to_noise": [low, None if np.isinf(high) else high],
                 "detected": share(inside, lambda case: case.detected),
                 "exact": share(inside, lambda case: case.exact),
             }
@@ -129,7 +135,7 @@ def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
 
 def shown(case: Judged) -> bool:
     """Return whether a verdict is right as far as data can show: nothing missing too, where what is hidden is too small."""
-    return case.in_class or (case.called == NOTHING and case.visibility < SHOWN)
+    return case.in_class or (case.called == NOTHING and case.signal_to_noise < SHOWN)
 
 
 def reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:

@@ -55,9 +55,11 @@ def _figures(result: Mapping[str, Any]) -> Table:
 
 
 def _detection(result: Mapping[str, Any]) -> Table:
-    table = Table("visibility", "detected", "exact", title="Single effects by size", title_justify="left")
+    table = Table(
+        "signal-to-noise", "detected", "exact", title="Single effects by size", title_justify="left"
+    )
     for row in result["detection"]:
-        low, high = row["visibility"]
+        low, high = row["signal_to_noise"]
         bounds = f"{low:g} to {high:g}" if high is not None else f"above {low:g}"
         table.add_row(bounds, _percent(row["detected"]), _percent(row["exact"]))
     return table
@@ -79,9 +81,7 @@ def _confusion(result: Mapping[str, Any]) -> Table:
 def _reliability(result: Mapping[str, Any]) -> Table:
     table = Table("confidence", "stated", "right", "right as far as shown", title="Stated confidence")
     table.title_justify = "left"
-    table.caption = (
-        f"as far as shown: 'nothing missing' is right where what is hidden has a visibility below {SHOWN:g}"
-    )
+    table.caption = f"as far as shown: 'nothing missing' is right below a signal-to-noise ratio of {SHOWN:g}"
     table.caption_justify = "left"
     for row in result["reliability"]:
         low, high = row["confidence"]

@@ -281,7 +281,7 @@ def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitte
     return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
 
 
-def ranked(nats: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
+def ranked(ln_bayes: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
     """Return fits with their nats against the believed contact, best first.
 
     Another law is one effect however many laws there are: each has its share of what is believed of that beforehand, or the
@@ -289,7 +289,7 @@ def ranked(nats: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, 
     """
     laws = sum(one.hypothesis.effect == "contact_law" for one in fits)
     shares = [np.log(laws) if one.hypothesis.effect == "contact_law" else 0.0 for one in fits]
-    found = [(float(value - share), one) for value, share, one in zip(nats, shares, fits, strict=True)]
+    found = [(float(value - share), one) for value, share, one in zip(ln_bayes, shares, fits, strict=True)]
     return tuple(sorted(found, key=lambda each: -each[0]))
 
 

@@ -64,9 +64,9 @@ def checked(
     noise = impacts.force_noise(np.concatenate(series))
     quiet = np.concatenate([force[np.abs(force - level) < 5 * noise] for force in series])
     offset, spread = float(quiet.mean()), float(quiet.std() / np.sqrt(max(len(quiet), 1)))
-    nats = 0.5 * offset**2 / (spread**2 + (0.01 * noise) ** 2) - 0.5 * np.log(len(quiet))
-    if nats > CLAIM_NATS:
-        faults.append(("sensor_offset", offset, spread, float(nats)))
+    ln_bayes = 0.5 * offset**2 / (spread**2 + (0.01 * noise) ** 2) - 0.5 * np.log(len(quiet))
+    if ln_bayes > CLAIM_NATS:
+        faults.append(("sensor_offset", offset, spread, float(ln_bayes)))
         series = [force - offset for force in series]
     if -min(f.min() for f in series) > TURNED * max(f.max() for f in series):
         faults.append(("sensor_gain", TURNED_ROUND, GAIN_ERROR, 1000.0))
@@ -74,11 +74,11 @@ def checked(
         series = [-force for force in series]
     elif against_motion and (seen := _against_motion(model, touching, series)) is not None:
         (gain, gain_std), (delay, delay_std) = seen
-        if (nats := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
-            faults.append(("sensor_gain", gain, gain_std, float(nats)))
+        if (ln_bayes := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
+            faults.append(("sensor_gain", gain, gain_std, float(ln_bayes)))
             series = [force / (1 + gain) for force in series]
-        if (nats := 0.5 * (delay / delay_std) ** 2 - 3.0) > CLAIM_NATS:
-            faults.append(("sensor_delay", delay, delay_std, float(nats)))
+        if (ln_bayes := 0.5 * (delay / delay_std) ** 2 - 3.0) > CLAIM_NATS:
+            faults.append(("sensor_delay", delay, delay_std, float(ln_bayes)))
             series = [_earlier(f, run.step_s, delay) for f, run in zip(series, observed.runs, strict=True)]
     runs = []
     for run, force in zip(observed.runs, series, strict=True):

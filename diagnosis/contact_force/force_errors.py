@@ -58,8 +58,8 @@ class _Touching:
         width = share * self.size
         factor = cho_factor(width[:, None] * self.own * width + np.eye(len(width)))
         found = cho_solve(factor, width * self.pull)
-        nats = 0.5 * float(width * self.pull @ found) - float(np.log(np.diag(factor[0])).sum())
-        return width * found, nats
+        ln_bayes = 0.5 * float(width * self.pull @ found) - float(np.log(np.diag(factor[0])).sum())
+        return width * found, ln_bayes
 
 
 def put_right(model: Model, training: Sequence[int], measured: bool = True) -> tuple[Model, Filtered | None]:
@@ -145,11 +145,11 @@ def _estimate(
         _touching(run.contact[:, column], error[:, column], *answer)
         for run, error, answer in zip(model.observed.runs, errors, told, strict=True)
     ]
-    nats = {share: sum(each[run].within(share)[1] for run in training) for share in SHARES}
-    share = max(nats, key=lambda one: nats[one])
+    ln_bayes = {share: sum(each[run].within(share)[1] for run in training) for share in SHARES}
+    share = max(ln_bayes, key=lambda one: ln_bayes[one])
     for error, one in zip(errors, each, strict=True):
         error[:, column] = 0.0
-        if nats[share] > 0.0:
+        if ln_bayes[share] > 0.0:
             error[one.samples, column] = one.within(share)[0]
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -243,15 +242,15 @@ def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tu
     return Model(model.structure, observed, model.prior), noise
 
 
-def judge_contact(case: Case, found: Findings, report: dict[str, Any]) -> ContactFindings:
-    """Return what the training runs' impacts say of the contact, the frames being as the report has them."""
+def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
+    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them."""
     assert found.pair is not None
-    filtered = _baseline(found, report)
+    filtered = _frames(found, verdict)
     return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
 
 
-def _baseline(found: Findings, report: dict[str, Any]) -> Filtered:
-    named = report["verdict"] != "nothing_missing" and bool(found.judged)
+def _frames(found: Findings, verdict: str) -> Filtered:
+    named = verdict != "nothing_missing" and bool(found.judged)
     return (found.judged[0] if named else found.null).fit.filtered
 
 
@@ -318,9 +317,7 @@ def _met(
     return full, start, impacts.bodies(full, start, pair.column, noise, reduced)
 
 
-def foretold(
-    case: Case, found: Findings, report: dict[str, Any], contact_findings: ContactFindings
-) -> Foretold | None:
+def foretold(case: Case, found: Findings, verdict: str, contact_findings: ContactFindings) -> Foretold | None:
     """Return how well the believed contact and the likeliest one foretell the held-out impacts; None without any.
 
     Impact by impact from the measured motion before each: a run through several impacts departs from the measured one
@@ -328,7 +325,7 @@ def foretold(
     """
     if found.pair is None or contact_findings.null is None or not found.held_out:
         return None
-    filtered = _baseline(found, report)
+    filtered = _frames(found, verdict)
     _, _, met = _met(found.pair, filtered.values, filtered.effects, found.held_out)
     if len(met.impacts) < LEAST_IMPACTS:
         return None

@@ -49,13 +49,13 @@ class Pushes:
         force: Force at each sample [N], zero outside the windows, shape (samples,).
         windows: First and last sample of each window.
         covariance: Covariance of the forces in each window [N^2].
-        nats: Half the drop of the sum of squares, less what so many free forces gain by chance.
+        ln_bayes: Half the drop of the sum of squares, less what so many free forces gain by chance.
     """
 
     force: np.ndarray
     windows: tuple[tuple[int, int], ...]
     covariance: tuple[np.ndarray, ...]
-    nats: float
+    ln_bayes: float
 
 
 def slowed(observed: Observations) -> Observations:

@@ -43,15 +43,15 @@ def second_contact(
         if pair != touching:
             found = pairs.pushes(full, filtered, pair, closed)
             if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
-                tried.append((sum(one.nats for one in found), pair))
+                tried.append((sum(one.ln_bayes for one in found), pair))
     if not tried or max(tried)[0] < SECOND_NATS:
         return full, None
-    nats, pair = max(tried)
+    ln_bayes, pair = max(tried)
     if not _of_a_contact(full, filtered, pair, closed):
         return full, None
     # Now with its pushes during impacts of the stated contact too.
     both = with_pushes(full, filtered, pair)
-    return both, (full.structure.place(pair[0])[1], nats, len(both.observed.contact_floors) - 1)
+    return both, (full.structure.place(pair[0])[1], ln_bayes, len(both.observed.contact_floors) - 1)
 
 
 def with_pushes(full: Model, filtered: Filtered, floors: tuple[int, int]) -> Model:
@@ -85,9 +85,9 @@ def _of_a_contact(
     if share >= SECOND_SHARE or share < SECOND_LEAST_SHARE:
         return share >= SECOND_SHARE
     alone = [
-        sum(one.nats for one in pairs.pushes(full, filtered, pair, closed, sides)) for sides in ONE_SIDED
+        sum(one.ln_bayes for one in pairs.pushes(full, filtered, pair, closed, sides)) for sides in ONE_SIDED
     ]
-    return sum(one.nats for one in pushed) > max(alone) + BOTH_NATS
+    return sum(one.ln_bayes for one in pushed) > max(alone) + BOTH_NATS
 
 
 def _opposed(

@@ -11,26 +11,39 @@ from __future__ import annotations
 import json
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Literal
 
+import msgspec
 import numpy as np
+from msgspec import UNSET, Struct, UnsetType
 from scipy.optimize import minimize
 from scipy.special import expit
 
+from pounding.diagnosis.decision.decision import NAMED, Decision, Verdict
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.findings import Findings
 from pounding.frames.files import write_whole
 
-if TYPE_CHECKING:
-    from pounding.diagnosis.decision.decision import Decision
-    from pounding.diagnosis.inference.findings import Findings
-
-NOTHING, CONTACT, PAIR_NOTHING = "nothing_missing", "contact_named", "pair_nothing_missing"
-VERDICTS = (NOTHING, "effect_named", "effect_class", "unknown_effect", CONTACT, PAIR_NOTHING)
+Kind = Literal[Verdict, "contact_named", "pair_nothing_missing"]
+NOTHING: Kind = "nothing_missing"
+CONTACT: Kind = "contact_named"
+PAIR_NOTHING: Kind = "pair_nothing_missing"
+VERDICTS: tuple[str, ...] = (
+    NOTHING,
+    "effect_named",
+    "effect_class",
+    "unknown_effect",
+    CONTACT,
+    PAIR_NOTHING,
+)
 """Kinds of verdicts on frames, a claim on what is between two of them, and none: a contact hides much."""
-TERMS = ("intercept", "nats", "margin", "visible", "closed", "several")
+TERMS = ("intercept", "ln_bayes", "margin", "signal_to_noise", "explained", "several")
+FORMER = {"ln_bayes": "nats", "signal_to_noise": "visible", "explained": "closed"}
+"""Names that terms and features had in reports of schema 1 and in calibrations of that time; they are still read."""
 SIGNS = {
     "nothing_missing": -1,
     "effect_named": 1,
@@ -55,18 +68,18 @@ class Features:
 
     Attributes:
         verdict: Its kind.
-        nats: Log evidence of the best candidate against 'nothing missing'.
+        ln_bayes: Logarithm of the Bayes factor of the best candidate against 'nothing missing'.
         margin: How far the best of another type or place lies behind [nats].
-        visible: What the effect takes out of the channel where it shows most, in units of its noise.
-        closed: Share of the explainable gap that is closed.
+        signal_to_noise: What the effect takes out of the channel where it shows most, in units of its noise.
+        explained: Share of the explainable misfit that the effects explain.
         effects: How many effects are claimed.
     """
 
-    verdict: str
-    nats: float
+    verdict: Kind
+    ln_bayes: float
     margin: float
-    visible: float
-    closed: float
+    signal_to_noise: float
+    explained: float
     effects: int
 
     def terms(self) -> np.ndarray:
@@ -74,10 +87,10 @@ class Features:
         return np.array(
             [
                 1.0,
-                np.log1p(max(_finite(self.nats), 0.0) / 10),
+                np.log1p(max(_finite(self.ln_bayes), 0.0) / 10),
                 np.log1p(max(_finite(self.margin), 0.0) / 10),
-                np.log(np.clip(_finite(self.visible), 0.05, 50.0)),
-                np.clip(_finite(self.closed), -1.0, 1.0),
+                np.log(np.clip(_finite(self.signal_to_noise), 0.05, 50.0)),
+                np.clip(_finite(self.explained), -1.0, 1.0),
                 float(self.effects > 1),
             ]
         )
@@ -109,7 +122,9 @@ def read_calibration(path: Path) -> Calibration:
     """
     raw = tomllib.loads(path.read_text(encoding="utf-8"))
     try:
-        found = {verdict: [float(raw[verdict][term]) for term in TERMS] for verdict in VERDICTS}
+        found = {
+            verdict: [float(with_new_names(raw[verdict])[term]) for term in TERMS] for verdict in VERDICTS
+        }
         return Calibration(str(raw["source"]), found)
     except KeyError as error:
         raise CaseError(f"{path}: the key {error} is missing; fit the calibration anew") from error
@@ -121,48 +136,102 @@ def confidence(features: Features, calibration: Calibration | None = None) -> fl
     return float(np.clip(expit(weights @ features.terms()), *LIMITS))
 
 
-def features_of(found: Findings, decision: Decision, visible: float, closed: float) -> Features:
-    """Return the features of a verdict."""
+def features_of(found: Findings, decision: Decision, signal_to_noise: float, explained: float) -> Features:
+    """Return the features of a verdict.
+
+    Args:
+        found: What the search found.
+        decision: The verdict.
+        signal_to_noise: Of the effects in question (see `pounding.diagnosis.decision.verdict.signal_to_noise`).
+        explained: Share of the explainable misfit that they explain.
+    """
     best = decision.judged
     if decision.verdict == NOTHING:
         singles = [one for one in found.judged if len(one.effects) == 1]
-        nats = singles[0].nats if singles else 0.0
+        ln_bayes = singles[0].ln_bayes if singles else 0.0
         kind = NOTHING if found.pair is None else PAIR_NOTHING
-        return Features(kind, float(nats), 0.0, visible, closed, 0)
-    mine = {_key(effect) for effect in best.effects} | {
-        _key(effect) for one in decision.alike for effect in one.effects
-    }
-    others = [one.nats for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine]
+        return Features(kind, _finite(ln_bayes), 0.0, _finite(signal_to_noise), _finite(explained), 0)
+    mine = {_key(effect) for one in (best, *decision.alike) for effect in one.effects}
+    others = [
+        one.ln_bayes for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine
+    ]
     refined = {effect for one in found.judged for effect in one.effects}
     others += [
-        one.nats for one in found.scores.ranked if one.effect not in refined and _key(one.effect) not in mine
+        one.ln_bayes
+        for one in found.scores.ranked
+        if one.effect not in refined and _key(one.effect) not in mine
     ]
-    margin = best.nats - max(others, default=0.0)
-    return Features(decision.verdict, best.nats, float(margin), visible, closed, len(best.effects))
+    margin = best.ln_bayes - max(others, default=0.0)
+    return Features(
+        decision.verdict,
+        _finite(best.ln_bayes),
+        _finite(margin),
+        _finite(signal_to_noise),
+        _finite(explained),
+        len(best.effects),
+    )
 
 
-def _key(effect: Any) -> tuple[object, ...]:
+def _key(effect: Effect) -> tuple[object, ...]:
     return tuple(effect.place().values())
 
 
-def behind(report: Mapping[str, Any]) -> tuple[Features, ...]:
-    """Return the features that a report's confidence rests on: the frames', the contact's, or those of claims on both."""
-    given = report["confidence_basis"]
-    frames = Features(**given["features"])
-    if "contact" not in given:
-        return (frames,)
-    contact = Features(**given["contact"])
-    return (frames, contact) if frames.verdict in ("effect_named", "effect_class") else (contact,)
+def features_from(entry: Mapping[str, Any]) -> Features:
+    """Return features from JSON, also from that of schema 1, whose names were others.
+
+    Raises:
+        msgspec.ValidationError: They are no features.
+    """
+    given = {key: 0.0 if value is None else value for key, value in with_new_names(entry).items()}
+    return msgspec.convert(given, Features)
 
 
-def restated(report: Mapping[str, Any], calibration: Calibration | None = None) -> float:
-    """Return the confidence that a calibration states for a report's features: the shipped one when None."""
-    return float(np.prod([confidence(one, calibration) for one in behind(report)]))
+def with_new_names(entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a mapping whose keys of schema 1 have their names of today."""
+    new = {old: name for name, old in FORMER.items()}
+    return {new.get(key, key): value for key, value in entry.items()}
 
 
-def basis(features: Features, calibration: Calibration | None = None) -> dict[str, Any]:
-    """Return what stands behind a stated confidence, for the report."""
-    return {"calibration": (calibration or shipped()).source, "features": asdict(features)}
+class SimulatedTruth(Struct, frozen=True, kw_only=True):
+    """How many cases that hid `truth` were simulated on a rig, and how many of their verdicts were right."""
+
+    truth: str
+    right: int
+    cases: int
+
+
+class Basis(Struct, frozen=True, kw_only=True):
+    """What stands behind a stated confidence.
+
+    Attributes:
+        calibration: Where its coefficients come from.
+        features: Of the verdict on the frames; unset where confidence is a posterior probability.
+        contact: Of claims on what is between the frames and on its force cell.
+        simulated: The cases of a calibration on the rig.
+    """
+
+    calibration: str
+    features: Features | UnsetType = UNSET
+    contact: Features | UnsetType = UNSET
+    simulated: tuple[SimulatedTruth, ...] | UnsetType = UNSET
+
+    def behind(self) -> tuple[Features, ...]:
+        """Return the features that the confidence rests on: the frames', the contact's, or those of claims on both."""
+        frames, contact = self.features, self.contact
+        if isinstance(frames, UnsetType):
+            return ()
+        if isinstance(contact, UnsetType):
+            return (frames,)
+        return (frames, contact) if frames.verdict in NAMED else (contact,)
+
+    def confidence(self, calibration: Calibration | None = None) -> float:
+        """Return the confidence that a calibration states for these features: the shipped one when None."""
+        return float(np.prod([confidence(one, calibration) for one in self.behind()]))
+
+
+def basis(features: Features) -> Basis:
+    """Return what stands behind a confidence that the shipped calibration states."""
+    return Basis(calibration=shipped().source, features=features)
 
 
 def fit(
@@ -241,7 +310,7 @@ def _regression(
         return value, shifted.T @ (expit(odds) - right) + off / spread
 
     either, one_way = (None, None), (0.0, None) if sign > 0 else (None, 0.0)
-    bounds = [one_way if term in ("nats", "margin") and sign else either for term in TERMS]
+    bounds = [one_way if term in ("ln_bayes", "margin") and sign else either for term in TERMS]
     weights = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
     weights[0] -= centre @ weights
     return [float(weight) for weight in weights]
@@ -272,7 +341,7 @@ def read_pairs(path: Path) -> list[tuple[Features, bool]]:
         try:
             entry = json.loads(line)
             right = bool(entry.pop("right"))
-            found.append((Features(**entry), right))
+            found.append((features_from(entry), right))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise CaseError(f"{path} line {number}: not features with `right`: {error}") from error
     return found

@@ -3,15 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from pounding.diagnosis.inference.findings import Judged
+
+Verdict = Literal["nothing_missing", "effect_named", "effect_class", "unknown_effect"]
+NAMED: tuple[Verdict, ...] = ("effect_named", "effect_class")
+"""Verdicts that say what is missing."""
 
 
 @dataclass(frozen=True)
 class Decision:
-    """A verdict: its name, the candidate behind it, candidates that cannot be told from it, and what speaks against it."""
+    """What is decided of one set of findings.
 
-    verdict: str
+    Attributes:
+        verdict: Its name.
+        judged: The candidate behind it: the best that was tried for an unknown effect, the null model for nothing missing.
+        alike: Candidates that these data cannot tell from it.
+        model_checks: Sentences on what speaks against the model; only where they decide the verdict.
+    """
+
+    verdict: Verdict
     judged: Judged
-    alike: tuple[Judged, ...]
+    alike: tuple[Judged, ...] = ()
     model_checks: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        """Whether it says what is missing, alone or as one of a class."""
+        return self.verdict in NAMED

@@ -85,9 +85,9 @@ def _answers(
     """Yield name, sampling step [s] and answers, in usual standard deviations, of each run to pushes on a floor.
 
     Args:
-        believed, filtered: The model and its filter.
+        model, filtered: The model and its filter.
         floor: The floor among all.
-        touches: The answers to pushes on both floors of each contact, which are told apart from knocks.
+        contact_events: The answers to pushes on both floors of each contact, which are told apart from knocks.
     """
     for number, (matched, own) in enumerate(answers(model, filtered, filtered.modes.floors[floor])):
         run = model.observed.runs[filtered.runs[number]]

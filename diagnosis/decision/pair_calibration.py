@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -21,8 +20,9 @@ from pounding.diagnosis.contact_force.hypotheses import at, baseline_law, null
 from pounding.diagnosis.contact_force.impacts import Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.contact_force.pairs import without_forces
-from pounding.diagnosis.decision.confidence import behind
-from pounding.diagnosis.decision.pair_decision import place
+from pounding.diagnosis.decision.claims import Place, place_of
+from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.rig_calibration import (
     SIZE_SCATTER,
     Outcome,
@@ -42,15 +42,15 @@ from pounding.diagnosis.model.twin import Between, simulate_touching
 RIVALS = 2
 """Candidates of the frames, and as many of the contact, that take turns at being the truth."""
 SEED = 20261122
-Diagnose = Callable[[Case], dict[str, Any]]
+Diagnose = Callable[[Case], Conclusion]
 
 
 @dataclass(frozen=True)
 class Truth:
-    """What a simulated case hides: in words, its place as a report has it, and what makes it; nothing by default."""
+    """What a simulated case hides: in words, its place, and what makes it; nothing by default."""
 
     label: str = "nothing missing"
-    place: dict[str, Any] | None = None
+    place: Place | None = None
     frames: Judged | None = None
     contact: Fitted | None = None
 
@@ -58,13 +58,13 @@ class Truth:
 def truths(found: Findings, contact_findings: ContactFindings) -> list[Truth]:
     """Return nothing missing and the best single candidates of the frames and of the contact."""
     single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].rival]
-    rivals = [Truth(name_of(one), place(one.effects[0].place()), frames=one) for one in single[:RIVALS]]
+    rivals = [Truth(name_of(one), place_of(one.effects[0]), frames=one) for one in single[:RIVALS]]
     seen: set[str] = set()
     for _, fit in contact_findings.ranked:
         effect = fit.hypothesis.effect
         if effect not in seen and len(seen) < RIVALS:
             seen.add(effect)
-            where = place({"effect": effect, "contact": 1})
+            where = Place(effect=effect, contact=1)
             rivals.append(Truth(effect.replace("_", " "), where, contact=fit))
     return [Truth(), *rivals]
 
@@ -76,29 +76,29 @@ def simulate_and_judge(
 
     Args:
         case: The measured case.
-        found: What the search found of its frames. touched: What its impacts say.
-        diagnose: Returns the report on a case.
+        found: What the search found of its frames.
+        contact_findings: What its impacts say.
+        diagnose: Returns what is concluded of a case.
         number: Number of the simulated case.
     """
     tried = truths(found, contact_findings)
     truth = tried[turn(number, len(tried) - 1)]
-    report = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
+    conclusion = diagnose(simulated(case, found, truth, np.random.default_rng([number, SEED])))
     # Of claims on both, that on the frames.
-    return Outcome(number, truth.label, right(report, truth), behind(report)[0])
+    return Outcome(number, truth.label, right(conclusion, truth), conclusion.basis.behind()[0])
 
 
-def right(report: dict[str, Any], truth: Truth) -> bool:
-    """Return whether a report names what is hidden, or a class that holds it, and nothing else."""
+def right(conclusion: Conclusion, truth: Truth) -> bool:
+    """Return whether a conclusion names what is hidden, or a class that holds it, and nothing else."""
     if truth.place is None:
-        return bool(report["verdict"] == "nothing_missing")
-    claims = report["effects"]
-    if report["verdict"] not in ("effect_named", "effect_class") or len(claims) != 1:
+        return conclusion.verdict == "nothing_missing"
+    if conclusion.verdict not in NAMED or len(conclusion.effects) != 1:
         return False
-    return truth.place in [place(one) for one in claims[0]["class"]]
+    return truth.place in conclusion.effects[0].members
 
 
 def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
-    """Return the case with data that the believed pair makes itself, something being hidden in it.
+    """Return the case with data that the pair as modelled makes itself, something being hidden in it.
 
     Raises:
         CaseError: The contact's law and damping make no law that the engine knows.

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import monotonic
-from typing import Any
 
+import msgspec
 import numpy as np
 from joblib import Parallel, delayed
 
-from pounding.diagnosis.decision.confidence import Calibration, Features, fit, restated, shipped
+from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
 from pounding.diagnosis.decision.verdict import decide, features
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, best
@@ -77,6 +78,9 @@ def calibrate(
     missing = [number for number in range(cases) if number not in known]
     began = monotonic()
     with Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
+        if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
+            # What follows a line that was cut off begins a line of its own.
+            kept.write("\n")
         while missing and monotonic() - began < 60 * minutes:
             progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
             numbers, missing = missing[:workers], missing[workers:]
@@ -125,21 +129,26 @@ def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
 
 
 def read_outcomes(path: Path) -> list[Outcome]:
-    """Return the outcomes of a file; a last line that was cut off by an interruption does not count."""
+    """Return the outcomes of a file.
+
+    A line that is no outcome, as one that was cut off by an interruption, does not count: its case is simulated anew.
+    """
     if not path.is_file():
         return []
-    found = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        try:
-            entry = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        found.append(Outcome(**(entry | {"features": Features(**entry["features"])})))
-    return found
+    found = (_outcome(line) for line in path.read_bytes().splitlines())
+    return [one for one in found if one is not None]
+
+
+def _outcome(line: bytes) -> Outcome | None:
+    try:
+        entry = json.loads(line)
+        return msgspec.convert(entry | {"features": features_from(entry["features"])}, Outcome)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
 
 
 def hypotheses(found: Findings) -> list[Judged]:
-    """Return the null model and the best single candidates that are no foils."""
+    """Return the null model and the best single candidates of the catalogue."""
     single = [one for one in found.judged if len(one.effects) == 1 and not one.effects[0].rival]
     return [found.null, *single[:RIVALS]]
 
@@ -234,22 +243,22 @@ def _shape_length(effect: Effect) -> int:
     return max(len(effect.quantities) - 1, 1)
 
 
-def stated(report: Mapping[str, Any], outcomes: Sequence[Outcome]) -> dict[str, Any]:
-    """Return ``confidence`` and ``confidence_basis`` of a report after a calibration on its rig."""
+def stated(conclusion: Conclusion, outcomes: Sequence[Outcome]) -> Conclusion:
+    """Return a conclusion with the confidence, and what stands behind it, after a calibration on its rig."""
     right = sum(one.right for one in outcomes)
     source = (
         f"{len(outcomes)} cases simulated on this rig and its records, of which {right} were diagnosed rightly; "
         f"before them: {shipped().source}"
     )
-    learnt: Calibration = fit([(one.features, one.right) for one in outcomes], source, around=shipped())
-    by_truth: dict[str, list[int]] = {}
-    for one in outcomes:
-        count = by_truth.setdefault(one.truth, [0, 0])
-        count[0] += one.right
-        count[1] += 1
-    simulated_cases = [{"truth": name, "right": r, "cases": n} for name, (r, n) in by_truth.items()]
-    return {
-        "confidence": restated(report, learnt),
-        "confidence_basis": report["confidence_basis"]
-        | {"calibration": source, "simulated": simulated_cases},
-    }
+    learnt = fit([(one.features, one.right) for one in outcomes], source, around=shipped())
+    truths = dict.fromkeys(one.truth for one in outcomes)
+    simulated_cases = [[one.right for one in outcomes if one.truth == truth] for truth in truths]
+    behind = msgspec.structs.replace(
+        conclusion.basis,
+        calibration=source,
+        simulated=tuple(
+            SimulatedTruth(truth=truth, right=sum(each), cases=len(each))
+            for truth, each in zip(truths, simulated_cases, strict=True)
+        ),
+    )
+    return replace(conclusion, confidence=behind.confidence(learnt), basis=behind)

@@ -1,4 +1,4 @@
-"""More data, better answer, for a contact: which other recording of impacts would part what these cannot, by simulation.
+"""Which other recording of a contact's impacts would part what these cannot, by simulation.
 
 The likelier rival is taken for true and makes the impacts of a further test; both are then fitted to them. By so much as the
 difference of their evidence grows, the further test is expected to bring.
@@ -13,7 +13,7 @@ import numpy as np
 from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, compare
 from pounding.diagnosis.contact_force.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
-from pounding.diagnosis.design.advice import WEAK_NATS, sentences
+from pounding.diagnosis.design.contenders import Gain, advised, contenders
 
 USED = 12
 """Impacts that are simulated at most, the strongest."""
@@ -39,29 +39,27 @@ def rivals(contact_findings: ContactFindings, needed: float) -> tuple[Fitted, Fi
 
     Args:
         contact_findings: What the impacts say.
-        needed: Evidence [nats] from which the best is claimed.
+        needed: ln Bayes factor from which the best is claimed.
     """
     if contact_findings.null is None or not contact_findings.ranked:
         return None
-    nats, best = contact_findings.ranked[0]
-    if nats < needed:
-        return (best, contact_findings.null) if nats > 0 else None
-    others = [
-        (score, one)
-        for score, one in contact_findings.ranked
-        if one.hypothesis.effect != best.hypothesis.effect
-    ]
-    near = [one for score, one in others if score > nats - WEAK_NATS]
-    return (best, near[0]) if near else None
+    first, *others = contact_findings.ranked
+    effect = first[1].hypothesis.effect
+    of_another_kind = [one for one in others if one[1].hypothesis.effect != effect]
+    return contenders(first, of_another_kind, contact_findings.null, claimed=first[0] >= needed)
 
 
 def advice(contact_findings: ContactFindings, needed: float) -> list[str]:
-    """Return sentences on the tests that would part the rivals, best first; none where the impacts are clear."""
-    pair = rivals(contact_findings, needed)
-    if pair is None or contact_findings.bodies is None:
+    """Return sentences on the tests that would part the rivals, best first; none where the impacts are clear.
+
+    Args:
+        contact_findings: What the impacts say.
+        needed: ln Bayes factor from which the best is claimed.
+    """
+    bodies = contact_findings.bodies
+    if bodies is None:
         return []
-    first, second = pair
-    return sentences(expected(contact_findings.bodies, first, second), (name(first), name(second)))
+    return advised(rivals(contact_findings, needed), name, lambda true, other: expected(bodies, true, other))
 
 
 def name(fitted: Fitted) -> str:
@@ -69,8 +67,8 @@ def name(fitted: Fitted) -> str:
     return NAMES.get(fitted.hypothesis.effect) or f"the contact law {fitted.law.name}"
 
 
-def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[tuple[str, float]]:
-    """Return each further test with the nats that it is expected to bring, most first.
+def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[Gain]:
+    """Return what each further test is expected to bring, most first.
 
     Args:
         bodies: The two floors and their impacts.
@@ -85,8 +83,8 @@ def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[tuple[str, flo
         tried = [made(bodies, true.law, share, faster) for share in FINER if share <= finer]
         before = here.impacts if more else ()
         apart = [_apart(replace(there, impacts=(*before, *there.impacts)), true, other) for there in tried]
-        gains.append((what, max(apart) - now))
-    return sorted(gains, key=lambda gain: -gain[1])
+        gains.append(Gain(what, max(apart) - now))
+    return sorted(gains, key=lambda gain: -gain.ln_bayes)
 
 
 def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.decision.claims import Parameter, Place, fields, place_of
+from pounding.diagnosis.decision.conclusion import parameters
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import parameters
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.evidence import Score, Scores
@@ -23,7 +24,7 @@ LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
 RELATIVE = ("stiffness_change", "loosening")
 PROBE = 0.1
-"""Prior standard deviations by which an nuisance parameter is moved to see what it does to the channels."""
+"""Prior standard deviations by which a nuisance parameter is moved to see what it does to the channels."""
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
 """How often an amplitude that is not yet seen is raised, and at most by which factor."""
@@ -38,7 +39,34 @@ class Smallest:
     amplitude: float
 
 
-def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, Any]]:
+class Sized(Place, frozen=True, kw_only=True):
+    """An effect at a place with a size."""
+
+    parameters: tuple[Parameter, ...]
+
+    def size(self) -> str:
+        """Return the size in words: `gap 0.3 mm, stiffness 400 N/m`."""
+        return ", ".join(one.words(digits=2) for one in self.parameters)
+
+
+class Detectability(Struct, frozen=True, kw_only=True):
+    """How small an effect of the catalogue may be and still be found.
+
+    Attributes:
+        effect: Its name.
+        places: At how many places it may be.
+        shown: At how many of these some size could be shown.
+        best, worst: Least size where it shows best and where it shows worst; None where no possible size could be shown.
+    """
+
+    effect: str
+    places: int
+    shown: int
+    best: Sized | None
+    worst: Sized | None
+
+
+def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectability]:
     """Return for each effect of the catalogue how small it may be and still be found, at its best and worst place.
 
     Two things must be reached (see `decision.verdict.decide`): the evidence, which grows with the square of the
@@ -49,10 +77,6 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
         case: The case, for the units of its channels.
         found: What was found.
         decision: The verdict; the effects in it are part of the model about which this is worked out.
-
-    Returns:
-        For each effect ``effect``, ``places`` (their number), ``shown`` (at how many of them some size could be shown),
-        and ``best`` and ``worst``: place and parameters, or None where no possible size could be shown.
     """
     filtered = decision.judged.fit.filtered
     sight = _Sight.of(found, filtered)
@@ -62,12 +86,12 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[dict[str, 
     return [_entry(case, found, name, places) for name, places in kinds.items()]
 
 
-def threshold(information: np.ndarray, nats: float) -> np.ndarray:
-    """Return the amplitude, in prior standard deviations, whose expected log evidence is so many `nats`.
+def threshold(information: np.ndarray, ln_bayes: float) -> np.ndarray:
+    """Return the amplitude, in prior standard deviations, whose expected ln Bayes factor is `ln_bayes`.
 
     The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `pounding.diagnosis.inference.evidence.score`).
     """
-    needed = nats + 0.5 * np.log1p(information)
+    needed = ln_bayes + 0.5 * np.log1p(information)
     with np.errstate(divide="ignore"):
         return np.asarray(np.sqrt(2 * needed * (1 + information)) / information)
 
@@ -83,12 +107,12 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
 
 def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
     effect, model = one.effect, found.model
-    nats, size = found.thresholds(effect.absorbing)
+    ln_bayes, size = found.thresholds(effect.absorbing)
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]
     widths = np.array([effect.size(model, found.sizes, shape) for shape in shapes])
-    amplitudes = threshold(np.maximum(information, 1e-12), nats) * widths
+    amplitudes = threshold(np.maximum(information, 1e-12), ln_bayes) * widths
     best = int(np.argmin(amplitudes / widths))
     sign = effect.sign or 1
     amplitude = float(amplitudes[best])
@@ -113,22 +137,24 @@ def _possible(effect: Effect, model: Model, amplitude: float) -> bool:
     return bool(np.isfinite(amplitude))
 
 
-def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]) -> dict[str, Any]:
+def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]) -> Detectability:
     shown = sorted((one for one in places if one is not None), key=lambda one: one.amplitude)
 
-    def described(one: Smallest) -> dict[str, Any]:
+    def sized(one: Smallest) -> Sized:
         nothing = np.zeros(len(one.values))
-        quantities = parameters(case, found, one.effect, one.values, nothing)
-        keys = ("name", "value", "unit")
-        return one.effect.place() | {"parameters": [{key: q[key] for key in keys} for q in quantities]}
+        sizes = parameters(case, found, one.effect, one.values, nothing)
+        return Sized(
+            **fields(place_of(one.effect)),
+            parameters=tuple(Parameter(name=p.name, value=p.value, unit=p.unit) for p in sizes),
+        )
 
-    return {
-        "effect": name,
-        "places": len(places),
-        "shown": len(shown),
-        "best": described(shown[0]) if shown else None,
-        "worst": described(shown[-1]) if shown and len(shown) == len(places) else None,
-    }
+    return Detectability(
+        effect=name,
+        places=len(places),
+        shown=len(shown),
+        best=sized(shown[0]) if shown else None,
+        worst=sized(shown[-1]) if shown and len(shown) == len(places) else None,
+    )
 
 
 @dataclass(frozen=True)

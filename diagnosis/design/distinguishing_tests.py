@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+
+from msgspec import Struct
+
+from pounding.diagnosis.decision.claims import Claim, Place
 
 NONLINEAR = ("coulomb_friction", "air_drag", "cubic_stiffness", "hysteresis", "bumper")
 DISSIPATING = ("damping_change", "coulomb_friction", "air_drag", "hysteresis")
@@ -35,15 +38,22 @@ SHOWS = {
 """A test that shows one kind of effect and little else."""
 
 
-def parting_tests(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> list[str]:
+class Distinction(Struct, frozen=True, kw_only=True):
+    """Two effects that these data cannot tell apart, and sentences on tests that would."""
+
+    between: tuple[Place, Place]
+    tests: tuple[str, ...]
+
+
+def parting_tests(one: Place, other: Place, measured: Sequence[int]) -> list[str]:
     """Return tests that would tell two places or effects apart, the cheapest first.
 
     Args:
-        one: An effect with its place, as in the report.
+        one: An effect with its place.
         other: Another.
         measured: Numbers of the floors of the frame that have a channel.
     """
-    names = (str(one["effect"]), str(other["effect"]))
+    names = (one.effect, other.effect)
     if names[0] == names[1]:
         return [_places(one, other, measured)]
     found = []
@@ -68,13 +78,12 @@ def _plain(names: tuple[str, str]) -> tuple[str, ...]:
     return ()
 
 
-def _places(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence[int]) -> str:
-    key = next(
-        (key for key in ("storey", "floor", "channel", "contact", "frame") if one[key] != other[key]), ""
-    )
+def _places(one: Place, other: Place, measured: Sequence[int]) -> str:
+    keys = ("storey", "floor", "channel", "contact", "frame")
+    key = next((key for key in keys if getattr(one, key) != getattr(other, key)), "")
     if key not in ("storey", "floor"):
-        return f"The same shaking without {other[key]}, or with it exchanged." if key else ""
-    low, high = sorted((int(one[key]), int(other[key])))
+        return f"The same shaking without {getattr(other, key)}, or with it exchanged." if key else ""
+    low, high = sorted((int(getattr(one, key)), int(getattr(other, key))))
     first = low - 1 if key == "storey" else low
     missing = [floor for floor in range(max(first, 1), high + 1) if floor not in measured]
     if missing:
@@ -86,20 +95,17 @@ def _places(one: Mapping[str, Any], other: Mapping[str, Any], measured: Sequence
     )
 
 
-def apart(report: Mapping[str, Any], measured: Mapping[str, Sequence[int]]) -> list[dict[str, Any]]:
+def distinctions(effects: Sequence[Claim], measured: Mapping[str, Sequence[int]]) -> list[Distinction]:
     """Return what could not be told apart and which tests would tell.
 
     Args:
-        report: The report.
-        measured: Floors with a channel, by frame.
-
-    Returns:
-        For each rival of each effect ``between`` (two places as in the report) and ``tests`` (sentences).
+        effects: What is claimed, each with its class.
+        measured: Numbers of the floors with a channel, by frame.
     """
     found = []
-    for effect in report["effects"]:
-        first, *others = effect["class"]
+    for effect in effects:
+        first, *others = effect.members
         for other in others:
-            floors = measured.get(str(first["frame"]), ())
-            found.append({"between": [first, other], "tests": parting_tests(first, other, floors)})
+            tests = parting_tests(first, other, measured.get(str(first.frame), ()))
+            found.append(Distinction(between=(first, other), tests=tuple(tests)))
     return found

@@ -22,7 +22,7 @@ class Score:
 
     Attributes:
         effect: The candidate. shape: What is not amplitude, in SI. amplitude: Best amplitude in SI.
-        std: Its standard error. nats: Log evidence against the model without it.
+        std: Its standard error. ln_bayes: Log evidence against the model without it.
         column: Its row in `Scores.projected`.
         nuisance: How the nuisance parameters move with it, in their own units, shape (parameters,): what of the effect
             they had taken they give back.
@@ -32,7 +32,7 @@ class Score:
     shape: tuple[float, ...]
     amplitude: float
     std: float
-    nats: float
+    ln_bayes: float
     column: int
     nuisance: np.ndarray
 
@@ -170,7 +170,7 @@ def _rank(
     pull = slope[free:] - taken.T @ slope[:free]
     information = np.maximum(np.diag(projected), 0.0)
     amplitude = pull / (1 + information)
-    nats = 0.5 * pull**2 / (1 + information) - 0.5 * np.log1p(information)
+    ln_bayes = 0.5 * pull**2 / (1 + information) - 0.5 * np.log1p(information)
     best: dict[int, Score] = {}
     for column, (effect, shape) in enumerate(columns):
         allowed = effect.sign == 0 or effect.sign * amplitude[column] > 0
@@ -179,13 +179,13 @@ def _rank(
             shape=shape,
             amplitude=float(amplitude[column] * width[column]),
             std=float(width[column] / np.sqrt(1 + information[column])),
-            nats=float(nats[column])
+            ln_bayes=float(ln_bayes[column])
             if allowed
-            else float(min(nats[column], -0.5 * np.log1p(information[column]))),
+            else float(min(ln_bayes[column], -0.5 * np.log1p(information[column]))),
             column=column,
             nuisance=-taken[: len(std), column] * amplitude[column] * std,
         )
         key = id(effect)
-        if key not in best or found.nats > best[key].nats:
+        if key not in best or found.ln_bayes > best[key].ln_bayes:
             best[key] = found
-    return Scores(sorted(best.values(), key=lambda s: -s.nats), projected)
+    return Scores(sorted(best.values(), key=lambda s: -s.ln_bayes), projected)

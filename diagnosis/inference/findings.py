@@ -1,4 +1,4 @@
-"""What a search finds: fits with their evidence and their gaps, about the null model."""
+"""What a search finds: fits with their evidence and their misfits, about the null model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,14 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.evidence import Scores
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.misfit import by_frame, channel_gaps, floors, median, over_floor, simulate
+from pounding.diagnosis.inference.misfit import (
+    by_frame,
+    channel_misfits,
+    floors,
+    median,
+    over_floor,
+    simulate,
+)
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.model.model import Model
 
@@ -19,7 +26,7 @@ if TYPE_CHECKING:
     from pounding.diagnosis.model.pair import Pair
 
 UNEXPLAINED = 1.5
-"""Gap over noise floor above which the search goes on: larger amplitudes, second effects."""
+"""Misfit over noise floor above which the search goes on: larger amplitudes, second effects."""
 
 
 @dataclass(frozen=True)
@@ -27,16 +34,16 @@ class Judged:
     """A refined candidate as it is judged.
 
     Attributes:
-        fit: The fit. nats: Its log evidence against the null model.
-        gap: Median gap over the training and over the held-out runs (NaN without any).
-        channel_gap: Gap of each channel over the training and the held-out runs, shape (2, channels).
-        beside: A fit without which it is not judged, of what only tells how sensors are known; nats are against that.
+        fit: The fit. ln_bayes: Its log evidence against the null model.
+        misfit: Median misfit over the training and over the held-out runs (NaN without any).
+        channel_misfit: Misfit of each channel over the training and the held-out runs, shape (2, channels).
+        beside: A fit without which it is not judged, of what only tells how sensors are known; the former is against that.
     """
 
     fit: Fit
-    nats: float
-    gap: tuple[float, float]
-    channel_gap: np.ndarray
+    ln_bayes: float
+    misfit: tuple[float, float]
+    channel_misfit: np.ndarray
     beside: Judged | None = None
 
     @property
@@ -71,7 +78,7 @@ class Findings:
     Attributes:
         null: The refined null model. scores: All candidates about it.
         judged: Refined candidates, best first.
-        floor: Gap that a perfect model would leave over the training and the held-out runs, (2, channels).
+        floor: Misfit that a perfect model would leave over the training and the held-out runs, (2, channels).
         sizes: Typical sizes of motion.
         training, held_out: Numbers of the runs.
     """
@@ -90,8 +97,6 @@ class Findings:
     """Two frames that touch, at the rate of the logger."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
-    engine: dict[int, np.ndarray] = field(default_factory=dict)
-    """Channels (samples, channels) in SI of each run as the engine gives them for the model of the verdict."""
 
     def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
         """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
@@ -113,8 +118,8 @@ class Findings:
         """Return whether effects are detected that have so much evidence and this size."""
         needed, least = self.thresholds(any(effect.absorbing for effect in judged.effects))
         certain = self.pair is not None and not self.pair.blind
-        return (judged.nats >= needed and size >= least) or (
-            certain and judged.nats >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
+        return (judged.ln_bayes >= needed and size >= least) or (
+            certain and judged.ln_bayes >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
         )
 
     def claimable(self) -> list[Judged]:
@@ -133,7 +138,7 @@ class Findings:
             return [one for one in told if not _of_filters(one)]
         delay = single[0]
         found = [
-            replace(one, nats=one.nats - delay.nats, beside=delay)
+            replace(one, ln_bayes=one.ln_bayes - delay.ln_bayes, beside=delay)
             for one in told
             if len(one.effects) == 2 and delay.effects[0] in one.effects
         ]
@@ -157,13 +162,13 @@ def _beside(judged: Judged, floor: int | None) -> bool:
 
 
 def judge(model: Model, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]) -> Judged:
-    """Return a fit with its evidence and its gaps."""
-    each = [fit_gaps(model, fit.filtered, runs) for runs in (training, held_out)]
+    """Return a fit with its evidence and its misfits."""
+    each = [fit_misfits(model, fit.filtered, runs) for runs in (training, held_out)]
     return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
 
 def judged_on(judged: Judged, model: Model, filtered: Filtered, *runs: tuple[int, ...]) -> Judged:
-    """Return a candidate with the gaps that a baseline with its effects leaves in a model with other contact forces.
+    """Return a candidate with the misfits that a baseline with its effects leaves in a model with other contact forces.
 
     Args:
         judged: The candidate.
@@ -171,24 +176,24 @@ def judged_on(judged: Judged, model: Model, filtered: Filtered, *runs: tuple[int
         filtered: Its frames with the effects.
         runs: Numbers of the training and of the held-out runs.
     """
-    each = [fit_gaps(model, filtered, some) for some in runs]
-    return replace(judged, gap=_medians(each), channel_gap=np.array(each))
+    each = [fit_misfits(model, filtered, some) for some in runs]
+    return replace(judged, misfit=_medians(each), channel_misfit=np.array(each))
 
 
 def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
-    training, held_out = (float(median(gaps)) for gaps in each)
+    training, held_out = (float(median(misfits)) for misfits in each)
     return training, held_out
 
 
-def fit_gaps(model: Model, filtered: Filtered, runs: tuple[int, ...]) -> np.ndarray:
-    """Return the gap of each channel that a fit leaves over some runs, NaN without any."""
+def fit_misfits(model: Model, filtered: Filtered, runs: tuple[int, ...]) -> np.ndarray:
+    """Return the misfit of each channel that a fit leaves over some runs, NaN without any."""
     if not runs:
         return np.full(len(model.observed.names), np.nan)
-    return channel_gaps(model, simulate(model, filtered.values, filtered.effects, runs), runs)
+    return channel_misfits(model, simulate(model, filtered.values, filtered.effects, runs), runs)
 
 
 def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
-    """Return the gap that a perfect model would leave over the training and the held-out runs, (2, channels)."""
+    """Return the misfit that a perfect model would leave over the training and the held-out runs, (2, channels)."""
     nothing = np.full(len(found.model.observed.names), np.nan)
     return np.array(
         [
@@ -200,15 +205,15 @@ def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
 
 def best(found: Findings) -> Judged:
     """Return the candidate with most evidence, or the null model."""
-    return found.judged[0] if found.judged and found.judged[0].nats > 0 else found.null
+    return found.judged[0] if found.judged and found.judged[0].ln_bayes > 0 else found.null
 
 
 def unexplained(found: Findings, judged: Judged) -> bool:
     """Return whether a fit leaves much more than noise of a frame in the training runs."""
-    return leaves_much(found.model, judged.channel_gap[0], judged.fit.filtered, found.training)
+    return leaves_much(found.model, judged.channel_misfit[0], judged.fit.filtered, found.training)
 
 
-def leaves_much(model: Model, gaps: np.ndarray, filtered: Filtered, runs: tuple[int, ...]) -> bool:
-    """Return whether gaps (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
-    over = over_floor(model, gaps, floors(model, filtered, runs))
+def leaves_much(model: Model, misfits: np.ndarray, filtered: Filtered, runs: tuple[int, ...]) -> bool:
+    """Return whether misfits (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
+    over = over_floor(model, misfits, floors(model, filtered, runs))
     return bool(np.nanmax(by_frame(model, over)) > UNEXPLAINED)

@@ -21,7 +21,7 @@ SLOW = 0.3
 """Share of the lowest frequency below which absolute displacements are not compared."""
 
 
-def channel_gaps(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
+def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
     """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
     measured = np.concatenate([model.observed.runs[run].measured for run in runs])
     difference = np.concatenate(
@@ -72,19 +72,19 @@ def differences(
         yield data, levelled(model, output - data.measured, data.step_s)
 
 
-def over_floor(model: Model, gaps: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Return gaps over the noise floor as they would be at the rate of the logger.
+def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return misfits over the noise floor as they would be at the rate of the logger.
 
     Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
     was recorded.
     """
     slower = model.observed.slower
     with np.errstate(invalid="ignore"):
-        return np.asarray(np.sqrt(((gaps / floor) ** 2 + slower - 1) / slower))
+        return np.asarray(np.sqrt(((misfits / floor) ** 2 + slower - 1) / slower))
 
 
 def by_frame(model: Model, over: np.ndarray) -> np.ndarray:
-    """Return the median of gaps over the noise floor (..., channels) over the channels of each frame, (..., frames).
+    """Return the median of misfits over the noise floor (..., channels) over the channels of each frame, (..., frames).
 
     What one frame lacks hardly shows in the channels of another, which may be more.
     """
@@ -92,16 +92,16 @@ def by_frame(model: Model, over: np.ndarray) -> np.ndarray:
     return np.stack([median(over[..., model.at_frame(frame)]) for frame in frames], axis=-1)
 
 
-def median(gaps: np.ndarray) -> np.ndarray:
-    """Return the median of gaps (..., channels) over the channels that were measured, NaN where none was."""
+def median(misfits: np.ndarray) -> np.ndarray:
+    """Return the median of misfits (..., channels) over the channels that were measured, NaN where none was."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        return np.asarray(np.nanmedian(gaps, axis=-1))
+        return np.asarray(np.nanmedian(misfits, axis=-1))
 
 
-def gap(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
-    """Return the median of the channels' gaps."""
-    return float(median(channel_gaps(model, outputs, runs)))
+def misfit(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
+    """Return the median of the channels' misfits."""
+    return float(median(channel_misfits(model, outputs, runs)))
 
 
 def simulate(
@@ -112,7 +112,7 @@ def simulate(
 
 
 def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
-    """Return the gap that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
+    """Return the misfit that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
 
     Contact forces are as uncertain as their touches say in runs that were not fitted.
 

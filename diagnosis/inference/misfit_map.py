@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from scipy.signal import butter, sosfiltfilt
 
 from pounding.diagnosis.inference.filtering import Filtered
@@ -20,10 +20,25 @@ ABOVE = 1.5
 """Windows of a run, bands up to beyond the modes, entries told, and how far above the noise one must be."""
 
 
-def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> list[dict[str, Any]]:
-    """Return the largest disagreements of a fit, largest first, as the report lists them.
+class Spot(Struct, frozen=True, kw_only=True):
+    """A window and band of a channel in which a fit and the measurement disagree.
 
-    `gap` is the rms of the difference in a window and band over the rms of the channel in the whole run.
+    Attributes:
+        channel, run: Their names.
+        window_s: First and last time of the window [s].
+        band_hz: Edges of the band [Hz].
+        misfit: rms of the difference in this window and band over the rms of the channel in the whole run.
+    """
+
+    channel: str
+    run: str
+    window_s: tuple[float, float]
+    band_hz: tuple[float, float]
+    misfit: float
+
+
+def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> list[Spot]:
+    """Return the largest disagreements of a fit, largest first.
 
     Args:
         model: The baseline model.
@@ -32,7 +47,7 @@ def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[in
         runs: The runs to look at.
     """
     edges = band_edges(filtered)
-    found: list[dict[str, Any]] = []
+    found: list[Spot] = []
     for data, levelled in differences(model, filtered, runs):
         difference = np.nan_to_num(levelled)
         rms = root_mean_square(data.measured)
@@ -44,19 +59,19 @@ def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[in
                 noise = floor * np.sqrt((high - low) / nyquist)
                 for channel in np.flatnonzero(level > ABOVE * noise * rms):
                     found.append(
-                        {
-                            "channel": model.observed.names[channel],
-                            "run": data.name,
-                            "window_s": [float(data.time_s[window[0]]), float(data.time_s[window[-1]])],
-                            "band_hz": [float(low), float(high)],
-                            "gap": float(level[channel] / rms[channel]),
-                        }
+                        Spot(
+                            channel=model.observed.names[channel],
+                            run=data.name,
+                            window_s=(float(data.time_s[window[0]]), float(data.time_s[window[-1]])),
+                            band_hz=(float(low), float(high)),
+                            misfit=float(level[channel] / rms[channel]),
+                        )
                     )
-    return sorted(found, key=lambda one: -one["gap"])[:SHOWN]
+    return sorted(found, key=lambda one: -one.misfit)[:SHOWN]
 
 
 def band_edges(filtered: Filtered) -> np.ndarray:
-    """Return the edges of the bands in which a gap is looked at [Hz], from 0 to beyond the fifth mode."""
+    """Return the edges of the bands in which misfits are looked at [Hz], from 0 to beyond the fifth mode."""
     highest = 1.3 * float(np.sort(filtered.modes.omega)[min(4, len(filtered.modes.omega) - 1)]) / (2 * np.pi)
     edges = np.geomspace(0.5 * float(filtered.modes.omega.min()) / (2 * np.pi), highest, BANDS)
     return np.concatenate([[0.0], edges])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, best, fit_gaps, leaves_much
+from pounding.diagnosis.inference.findings import Findings, best, fit_misfits, leaves_much
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
@@ -17,13 +17,13 @@ from pounding.diagnosis.model.model import Model
 RESCUE_LEVEL = 0.01
 """Latent force as a share of a storey's shear where nothing fits yet."""
 SWAPPED_GAP = 0.6
-"""Largest gap of two exchanged channels, as a share of that before, at which the exchange is believed."""
+"""Largest misfit of two exchanged channels, as a share of that before, at which the exchange is believed."""
 
 
 def best_null(model: Model, null: Fit) -> Fit:
     """Return the null model, calibrated also with small latent forces from the believed parameters if it seems stuck."""
     filtered, runs = null.filtered, null.filtered.runs
-    left = fit_gaps(model, filtered, runs)
+    left = fit_misfits(model, filtered, runs)
     if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
         return null
     noise = starting_noise(model, runs, RESCUE_LEVEL)
@@ -52,7 +52,8 @@ def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, 
     fit = refine(again, calibrated(again, training), (), (), ())
     runs = tuple(training)
     before, after = (
-        fit_gaps(model, one.filtered, runs)[list(pair)].max() for model, one in ((model, null), (again, fit))
+        fit_misfits(model, one.filtered, runs)[list(pair)].max()
+        for model, one in ((model, null), (again, fit))
     )
     if fit.log_posterior < null.log_posterior + SWAPPED_NATS or after > SWAPPED_GAP * before:
         return model, null

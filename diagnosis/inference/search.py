@@ -69,7 +69,7 @@ def search(
     found = _refined_best(model, null, effects, runs, progress)
     for _ in range(RESTARTS):
         again = null_again(found)
-        worth = max(RESTARTED, RESTARTED_SHARE * best(found).nats)
+        worth = max(RESTARTED, RESTARTED_SHARE * best(found).ln_bayes)
         if again.log_posterior < null.log_posterior + worth:
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
@@ -119,9 +119,9 @@ def _refined_best(
 def _keep(found: Findings, fit: Fit) -> None:
     """Add a fit to what was judged, the better one only where two starts led to the same effects."""
     judged = judge(found.model, fit, found.null.fit, found.training, found.held_out)
-    if np.isfinite(judged.nats):
+    if np.isfinite(judged.ln_bayes):
         found.judged.append(judged)
-    ranked = sorted(found.judged, key=lambda one: -one.nats)
+    ranked = sorted(found.judged, key=lambda one: -one.ln_bayes)
     best_of = {one.effects: one for one in reversed(ranked)}
     found.judged = [one for one in ranked if best_of[one.effects] is one]
 
@@ -131,7 +131,7 @@ def _chosen(scores: Scores) -> list[Score]:
     chosen: list[Score] = []
     rivals = 0
     for one in scores.ranked:
-        if one.nats < WORTH or len(chosen) >= REFINED:
+        if one.ln_bayes < WORTH or len(chosen) >= REFINED:
             break
         # A foil acts alike on neighbouring floors, and two of them say enough.
         rivals += one.effect.rival
@@ -340,8 +340,8 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     model = found.model
     others = [effect for effect in effects if effect not in fit.effects]
     found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
-    if found.later.ranked[0].nats < SECOND:
+    if found.later.ranked[0].ln_bayes < SECOND:
         return
     for number, one in enumerate(found.later.ranked[:2]):
-        if one.nats > SECOND and not (number and one.effect.rival):
+        if one.ln_bayes > SECOND and not (number and one.effect.rival):
             _keep(found, _refined(found, fit.filtered, one, fit))

@@ -1,76 +1,74 @@
-"""What a report says beside the keys of docs/diagnosis/case-format.md: worked out only when a report is written."""
+"""What a report says beside its main findings: worked out only when it is written to a folder."""
 
 from __future__ import annotations
 
-from typing import Any
-
+import msgspec
 import numpy as np
 
-from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.decision.claims import finite
+from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.design.advice import advice
 from pounding.diagnosis.design.detectability import smallest
-from pounding.diagnosis.design.distinguishing_tests import apart
+from pounding.diagnosis.design.distinguishing_tests import distinctions
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import channel_gaps, simulate
+from pounding.diagnosis.inference.misfit import channel_misfits, simulate
+from pounding.diagnosis.report.making import Made, Outputs
 from pounding.diagnosis.report.origin import origin
-
-EXPLAINABLE = 1.1
-"""A gap is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
+from pounding.diagnosis.report.report import ChannelMisfit, Report, Threshold, Thresholds
 
 
-def completed(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, Any]:
-    """Return the report with ``gap.*.closed`` and what is beside the format's keys.
-
-    These are ``channels``, ``smallest_detectable``, ``apart``, ``thresholds`` and ``origin``.
-
-    ``closed`` is the share of the gap above the noise floor that was closed, or None where nothing is explainable.
-    """
-    gaps = {
-        name: gap | {"closed": _closed(gap)} if gap and "noise_floor" in gap else gap
-        for name, gap in report["gap"].items()
-    }
-    return report | {
-        "gap": gaps,
-        "channels": channels(found, decide(found)),
-        "smallest_detectable": smallest(case, found, decide(found)),
-        "apart": apart(report, _measured(found)),
-        "thresholds": _thresholds(found, False) | {"absorbing": _thresholds(found, True)},
-        "origin": origin(case),
-    }
-
-
-def _thresholds(found: Findings, absorbing: bool) -> dict[str, float]:
-    nats, size = found.thresholds(absorbing)
-    return {"log_evidence": nats, "share_of_noise": size}
+def detailed(diagnosis: Diagnosis, made: Made) -> Report:
+    """Return a report with what docs/diagnosis/reports.md lists beside the keys of the format."""
+    case, found, report = diagnosis.case, diagnosis.found, made.report
+    misfits = report.misfit
+    training, held_out = misfits.training, misfits.held_out
+    if training is not None:
+        training = msgspec.structs.replace(training, explained=training.share())
+    if held_out is not None:
+        held_out = msgspec.structs.replace(held_out, explained=held_out.share())
+    return msgspec.structs.replace(
+        report,
+        misfit=msgspec.structs.replace(misfits, training=training, held_out=held_out),
+        advice=tuple(advice(diagnosis)),
+        channels=channels(diagnosis, made.outputs),
+        smallest_detectable=tuple(smallest(case, found, diagnosis.decision)),
+        apart=tuple(distinctions(report.effects, _measured(found))),
+        thresholds=_thresholds(found),
+        origin=origin(case),
+    )
 
 
-def channels(found: Findings, decision: Decision) -> list[dict[str, Any]]:
-    """Return each channel's gap before and after and its noise floor, on the held-out runs if there are any."""
+def _thresholds(found: Findings) -> Thresholds:
+    evidence, size = found.thresholds(False)
+    absorbing = found.thresholds(True)
+    return Thresholds(
+        log_evidence=evidence,
+        share_of_noise=size,
+        absorbing=Threshold(log_evidence=absorbing[0], share_of_noise=absorbing[1]),
+    )
+
+
+def channels(diagnosis: Diagnosis, outputs: Outputs) -> tuple[ChannelMisfit, ...]:
+    """Return each channel's misfit before and after and its noise floor, on the held-out runs if there are any."""
+    found = diagnosis.found
     which = 1 if found.held_out else 0
-    after = found.null.channel_gap[which]
-    if decision.verdict in ("effect_named", "effect_class"):
+    before = after = found.null.channel_misfit[which]
+    if diagnosis.decision.named:
         runs = (found.training, found.held_out)[which]
-        after = channel_gaps(found.model, after_runs(found, decision, runs), runs)
-    names, columns = found.model.observed.names, (found.null.channel_gap[which], after, found.floor[which])
-    return [
-        {"channel": name, "before": before, "after": left, "noise_floor": noise}
-        for name, before, left, noise in zip(names, *columns, strict=True)
-    ]
+        after = channel_misfits(found.model, after_runs(diagnosis, outputs, runs), runs)
+    rows = zip(found.model.observed.names, before, after, found.floor[which], strict=True)
+    return tuple(
+        ChannelMisfit(channel=name, before=finite(b), after=finite(a), noise_floor=finite(noise))
+        for name, b, a, noise in rows
+    )
 
 
-def after_runs(found: Findings, decision: Decision, runs: tuple[int, ...]) -> list[np.ndarray]:
+def after_runs(diagnosis: Diagnosis, outputs: Outputs, runs: tuple[int, ...]) -> list[np.ndarray]:
     """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model."""
-    if all(run in found.engine for run in runs):
-        return [found.engine[run] for run in runs]
-    fit = decision.judged.fit.filtered
-    return simulate(found.model, fit.values, fit.effects, runs)
-
-
-def _closed(gap: dict[str, Any]) -> float | None:
-    if not gap["before"] > EXPLAINABLE * gap["noise_floor"]:
-        return None
-    return float((gap["before"] - gap["after"]) / (gap["before"] - gap["noise_floor"]))
+    if all(run in outputs for run in runs):
+        return [outputs[run] for run in runs]
+    fit = diagnosis.decision.judged.fit.filtered
+    return simulate(diagnosis.found.model, fit.values, fit.effects, runs)
 
 
 def _measured(found: Findings) -> dict[str, list[int]]:

@@ -4,37 +4,42 @@ from __future__ import annotations
 
 import io
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import decide
-from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.misfit import levelled, simulate
 from pounding.diagnosis.report.details import after_runs
-from pounding.diagnosis.report.misfit_maps import gap_maps
+from pounding.diagnosis.report.making import Outputs
+from pounding.diagnosis.report.misfit_maps import misfit_maps
 from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
-from pounding.diagnosis.report.residual_force_figure import leftover_figure
+from pounding.diagnosis.report.report import Report
+from pounding.diagnosis.report.residual_force_figure import residual_force_figure
 
 SHOWN_S = 3.0
 """Length of what is shown of a run [s], about its largest value."""
+CANDIDATES = 10
 
 
-def figures(case: Case, found: Findings, report: dict[str, Any]) -> dict[str, bytes]:
-    """Return each figure's name and PNG."""
-    decision = decide(found)
+def figures(diagnosis: Diagnosis, report: Report, outputs: Outputs) -> dict[str, bytes]:
+    """Return the PNG of each figure by its name.
+
+    Args:
+        diagnosis: What was found and decided.
+        report: The report with its details.
+        outputs: The runs as the engine gave them for the model of the verdict.
+    """
     return {
-        "before_after": _png(_before_after(case, found, decision)),
-        "where": _png(_where(found, decision, report)),
-        "leftover": _png(leftover_figure(found, decision, report)),
-        "evidence": _png(_evidence(report)),
+        "before_after": _png(_before_after(diagnosis, outputs)),
+        "where": _png(_where(diagnosis, report)),
+        "residual_force": _png(residual_force_figure(diagnosis)),
+        "evidence": _png(evidence_figure(report)),
     }
 
 
@@ -49,20 +54,16 @@ def _figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def _shown(decision: Decision) -> bool:
-    """Return whether there is an 'after' to show beside the 'before'."""
-    return decision.verdict in ("effect_named", "effect_class")
-
-
-def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
+def _before_after(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
+    case, found = diagnosis.case, diagnosis.found
     model, observed = found.model, found.model.observed
     run = (found.held_out or found.training)[0]
     data = observed.runs[run]
-    channel = int(np.nanargmax(found.null.channel_gap[1 if found.held_out else 0]))
+    channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
     simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
-    if _shown(decision):
-        simulated["after"] = (after_runs(found, decision, (run,))[0], ORANGE)
+    if diagnosis.decision.named:
+        simulated["after"] = (after_runs(diagnosis, outputs, (run,))[0], ORANGE)
     measured = data.measured[:, channel] / scale
     figure = _figure(9, 5)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -75,7 +76,7 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
         lower.plot(data.time_s, difference, color=colour, lw=0.8, label=label)
     used = "held out" if found.held_out else "the run that was used; none could be held out"
     upper.set_title(
-        f"{observed.names[channel]} in {data.name} ({used}): the channel with the largest gap before"
+        f"{observed.names[channel]} in {data.name} ({used}): the channel with the largest misfit before"
     )
     middle = data.time_s[int(np.argmax(np.abs(np.nan_to_num(measured))))]
     first = min(max(data.time_s[0], middle - 0.4 * SHOWN_S), max(data.time_s[0], data.time_s[-1] - SHOWN_S))
@@ -88,16 +89,17 @@ def _before_after(case: Case, found: Findings, decision: Decision) -> Figure:
     return figure
 
 
-def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figure:
+def _where(diagnosis: Diagnosis, report: Report) -> Figure:
+    found = diagnosis.found
     model, names = found.model, found.model.observed.names
     which = 1 if found.held_out else 0
     floor = found.floor[which]
     figure = _figure(9, 1.2 + 0.36 * len(names))
     bars, bands, each = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
     at = np.arange(len(names))
-    bars.barh(at - 0.2, 100 * found.null.channel_gap[which], 0.36, color=BLUE, label="before")
-    if _shown(decision):
-        after = np.array([np.nan if one["after"] is None else one["after"] for one in report["channels"]])
+    bars.barh(at - 0.2, 100 * found.null.channel_misfit[which], 0.36, color=BLUE, label="before")
+    if diagnosis.decision.named:
+        after = np.array([np.nan if one.after is None else one.after for one in report.channels or ()])
         bars.barh(at + 0.2, 100 * after, 0.36, color=ORANGE, label="after")
     for row in at:
         noise = 100 * floor[row]
@@ -106,15 +108,15 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
         )
     bars.set_yticks(at, names)
     bars.set_xscale("log")
-    lengths = 100 * np.concatenate([found.null.channel_gap[which], floor])
+    lengths = 100 * np.concatenate([found.null.channel_misfit[which], floor])
     bars.set_xlim(0.6 * np.nanmin(lengths), max(1.3 * np.nanmax(lengths), 4 * np.nanmin(lengths)))
     bars.xaxis.set_major_locator(LogLocator(10, (1, 2, 5)))
     bars.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     bars.xaxis.set_minor_formatter(NullFormatter())
-    bars.set_xlabel("gap [%]")
+    bars.set_xlabel("misfit [%]")
     bars.set_title("held-out run" if which else "runs used", fontsize=10)
     figure.legend(*bars.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
-    maps = gap_maps(
+    maps = misfit_maps(
         model,
         found.null.fit.filtered,
         np.nan_to_num(found.floor[0], nan=1.0),
@@ -126,61 +128,54 @@ def _where(found: Findings, decision: Decision, report: dict[str, Any]) -> Figur
     image = _map(
         each, maps.by_run, maps.run_noise, [name.removesuffix(".csv") for name in maps.runs], "by run"
     )
-    figure.colorbar(image, ax=each, label="gap / noise", ticks=[1, 3, 10, 30], format="%g")
+    figure.colorbar(image, ax=each, label="misfit / noise", ticks=[1, 3, 10, 30], format="%g")
     for axes in (bars, bands, each):
         axes.set_ylim(len(names) - 0.5, -0.5)
     return figure
 
 
-def _map(axes: Axes, gaps: np.ndarray, noise: np.ndarray, labels: list[str], title: str) -> Any:
-    """Draw gaps [%] as numbers on colours that say how far above the noise they are."""
-    ratio = np.clip(np.nan_to_num(gaps / noise, nan=1.0), 1.0, 30.0)
+def _map(axes: Axes, misfits: np.ndarray, noise: np.ndarray, labels: list[str], title: str) -> AxesImage:
+    """Draw misfits [%] as numbers on colours that say how far above the noise they are."""
+    ratio = np.clip(np.nan_to_num(misfits / noise, nan=1.0), 1.0, 30.0)
     image = axes.imshow(ratio, norm=LogNorm(1, 30), cmap="YlOrRd", aspect="auto")
-    for (row, column), value in np.ndenumerate(gaps):
+    for (row, column), value in np.ndenumerate(misfits):
         if np.isfinite(value):
             colour = "white" if ratio[row, column] > 10 else "black"
             text = f"{100 * value:.0f}" if value >= 0.0995 else f"{100 * value:.1f}"
             axes.text(column, row, text, ha="center", va="center", fontsize=7.5, color=colour)
     axes.set_xticks(range(len(labels)), labels, rotation=40, ha="right", fontsize=8)
     axes.set_yticks([])
-    axes.set_title(f"{title}, gap in %" if "band" in title else title, fontsize=10)
+    axes.set_title(f"{title}, misfit in %" if "band" in title else title, fontsize=10)
     return image
 
 
-def _evidence(report: dict[str, Any]) -> Figure:
-    shown = report["candidates"][:10][::-1]
+def evidence_figure(report: Report) -> Figure:
+    """Return the ln Bayes factors of the best candidates, beside what a verdict needs."""
+    shown = report.candidates[:CANDIDATES][::-1]
     figure = _figure(9, 0.9 + 0.3 * len(shown))
     axes = figure.subplots()
-    labels = []
-    for one in shown:
-        keys = ("frame", "storey", "floor", "channel", "contact")
-        where = [
-            f"{key} {one[key]}" if key != "frame" else str(one[key]) for key in keys if one[key] is not None
-        ]
-        labels.append(", ".join([one["effect"].replace("_", " "), *where]))
-    named = {(e["effect"], e["frame"], e["storey"], e["floor"], e["channel"]) for e in report["effects"]}
-    colours = [
-        ORANGE if (e["effect"], e["frame"], e["storey"], e["floor"], e["channel"]) in named else BLUE
-        for e in shown
-    ]
-    values = [one["log_evidence"] for one in shown]
-    bars = axes.barh(range(len(shown)), values, color=colours)
+    named = {effect.place for effect in report.effects}
+    values = [one.log_evidence for one in shown]
+    bars = axes.barh(
+        range(len(shown)), values, color=[ORANGE if one.place in named else BLUE for one in shown]
+    )
     axes.bar_label(
         bars, [f"{value:.1f}" if abs(value) < 100 else f"{value:.0f}" for value in values], padding=3
     )
-    axes.set_yticks(range(len(shown)), labels)
+    axes.set_yticks(range(len(shown)), [one.words() for one in shown])
     axes.set_ylim(-0.6, len(shown) + 0.1)
-    thresholds = report["thresholds"]
-    needed, absorbing = thresholds["log_evidence"], thresholds["absorbing"]["log_evidence"]
-    of_frames = absorbing != needed
-    label = "needed for a verdict" + (" on the frames" if of_frames else "")
-    axes.axvline(needed, color=GREY, ls="--", lw=1, label=label)
-    if of_frames:
-        axes.axvline(
-            absorbing, color=GREY, ls=":", lw=1, label="by P-Delta, joints, rocking, torsion, hysteresis"
-        )
+    most = 100.0
+    if thresholds := report.thresholds:
+        needed, absorbing = thresholds.log_evidence, thresholds.absorbing.log_evidence
+        of_frames = absorbing != needed
+        label = "needed for a verdict" + (" on the frames" if of_frames else "")
+        axes.axvline(needed, color=GREY, ls="--", lw=1, label=label)
+        if of_frames:
+            label = "by P-Delta, joints, rocking, torsion, hysteresis"
+            axes.axvline(absorbing, color=GREY, ls=":", lw=1, label=label)
+        most = max(most, 3.0 * absorbing)
     axes.legend(loc="lower right", fontsize=8)
     axes.set_xscale("symlog", linthresh=10)
-    axes.set_xlim(min(0.0, 1.6 * min(values)), max(5.0 * max(values), 3.0 * absorbing, 100.0))
-    axes.set_xlabel("log evidence against 'nothing missing' [nats], logarithmic beyond 10")
+    axes.set_xlim(min(0.0, 1.6 * min(values, default=0.0)), max(5.0 * max(values, default=0.0), most))
+    axes.set_xlabel("ln Bayes factor against 'nothing missing' (logarithmic beyond 10)")
     return figure

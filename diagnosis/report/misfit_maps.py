@@ -1,4 +1,4 @@
-"""Gaps of a fit over whole runs: by channel and band, and by channel and run."""
+"""Misfits of a fit over whole runs: by channel and band, and by channel and run."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from pounding.diagnosis.model.observations import root_mean_square
 
 
 @dataclass(frozen=True)
-class GapMaps:
-    """Gaps of a fit by channel and band, and by channel and run, as shares of each channel's rms.
+class MisfitMaps:
+    """Misfits of a fit by channel and band, and by channel and run, as shares of each channel's rms.
 
     Attributes:
         edges_hz: Edges of the bands. runs: Names of the runs.
-        by_band, by_run: Gaps, shape (channels, bands) and (channels, runs).
+        by_band, by_run: Misfits, shape (channels, bands) and (channels, runs).
         band_noise, run_noise: What noise alone would leave there, the same shapes.
     """
 
@@ -33,7 +33,7 @@ class GapMaps:
     run_noise: np.ndarray
 
 
-def gap_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> GapMaps:
+def misfit_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[int]) -> MisfitMaps:
     """Return where a fit and the measurements disagree, over all the time of the runs.
 
     Args:
@@ -61,7 +61,7 @@ def gap_maps(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence
         samples += len(filled)
     known = np.where(np.asarray(total) > 0, total, np.nan)[:, None]
     width = np.sqrt(np.diff(edges) / nyquist)
-    return GapMaps(
+    return MisfitMaps(
         edges_hz=edges,
         runs=tuple(model.observed.runs[run].name for run in runs),
         by_band=np.sqrt(np.sum(bands, axis=0) / known),

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.residual_force import ResidualForce, residual_forces
 from pounding.diagnosis.inference.storey_force import storey_force
@@ -21,17 +20,17 @@ LEAST = 8
 """Seconds shown against time, and bins of the means with the least number of samples in one."""
 
 
-def leftover_figure(found: Findings, decision: Decision, report: dict[str, Any]) -> Figure:
+def residual_force_figure(diagnosis: Diagnosis) -> Figure:
     """Return the picture of the storey in question in the strongest run that was used.
 
-    The model is that of the verdict without its effects, so that their force is what is left over.
+    The model is that of the verdict without its effects, so that their force is the residual.
     """
-    model = found.model
-    named = decision.verdict in ("effect_named", "effect_class")
+    found, decision = diagnosis.found, diagnosis.decision
+    model, named = found.model, decision.named
     fit = (decision.judged if named else found.null).fit.filtered
     run = max(found.training, key=lambda number: float(np.ptp(model.observed.runs[number].table)))
     left = residual_forces(model, replace(fit, effects=()), [run])[0]
-    storey = _storey(found, report, left)
+    storey = _storey(diagnosis, left)
     frame, number = model.structure.place(storey)
     force, std = left.force[:, storey], float(left.std[storey])
     step = model.observed.runs[run].step_s
@@ -49,17 +48,17 @@ def leftover_figure(found: Findings, decision: Decision, report: dict[str, Any])
     _in_time(axes[2], left, force, std, law)
     axes[0].set_ylabel("force beyond the model [N]")
     _by_storey(storeys, found, left, storey)
-    figure.suptitle(f"Storey {number} of {frame} in {left.run}: leftover force", fontsize=10)
+    figure.suptitle(f"Storey {number} of {frame} in {left.run}: residual force", fontsize=10)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
     return figure
 
 
-def _storey(found: Findings, report: dict[str, Any], left: ResidualForce) -> int:
-    structure = found.model.structure
-    for effect in report["effects"]:
-        if effect["storey"] is not None or effect["floor"] is not None:
-            place = int(effect["storey"] or effect["floor"])
-            return structure.first(structure.index(effect["frame"])) + place - 1
+def _storey(diagnosis: Diagnosis, left: ResidualForce) -> int:
+    """Return the storey of what is claimed; without any the one whose residual force is largest."""
+    structure = diagnosis.found.model.structure
+    for claim in diagnosis.conclusion.effects:
+        if claim.frame is not None and (claim.storey is not None or claim.floor is not None):
+            return structure.first(structure.index(claim.frame)) + int(claim.storey or claim.floor or 0) - 1
     return int(np.argmax(np.sqrt(np.mean(left.force**2, axis=0)) / left.std))
 
 
@@ -73,7 +72,7 @@ def _against(axes: Axes, abscissa: np.ndarray, force: np.ndarray, std: float, la
     full = [i for i in range(BINS) if np.sum(inside == i) >= LEAST]
     centre = 0.5 * (edges[:-1] + edges[1:])[full]
     mean = np.array([force[inside == i].mean() for i in full])
-    axes.plot([], [], "-", color=BLUE, label="leftover force, each sample")
+    axes.plot([], [], "-", color=BLUE, label="residual force, each sample")
     axes.fill_between(
         centre, mean - 2 * std, mean + 2 * std, color=GREY, alpha=0.25, lw=0, label="± 2 std. errors"
     )
@@ -94,7 +93,7 @@ def _in_time(axes: Axes, left: ResidualForce, force: np.ndarray, std: float, law
 
 
 def _by_storey(axes: Axes, found: Findings, left: ResidualForce, storey: int) -> None:
-    """Draw how much is left over in each storey, beside what would be left over by chance."""
+    """Draw the residual force of each storey, beside its standard error."""
     rms = np.sqrt(np.mean(left.force**2, axis=0))
     at = np.arange(len(rms))
     axes.barh(at, rms, 0.6, color=[BLUE if i == storey else "#a0bfe0" for i in at])

@@ -74,7 +74,7 @@ def diagnose(
         ),
     ] = None,
 ) -> None:
-    """Find where measurements and the baseline model disagree, name what is missing, and show the gap close.
+    """Find where measurements and the baseline model disagree, name what is missing, and show how much that explains.
 
     The exit status is 0 whatever the verdict, and 2 with one sentence for a case that cannot be read.
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
@@ -92,14 +92,14 @@ def diagnose(
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
-    from pounding.diagnosis.report.modal_report import modal_tables
-    from pounding.diagnosis.report.writing import tables
-    from pounding.diagnosis.workflow import diagnose_case
+    from msgspec import to_builtins
+
+    from pounding.diagnosis import workflow
+    from pounding.diagnosis.report.tables import tables
 
     with _bar() as told:
-        report = diagnose_case(case, out, told, candidates_file=candidates, calibrate=calibrate)
-    shown = modal_tables if "modal" in report else tables
-    emit(report, as_json=json, show=lambda: [*shown(report), *_written(out)])
+        report = workflow.diagnose(case, out, told, candidates_file=candidates, calibrate=calibrate)
+    emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
 
 
 def _written(out: Path | None) -> list[str]:
@@ -118,7 +118,8 @@ def _benchmark(
     out: Path | None,
     json: bool,
 ) -> None:
-    from pounding.diagnosis.benchmark.run import KINDS, run_benchmark, tables
+    from pounding.diagnosis.benchmark.run import KINDS, run_benchmark
+    from pounding.diagnosis.benchmark.tables import tables
 
     result = run_benchmark(
         cases,

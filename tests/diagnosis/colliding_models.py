@@ -13,6 +13,8 @@ from scipy.signal import butter, sosfiltfilt
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Run
 from pounding.diagnosis.contact_force.pair import ContactFindings, contact_findings, prepare
+from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.confidence import Features, basis
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
@@ -158,19 +160,22 @@ def model_of(case: Case) -> Model:
     return Model(structure(), observe(case, structure()), case.prior)
 
 
-NOTHING = {"verdict": "nothing_missing", "confidence": 0.9, "effects": [], "candidates": [], "warnings": []}
+NOTHING = Conclusion(
+    "nothing_missing", 0.9, basis(Features("pair_nothing_missing", 0.0, 0.0, 0.0, 0.0, 0)), (), ()
+)
 
 
-def judged(case: Case) -> tuple[Pair, ContactFindings, dict[str, Any]]:
+def judged(case: Case) -> tuple[Pair, ContactFindings, Conclusion]:
+    """Return a pair, what its impacts say, and what is concluded, its frames being as believed."""
     model = model_of(case)
     pair = prepare(case, model)
     found = contact_findings(case, pair, np.zeros(len(model.std)), (), (0, 1))
     return pair, found, joined(case, pair, found, NOTHING)
 
 
-def claimed(report: dict[str, Any]) -> list[str]:
-    return [effect["effect"] for effect in report["effects"]]
+def claimed(conclusion: Conclusion) -> list[str]:
+    return [effect.effect for effect in conclusion.effects]
 
 
-def value(report: dict[str, Any], name: str) -> Any:
-    return next(p["value"] for p in report["effects"][0]["parameters"] if p["name"] == name)
+def value(conclusion: Conclusion, name: str) -> Any:
+    return next(one.value for one in conclusion.effects[0].parameters if one.name == name)

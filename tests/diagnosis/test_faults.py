@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
-from pounding.diagnosis.decision.verdict import report_of
+from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.report.writing import tables, write_report
+from pounding.diagnosis.report.making import report_on
+from pounding.diagnosis.report.reading import read_report
+from pounding.diagnosis.report.tables import tables
+from pounding.diagnosis.report.writing import write_report
 from pounding.diagnosis.workflow import find
 from tests.diagnosis.models import STEP_S, measured
 
@@ -45,15 +49,21 @@ def with_values(case: Case, change: Any) -> Case:
     return replace(case, runs=tuple(runs))
 
 
-def diagnosed(case: Case) -> dict[str, Any]:
-    return report_of(case, find(case, lambda what, share: None))
+def diagnosis(case: Case) -> Diagnosis:
+    return conclude(case, *find(case, lambda what, share: None))
+
+
+def diagnosed(case: Case) -> Conclusion:
+    return diagnosis(case).conclusion
 
 
 def test_nothing_is_missing_in_the_plain_case(plain: Case) -> None:
-    report = diagnosed(plain)
-    assert report["verdict"] == "nothing_missing"
-    assert report["gap"]["held_out"]["before"] == pytest.approx(0.02, rel=0.15)
-    assert report["confidence"] > 0.5
+    report = report_on(diagnosis(plain)).report
+    assert report.verdict == "nothing_missing"
+    assert report.misfit.held_out is not None
+    assert report.misfit.held_out.before == pytest.approx(0.02, rel=0.15)
+    assert report.confidence is not None
+    assert report.confidence > 0.5
 
 
 def test_a_clipped_channel_is_said_and_left_out(plain: Case) -> None:
@@ -63,8 +73,8 @@ def test_a_clipped_channel_is_said_and_left_out(plain: Case) -> None:
         values[:, 3] = np.clip(values[:, 3], -top, top)
 
     report = diagnosed(with_values(plain, clip))
-    assert report["verdict"] == "nothing_missing"
-    assert any("a3 is clipped" in warning for warning in report["warnings"])
+    assert report.verdict == "nothing_missing"
+    assert any("a3 is clipped" in warning for warning in report.warnings)
 
 
 def test_swapped_channels_are_said_and_put_right(plain: Case) -> None:
@@ -72,8 +82,8 @@ def test_swapped_channels_are_said_and_put_right(plain: Case) -> None:
         values[:, [1, 3]] = values[:, [3, 1]]
 
     report = diagnosed(with_values(plain, swap))
-    assert any("a1 and a3 are swapped" in warning for warning in report["warnings"])
-    assert report["verdict"] == "nothing_missing"
+    assert any("a1 and a3 are swapped" in warning for warning in report.warnings)
+    assert report.verdict == "nothing_missing"
 
 
 def test_a_second_logger_that_is_late_is_a_delay_of_its_channels(plain: Case) -> None:
@@ -83,12 +93,12 @@ def test_a_second_logger_that_is_late_is_a_delay_of_its_channels(plain: Case) ->
             values[:, column] = np.interp(at - 0.003, at, values[:, column])
 
     report = diagnosed(with_values(plain, late))
-    assert report["verdict"] == "effect_named"
-    assert {(e["effect"], e["channel"]) for e in report["effects"]} == {
+    assert report.verdict == "effect_named"
+    assert {(e.effect, e.channel) for e in report.effects} == {
         ("sensor_delay", "d1"),
         ("sensor_delay", "d3"),
     }
-    assert report["effects"][0]["parameters"][0]["value"] == pytest.approx(3.0, abs=0.1)
+    assert report.effects[0].parameters[0].value == pytest.approx(3.0, abs=0.1)
 
 
 @pytest.mark.parametrize(("factor", "change"), [(-1.0, -2.0), (9.80665, 8.80665)])
@@ -97,8 +107,8 @@ def test_a_wrong_polarity_or_unit_is_a_sensors_gain(plain: Case, factor: float, 
         values[:, 2] *= factor
 
     report = diagnosed(with_values(plain, scaled))
-    assert [(e["effect"], e["channel"]) for e in report["effects"]] == [("sensor_gain", "a2")]
-    assert report["effects"][0]["parameters"][0]["value"] == pytest.approx(change, rel=0.01)
+    assert [(e.effect, e.channel) for e in report.effects] == [("sensor_gain", "a2")]
+    assert report.effects[0].parameters[0].value == pytest.approx(change, rel=0.01)
 
 
 def test_dropouts_are_no_effect(plain: Case) -> None:
@@ -108,21 +118,21 @@ def test_dropouts_are_no_effect(plain: Case) -> None:
         values[900:1000, 5] = values[899, 5]
 
     report = diagnosed(with_values(plain, dropped))
-    assert report["verdict"] == "nothing_missing"
-    assert any("d3 repeats one value" in warning for warning in report["warnings"])
-    assert any("dropouts of the table's motion" in warning for warning in report["warnings"])
+    assert report.verdict == "nothing_missing"
+    assert any("d3 repeats one value" in warning for warning in report.warnings)
+    assert any("dropouts of the table's motion" in warning for warning in report.warnings)
 
 
 def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path) -> None:
     case = replace(plain, runs=plain.runs[:1])
-    found = find(case, lambda what, share: None)
-    report = report_of(case, found)
-    assert report["gap"]["held_out"] is None
-    write_report(case, found, report, tmp_path)
+    whole = diagnosis(case)
+    report = write_report(whole, report_on(whole), tmp_path)
+    assert report.misfit.held_out is None
+    assert read_report(tmp_path) == report
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "none could be held out" in page
     assert {path.name for path in tmp_path.iterdir()} == {
-        "report.json", "report.html", "before_after.png", "where.png", "leftover.png", "evidence.png",
+        "report.json", "report.html", "before_after.png", "where.png", "residual_force.png", "evidence.png",
     }  # fmt: skip
     assert any("second run" in str(item) for item in [page])
     assert list(tables(report))
@@ -132,20 +142,20 @@ def test_runs_may_differ_in_rate(plain: Case) -> None:
     slower = plain.runs[0]
     slower = replace(slower, time_s=slower.time_s[::2], step_s=2 * STEP_S, values=slower.values[::2])
     report = diagnosed(replace(plain, runs=(slower, plain.runs[1])))
-    assert report["verdict"] == "nothing_missing"
+    assert report.verdict == "nothing_missing"
 
 
 def test_one_channel_is_enough_to_say_something(plain: Case) -> None:
     case = replace(plain, channels=(CHANNELS[0], CHANNELS[3]))
     report = diagnosed(with_values(case, lambda n, v: v[:, [0, 3]]))
-    assert report["verdict"] == "nothing_missing"
+    assert report.verdict == "nothing_missing"
 
 
 def test_a_run_of_zeros_is_left_out(plain: Case) -> None:
     zeros = replace(plain.runs[0], file="zeros.csv", values=np.zeros_like(plain.runs[0].values))
     report = diagnosed(replace(plain, runs=(zeros, *plain.runs)))
-    assert any("zeros.csv: nothing moves" in warning for warning in report["warnings"])
-    assert report["verdict"] == "nothing_missing"
+    assert any("zeros.csv: nothing moves" in warning for warning in report.warnings)
+    assert report.verdict == "nothing_missing"
 
 
 def test_seconds_of_zeros_before_the_shaking_do_no_harm(plain: Case) -> None:
@@ -157,7 +167,7 @@ def test_seconds_of_zeros_before_the_shaking_do_no_harm(plain: Case) -> None:
         case,
         runs=tuple(replace(run, time_s=STEP_S * np.arange(len(run.values))) for run in case.runs),
     )
-    assert diagnosed(case)["verdict"] == "nothing_missing"
+    assert diagnosed(case).verdict == "nothing_missing"
 
 
 def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:
@@ -167,4 +177,4 @@ def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:
 
 def test_another_frame_than_believed_is_no_name_of_the_catalogue(plain: Case) -> None:
     other = replace(FRAME, frequency_hz=(12.0,))
-    assert diagnosed(replace(plain, frames=(other,)))["verdict"] == "unknown_effect"
+    assert diagnosed(replace(plain, frames=(other,))).verdict == "unknown_effect"

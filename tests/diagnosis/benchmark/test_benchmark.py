@@ -11,46 +11,54 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import UNSET, structs, to_builtins
 from rich.console import Console
 
+from pounding.diagnosis import diagnose
 from pounding.diagnosis.benchmark import reliability, run
 from pounding.diagnosis.benchmark.drawing import draw_set
 from pounding.diagnosis.benchmark.scoring import judge
 from pounding.diagnosis.benchmark.summary import share, summarise
 from pounding.diagnosis.benchmark.tables import tables
 from pounding.diagnosis.case.reading import read_case
-from pounding.diagnosis.decision.confidence import Features, confidence, read_pairs
+from pounding.diagnosis.decision.claims import Place, claim, parameter
+from pounding.diagnosis.decision.conclusion import ContactMisfit
+from pounding.diagnosis.decision.confidence import Basis, Features, confidence, read_pairs
+from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.effects import CATALOGUE
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.writing import write_hidden
-from pounding.diagnosis.workflow import diagnose_case
+from pounding.diagnosis.report.report import HeldOutMisfit, Misfits, Report
 
-PLACE = dict.fromkeys(("frame", "storey", "floor", "channel", "contact", "left", "right"))
-FRICTION = {**PLACE, "effect": "coulomb_friction", "frame": "5A", "storey": 3}
-GAIN = {**PLACE, "effect": "table_gain"}
-STIFFNESS = {**PLACE, "effect": "contact_stiffness", "contact": 1}
+FRICTION = Place(effect="coulomb_friction", frame="5A", storey=3)
+GAIN = Place(effect="table_gain")
+STIFFNESS = Place(effect="contact_stiffness", contact=1)
+ELSEWHERE = Place(effect="coulomb_friction", frame="5A", storey=2)
+HELD_OUT = HeldOutMisfit(run="run3.csv", before=0.3, after=0.1, noise_floor=0.05)
 
 
-def truth(*effects: dict[str, Any], kind: str = "single", value: float = 10.0) -> dict[str, Any]:
+def truth(*effects: Place, kind: str = "single", value: float = 10.0) -> dict[str, Any]:
     told = [{"name": "friction_force", "value": value, "unit": "N"}]
-    hidden = [{**effect, "visibility": 3.0, "parameters": told} for effect in effects]
+    hidden = [to_builtins(effect) | {"visibility": 3.0, "parameters": told} for effect in effects]
     return {"kind": kind, "effects": hidden, "frames": ["5A"], "seed": 0}
 
 
 def report(
-    verdict: str, *effects: dict[str, Any], classes: tuple[dict[str, Any], ...] = ()
-) -> dict[str, Any]:
-    told = [{"name": "friction_force", "value": 9.0, "std": 0.1, "unit": "N"}]
-    found = [{**effect, "parameters": told, "class": list(classes)} for effect in effects]
-    gap = {"before": 0.3, "after": 0.1, "noise_floor": 0.05, "run": "run3.csv"}
-    return {
-        "verdict": verdict,
-        "confidence": 0.9,
-        "effects": found,
-        "gap": {"training": gap, "held_out": gap},
-    }
+    verdict: Verdict, *effects: Place, classes: tuple[Place, ...] = (), behind: Basis | None = None
+) -> Report:
+    told = [parameter("friction_force", 9.0, 0.1, "N")]
+    return Report(
+        verdict=verdict,
+        confidence=0.9,
+        confidence_basis=behind or UNSET,
+        effects=tuple(claim(effect, told, 40.0, list(classes)) for effect in effects),
+        misfit=Misfits(training=HELD_OUT, held_out=HELD_OUT),
+        where=(),
+        candidates=(),
+        warnings=(),
+    )
 
 
 def test_a_set_has_its_shares_and_deals_evenly() -> None:
@@ -79,7 +87,7 @@ def test_a_set_has_its_shares_and_deals_evenly() -> None:
         (truth(kind="nothing"), report("unknown_effect", FRICTION), True, False, False),
         (truth(FRICTION), report("effect_named", FRICTION), True, True, True),
         (truth(FRICTION), report("nothing_missing"), False, False, False),
-        (truth(FRICTION), report("effect_named", {**FRICTION, "storey": 2}), True, False, False),
+        (truth(FRICTION), report("effect_named", ELSEWHERE), True, False, False),
         (truth(FRICTION), report("effect_class", GAIN, classes=(GAIN, FRICTION)), True, False, True),
         (truth(FRICTION), report("effect_class", FRICTION, classes=(FRICTION, GAIN)), True, True, True),
         (truth(FRICTION), report("effect_named", FRICTION, GAIN), True, False, True),
@@ -90,30 +98,31 @@ def test_a_set_has_its_shares_and_deals_evenly() -> None:
         (truth(FRICTION, kind="outside"), report("unknown_effect"), True, True, True),
     ],
 )
-def test_judging(hidden: dict, found: dict, detected: bool, exact: bool, in_class: bool) -> None:
+def test_judging(hidden: dict[str, Any], found: Report, detected: bool, exact: bool, in_class: bool) -> None:
     judged = judge(hidden, found, 1.0)
     assert (judged.detected, judged.exact, judged.in_class) == (detected, exact, in_class)
 
 
-def test_closed_gap_and_parameter_error() -> None:
+def test_explained_misfit_and_parameter_error() -> None:
     judged = judge(truth(FRICTION), report("effect_named", FRICTION))
-    assert judged.gap_closed == pytest.approx(0.2 / 0.25)
+    assert judged.misfit_explained == pytest.approx(0.2 / 0.25)
     assert judged.parameter_errors == pytest.approx((0.1,))
     wrong = judge(truth(FRICTION), report("effect_named", GAIN))
     assert wrong.parameter_errors == ()
-    single = report("effect_named", FRICTION)
-    single["gap"]["held_out"] = None
-    assert np.isnan(judge(truth(FRICTION), single).gap_closed)
+    single = structs.replace(
+        report("effect_named", FRICTION), misfit=Misfits(training=HELD_OUT, held_out=None)
+    )
+    assert np.isnan(judge(truth(FRICTION), single).misfit_explained)
 
 
-def test_what_is_named_of_a_contact_closes_the_gap_of_the_impacts() -> None:
-    """The frames' gap, whose forces are known inputs, has nothing to do with it."""
+def test_what_is_named_of_a_contact_is_judged_by_the_impacts() -> None:
+    """The frames' misfit, whose forces are known inputs, has nothing to do with it."""
     found = report("effect_named", STIFFNESS)
-    assert np.isnan(judge(truth(STIFFNESS), found).gap_closed)
-    found["gap"]["contact"] = {"impacts": 9, "before": 5.0, "after": 1.4}
-    assert judge(truth(STIFFNESS), found).gap_closed == pytest.approx(0.9)
-    found["gap"]["contact"]["before"] = 1.05
-    assert np.isnan(judge(truth(STIFFNESS), found).gap_closed)
+    assert np.isnan(judge(truth(STIFFNESS), found).misfit_explained)
+    for before, part in ((5.0, 0.9), (1.05, np.nan)):
+        impacts = ContactMisfit(impacts=9, before=before, after=1.4)
+        with_impacts = structs.replace(found, misfit=structs.replace(found.misfit, contact=impacts))
+        assert judge(truth(STIFFNESS), with_impacts).misfit_explained == pytest.approx(part, nan_ok=True)
 
 
 def test_wilson_interval_of_textbooks() -> None:
@@ -130,7 +139,7 @@ def test_summary_counts_each_kind_by_what_was_asked_of_it() -> None:
         judge(truth(kind="nothing"), report("nothing_missing"), 1.0),
         judge(truth(kind="nothing"), report("effect_named", FRICTION), 2.0),
         judge(truth(FRICTION), report("effect_named", FRICTION), 3.0),
-        judge(truth(FRICTION), report("effect_named", {**FRICTION, "storey": 1}), 4.0),
+        judge(truth(FRICTION), report("effect_named", ELSEWHERE), 4.0),
         judge(truth(FRICTION, kind="outside"), report("unknown_effect"), 5.0),
     ]
     figures = summarise(cases)
@@ -153,7 +162,7 @@ def test_summary_counts_each_kind_by_what_was_asked_of_it() -> None:
 
 
 def test_effects_of_a_contact_are_summed_up_apart() -> None:
-    gap = {**PLACE, "effect": "gap_offset", "contact": 1}
+    gap = Place(effect="gap_offset", contact=1)
     cases = [
         judge(truth(gap), report("effect_named", gap)),
         judge(truth(gap), report("nothing_missing")),
@@ -172,26 +181,18 @@ def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
     (tmp_path / "cases").mkdir()
     named = Features("effect_named", 500.0, 400.0, 3.0, 1.0, 1)
     contact_findings = Features("contact_named", 90.0, 80.0, 1.0, 1.0, 1)
-    gap = {**PLACE, "effect": "gap_offset", "contact": 1}
-    told: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = [
-        (truth(FRICTION), report("effect_named", FRICTION), {"features": vars(named)}),
-        (truth(FRICTION), report("effect_named", GAIN), {"features": vars(named)}),
-        (
-            truth(gap),
-            report("effect_named", gap),
-            {
-                "features": vars(Features("nothing_missing", 3.0, 0.0, 0.1, 1.0, 0)),
-                "contact": vars(contact_findings),
-            },
-        ),
-        (
-            truth(FRICTION, gap),
-            report("effect_named", FRICTION, gap),
-            {"features": vars(named), "contact": vars(contact_findings)},
-        ),
+    gap = Place(effect="gap_offset", contact=1)
+    nothing = Features("nothing_missing", 3.0, 0.0, 0.1, 1.0, 0)
+    behind = Basis(calibration="a test", features=named)
+    both = structs.replace(behind, contact=contact_findings)
+    told = [
+        (truth(FRICTION), report("effect_named", FRICTION, behind=behind)),
+        (truth(FRICTION), report("effect_named", GAIN, behind=behind)),
+        (truth(gap), report("effect_named", gap, behind=structs.replace(both, features=nothing))),
+        (truth(FRICTION, gap), report("effect_named", FRICTION, gap, behind=both)),
     ]
-    for index, (hidden, found, basis) in enumerate(told):
-        values = {"truth": json.dumps(hidden), "report": json.dumps(found | {"confidence_basis": basis})}
+    for index, (hidden, found) in enumerate(told):
+        values = {"truth": json.dumps(hidden), "report": found.json()}
         kept = {"case": {"index": index}, "failure": "", "values": values}
         (tmp_path / "cases" / f"{9 - index}.json").write_text(json.dumps(kept))
     reliability.main(tmp_path, first=3, fit=tmp_path / "pairs.jsonl")
@@ -204,6 +205,10 @@ def test_confidence_is_judged_on_cases_that_it_was_not_fitted_to(
     assert (tmp_path / "reliability.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(CaseError, match="no finished case"):
         reliability.main(tmp_path / "cases")
+    for damaged in ('{"values"', "[]", '{"values": {"truth": "{}", "report": "[]"}, "case": {"index": 3}}'):
+        (tmp_path / "cases" / "9.json").write_text(damaged)
+        with pytest.raises(CaseError, match=r"9\.json"):
+            reliability.main(tmp_path)
 
 
 def test_an_unknown_method_is_said() -> None:
@@ -217,7 +222,7 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
     """With a way of diagnosis that only looks at what it is given."""
     seen = []
 
-    def look(folder: Path) -> dict[str, Any]:
+    def look(folder: Path) -> Report:
         seen.append(sorted(path.name for path in Path(folder).iterdir()))
         case = read_case(folder)
         assert "hidden" not in case.title
@@ -262,11 +267,13 @@ def test_a_small_seeded_set_is_diagnosed_as_well_as_before(tmp_path: Path) -> No
         hidden = hide(words, ["5A"], seed=31, visibility=5.0, source="artificial", duration_s=4.0)
         folder = tmp_path / "-".join(["case", *words]).replace(":", "")
         write_hidden(hidden, folder)
-        judged[folder.name] = judge(hidden.truth, diagnose_case(folder))
+        judged[folder.name] = judge(hidden.truth, diagnose(folder))
     wrong = {name: case.called for name, case in judged.items() if not case.exact}
     assert not wrong
     closed = [
-        case.gap_closed for case in judged.values() if case.kind == "single" and np.isfinite(case.gap_closed)
+        case.misfit_explained
+        for case in judged.values()
+        if case.kind == "single" and np.isfinite(case.misfit_explained)
     ]
     assert np.median(closed) > 0.9
     errors = [error for case in judged.values() for error in case.parameter_errors]

@@ -62,13 +62,13 @@ def plain_cubic(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_sparse_regression_sees_a_plain_cubic_spring(plain_cubic: Path) -> None:
     report = COMPETITORS["sparse"](plain_cubic)
-    (claim,) = report["effects"]
-    assert (claim["effect"], claim["frame"], claim["storey"]) == ("cubic_stiffness", "5A", 3)
+    (claim,) = report.effects
+    assert (claim.effect, claim.frame, claim.storey) == ("cubic_stiffness", "5A", 3)
 
 
 @pytest.mark.slow
 def test_refitting_sees_a_plain_cubic_spring(plain_cubic: Path) -> None:
     report = COMPETITORS["refit"](plain_cubic)
-    (claim,) = report["effects"]
-    assert (claim["effect"], claim["frame"], claim["storey"]) == ("cubic_stiffness", "5A", 3)
-    assert len(report["candidates"]) > 50
+    (claim,) = report.effects
+    assert (claim.effect, claim.frame, claim.storey) == ("cubic_stiffness", "5A", 3)
+    assert len(report.candidates) > 50

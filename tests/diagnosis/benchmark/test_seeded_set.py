@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from pounding.diagnosis import diagnose
 from pounding.diagnosis.benchmark.scoring import judge
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
-from pounding.diagnosis.workflow import diagnose_case
 
 pytestmark = pytest.mark.slow
 
@@ -34,6 +34,6 @@ def test_a_plain_hidden_effect_is_named_alone_at_its_place(
 ) -> None:
     hidden = hide(effects, [frame], seed=seed, visibility=4.0)
     write_hidden(hidden, tmp_path / "case")
-    judged = judge(hidden.truth, diagnose_case(tmp_path / "case"))
+    judged = judge(hidden.truth, diagnose(tmp_path / "case"))
     assert judged.exact, judged
     assert all(error < PARAMETER_ERROR for error in judged.parameter_errors), judged

@@ -14,6 +14,7 @@ import pytest
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Prior, Run
 from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.decision.claims import Place
 from pounding.diagnosis.design.detectability import threshold
 from pounding.diagnosis.design.distinguishing_tests import parting_tests
 from pounding.diagnosis.inference.findings import DETECTED_NATS
@@ -127,7 +128,7 @@ def test_a_single_run_says_that_nothing_was_held_out(
     reword(folder, '[[run]]\nfile = "run2.csv"\n', "")
     report = diagnose(folder, capsys)
     assert report["verdict"] == "nothing_missing"
-    assert report["gap"]["held_out"] is None
+    assert report["misfit"]["held_out"] is None
     page = (folder.parent / "out" / "report.html").read_text(encoding="utf-8")
     assert "none could be held out" in page
     assert "A second run would allow" in page
@@ -220,33 +221,35 @@ def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
     amplitude = threshold(information, DETECTED_NATS)
     # The expected evidence as `pounding.diagnosis.inference.evidence` has it, for a pull of information times amplitude.
-    nats = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
-    np.testing.assert_allclose(nats, DETECTED_NATS)
-
-
-def entry(effect: str, **place: Any) -> dict[str, Any]:
-    return {"effect": effect} | dict.fromkeys(("frame", "storey", "floor", "channel", "contact")) | place
+    ln_bayes = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
+    np.testing.assert_allclose(ln_bayes, DETECTED_NATS)
 
 
 @pytest.mark.parametrize(
     ("one", "other", "said"),
     [
         (
-            entry("stiffness_change", storey=2),
-            entry("stiffness_change", storey=3),
+            Place(effect="stiffness_change", storey=2),
+            Place(effect="stiffness_change", storey=3),
             "floor 1 and floor 3, where there is none",
         ),
-        (entry("stiffness_change", storey=2), entry("p_delta"), "known weights"),
-        (entry("coulomb_friction", storey=2), entry("damping_change", storey=2), "Free vibration"),
-        (entry("cubic_stiffness", storey=2), entry("stiffness_change", storey=2), "half and at twice"),
+        (Place(effect="stiffness_change", storey=2), Place(effect="p_delta"), "known weights"),
         (
-            entry("sensor_gain", channel="a5"),
-            entry("stiffness_change", storey=2),
+            Place(effect="coulomb_friction", storey=2),
+            Place(effect="damping_change", storey=2),
+            "Free vibration",
+        ),
+        (
+            Place(effect="cubic_stiffness", storey=2),
+            Place(effect="stiffness_change", storey=2),
+            "half and at twice",
+        ),
+        (
+            Place(effect="sensor_gain", channel="a5"),
+            Place(effect="stiffness_change", storey=2),
             "exchanged with its neighbour",
         ),
     ],
 )
-def test_what_looks_alike_gets_a_test_that_tells(
-    one: dict[str, Any], other: dict[str, Any], said: str
-) -> None:
+def test_what_looks_alike_gets_a_test_that_tells(one: Place, other: Place, said: str) -> None:
     assert said in " ".join(parting_tests(one, other, measured=[2, 5]))

@@ -18,13 +18,13 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import prepare
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import decide, remaining
+from pounding.diagnosis.decision.verdict import remaining
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.findings import Judged
-from pounding.diagnosis.inference.misfit import channel_gaps, simulate
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.misfit import channel_misfits, simulate
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
@@ -71,7 +71,7 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
 
     def held_out(model: Model) -> np.ndarray:
         outputs = simulate(model, np.zeros(len(model.std)), (), (1,))
-        return channel_gaps(model, outputs, (1,))
+        return channel_misfits(model, outputs, (1,))
 
     # As likely as with the right forces, which errors had made far less likely, and the struck floors' noise is one per
     # cent again, as it was made.
@@ -101,7 +101,7 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
 
     def left(model: Model, filtered: Filtered) -> float:
         outputs = simulate(model, filtered.values, filtered.effects, (1,))
-        return float(np.median(channel_gaps(model, outputs, (1,))))
+        return float(np.median(channel_misfits(model, outputs, (1,))))
 
     # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
     assert left(settled, frames) < 0.7 * left(without, fit.filtered)
@@ -112,25 +112,27 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     effect = SimpleNamespace(rival=False)
     fit = SimpleNamespace(effects=(effect,), filtered="fitted")
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
-    better = replace(chosen, gap=(0.05, 0.05))
-    model = SimpleNamespace(structure=None, observed=Observed(), prior=None)
+    better = replace(chosen, misfit=(0.05, 0.05))
+    nothing: Any = None
+    model: Any = SimpleNamespace(structure=None, observed=Observed(), prior=None)
 
-    def decided(found: Any, explained: Judged) -> Decision:
-        verdict = "effect_named" if found.judged[0] is explained else "unknown_effect"
-        return Decision(verdict, found.judged[0], ())
+    def decided(found: Findings, explained: Judged) -> Decision:
+        return Decision("effect_named" if found.judged[0] is explained else "unknown_effect", found.judged[0])
 
-    monkeypatch.setattr(diagnose, "Believed", lambda *given: "as measured")
+    monkeypatch.setattr(diagnose, "Model", lambda *given: "as measured")
     monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
     for explained, after in ((better, better), (None, chosen)):
         monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
-        found: Any = SimpleNamespace(
-            pair=SimpleNamespace(slow=model), model=model, judged=[chosen], settled=None,
-            training=(0,), held_out=(1,),
-        )  # fmt: skip
-        diagnose._settle(found, ())
-        assert found.judged == [after]
-        assert (found.settled is None) == (explained is None)
+        found = Findings(model, nothing, nothing, nothing, (0,), (1,), [chosen])
+        found.pair = cast(Any, SimpleNamespace(slow=model))
+        unknown = Decision("unknown_effect", chosen)
+        settled, decision = diagnose._settled(found, unknown, ())
+        assert settled.judged == [after]
+        assert decision.judged is after
+        assert (settled.settled is None) == (explained is None)
+        # What was found before is not changed.
+        assert found.judged == [chosen]
 
 
 @pytest.mark.slow
@@ -138,9 +140,9 @@ def test_a_calibration_is_not_held_back_by_what_wrong_forces_needed(tmp_path: Pa
     """Frames that were calibrated on forces a few per cent off left 2.7 times the noise, and the gain was no effect."""
     drawn = draw_set(80, 20261208, pairs=True)[38]
     write_hidden(hide(drawn.effects, drawn.frames, seed=drawn.seed), tmp_path / "case")
-    found = find(read_case(tmp_path / "case"), lambda what, share: None)
+    found, decision = find(read_case(tmp_path / "case"), lambda what, share: None)
     assert remaining(found, found.null) < 1.1
-    assert [effect.label() for effect in decide(found).judged.effects] == ["sensor gain, channel 10_d10"]
+    assert [effect.label() for effect in decision.judged.effects] == ["sensor gain, channel 10_d10"]
 
 
 def test_only_forces_that_a_cell_measured_are_certain_afterwards() -> None:

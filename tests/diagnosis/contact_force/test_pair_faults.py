@@ -14,19 +14,20 @@ from scipy.signal import StateSpace, lsim
 from pounding.diagnosis import workflow as diagnose
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import pairs
-from pounding.diagnosis.contact_force.pair import ContactFindings, cell_at_its_word, prepare
+from pounding.diagnosis.contact_force.pair import cell_at_its_word, prepare
 from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.diagnosis import conclude
 from pounding.diagnosis.decision.impulses import impulses
-from pounding.diagnosis.decision.pair_decision import candidates, joined
-from pounding.diagnosis.decision.verdict import report_of
-from pounding.diagnosis.workflow import find, report_on_pair
+from pounding.diagnosis.decision.pair_decision import contact_claims
+from pounding.diagnosis.report.making import poor_forces
+from pounding.diagnosis.report.report import Misfit
+from pounding.diagnosis.workflow import find
 from tests.diagnosis.colliding_models import (
     CONTACT,
     DRIFT,
     FLOORS,
     GAP_M,
     MASS,
-    NOTHING,
     STEP_S,
     STIFFNESS,
     claimed,
@@ -48,42 +49,41 @@ def changed(case: Case, change: Any) -> Case:
 
 
 def test_a_force_channel_of_the_wrong_polarity_is_said_and_turned() -> None:
-    pair, _, report = judged(changed(colliding(CONTACT), lambda force: -force))
+    pair, _, concluded = judged(changed(colliding(CONTACT), lambda force: -force))
     assert pair.cell is not None
     assert [(name, size) for name, size, *_ in pair.cell.faults] == [("sensor_gain", -2.0)]
-    assert claimed(report) == ["sensor_gain"]
-    assert report["effects"][0]["channel"] == "force_1"
-    assert any("polarity" in warning for warning in report["warnings"])
+    assert claimed(concluded) == ["sensor_gain"]
+    assert concluded.effects[0].channel == "force_1"
+    assert any("polarity" in warning for warning in concluded.warnings)
 
 
 def test_a_force_cell_of_the_wrong_gain_is_no_other_contact() -> None:
-    _, _, report = judged(changed(colliding(CONTACT), lambda force: 1.25 * force))
-    assert claimed(report) == ["sensor_gain"]
-    assert value(report, "relative_change") == pytest.approx(0.25, abs=0.04)
+    _, _, concluded = judged(changed(colliding(CONTACT), lambda force: 1.25 * force))
+    assert claimed(concluded) == ["sensor_gain"]
+    assert value(concluded, "relative_change") == pytest.approx(0.25, abs=0.04)
 
 
 def test_a_force_cell_is_not_judged_by_a_sensor_that_is_wrong_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     case = changed(colliding(CONTACT), lambda force: 1.25 * force)
     asked = []
 
+    named: list[str | None] = ["tall_a3"]
+
     def findings(case: Case, progress: Any, own: Any, against_motion: bool = True) -> Any:
         asked.append(against_motion)
-        return SimpleNamespace(pair=prepare(case, model_of(case), against_motion))
-
-    def naming(channel: str | None) -> Any:
-        effect = SimpleNamespace(channel=channel)
-        return lambda found: Decision("effect_named", cast(Any, SimpleNamespace(effects=(effect,))), ())
+        effect = SimpleNamespace(channel=named[-1])
+        decision = Decision("effect_named", cast(Any, SimpleNamespace(effects=(effect,))))
+        return SimpleNamespace(pair=prepare(case, model_of(case), against_motion)), decision
 
     monkeypatch.setattr(diagnose, "_find", findings)
-    monkeypatch.setattr(diagnose, "decide", naming("tall_a3"))
-    pair = find(case, lambda what, share: None).pair
+    pair = find(case, lambda what, share: None)[0].pair
     assert asked == [True, False]
     assert pair is not None
     assert pair.cell is not None
     assert pair.cell.faults == ()
     # Sensors of which none is wrong are believed.
-    monkeypatch.setattr(diagnose, "decide", naming(None))
-    pair = find(case, lambda what, share: None).pair
+    named.append(None)
+    pair = find(case, lambda what, share: None)[0].pair
     assert asked == [True, False, True]
     assert pair is not None
     assert pair.cell is not None
@@ -107,43 +107,44 @@ def test_a_force_cell_is_put_right_only_if_calibrated_frames_like_it_better() ->
 def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:
     case = colliding(CONTACT)
     top = 0.4 * max(run.values[:, -1].max() for run in case.runs)
-    pair, _, report = judged(changed(case, lambda force: np.minimum(force, top)))
+    pair, _, concluded = judged(changed(case, lambda force: np.minimum(force, top)))
     assert pair.cell is None
-    assert report["verdict"] == "nothing_missing"
-    assert any("clipped" in warning for warning in report["warnings"])
+    assert concluded.verdict == "nothing_missing"
+    assert any("clipped" in warning for warning in concluded.warnings)
 
 
 def test_a_contact_that_never_closes_is_said() -> None:
     far = replace(CONTACT, gap_m=0.2)
-    _, found, report = judged(colliding(far, model=far))
+    _, found, concluded = judged(colliding(far, model=far))
     assert found.impacts == 0
-    assert report["verdict"] == "nothing_missing"
-    assert any("never closes" in warning for warning in report["warnings"])
+    assert concluded.verdict == "nothing_missing"
+    assert any("never closes" in warning for warning in concluded.warnings)
 
 
 def test_floors_that_pass_through_the_believed_contact_have_a_wider_gap() -> None:
-    _, found, report = judged(colliding(replace(CONTACT, gap_m=0.2)))
+    _, found, concluded = judged(colliding(replace(CONTACT, gap_m=0.2)))
     assert found.impacts == 0
-    assert claimed(report) == ["gap_offset"]
-    assert value(report, "offset") > 0
+    assert claimed(concluded) == ["gap_offset"]
+    assert value(concluded, "offset") > 0
 
 
 def test_a_gap_believed_closed_is_corrected() -> None:
     case = colliding(CONTACT, model=replace(CONTACT, gap_m=0.0))
-    _, found, report = judged(case)
-    assert claimed(report)[0] == "gap_offset"
-    assert value(report, "offset") == pytest.approx(1e3 * GAP_M, abs=0.1)
-    assert candidates(case, found)[0]["effect"] == "gap_offset"
+    _, found, concluded = judged(case)
+    assert claimed(concluded)[0] == "gap_offset"
+    assert value(concluded, "offset") == pytest.approx(1e3 * GAP_M, abs=0.1)
+    assert contact_claims(case, found)[0].effect == "gap_offset"
 
 
 def test_poor_forces_that_no_cell_measured_are_said() -> None:
     case = colliding(CONTACT, measured=False)
     pair = prepare(case, model_of(case))
-    silent = ContactFindings(None, impacts=3)
     for left, said in ((0.02, False), (0.2, True)):
-        gap = {"training": {"before": left, "after": left, "noise_floor": 0.02}, "held_out": None}
-        report = joined(case, pair, silent, NOTHING | {"gap": gap})
-        assert any("worth less than with a force cell" in warning for warning in report["warnings"]) is said
+        warnings = poor_forces(pair, Misfit(before=left, after=left, noise_floor=0.02))
+        assert any("worth less than with a force cell" in warning for warning in warnings) is said
+    assert pair.blind
+    heard = prepare(cell := colliding(CONTACT), model_of(cell))
+    assert poor_forces(heard, Misfit(before=0.2, after=0.2, noise_floor=0.02)) == []
 
 
 def knocked(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspace(0.3, 2.2, 12))) -> Case:
@@ -213,9 +214,8 @@ def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
             values[:, column] = np.interp(run.time_s - 0.003, run.time_s, values[:, column])
         runs.append(replace(run, values=values))
     case = replace(case, runs=tuple(runs))
-    found = find(case, lambda what, share: None)
-    report = report_of(case, found)
+    found, decision = find(case, lambda what, share: None)
     assert found.pair is not None
-    report, _ = report_on_pair(case, found, report)
-    assert report["verdict"] == "unknown_effect"
-    assert any("different loggers" in warning for warning in report["warnings"])
+    concluded = conclude(case, found, decision).conclusion
+    assert concluded.verdict == "unknown_effect"
+    assert any("different loggers" in warning for warning in concluded.warnings)

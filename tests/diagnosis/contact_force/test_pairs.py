@@ -69,11 +69,11 @@ def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, refere
 
 
 def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
-    pair, found, report = judged(colliding(CONTACT))
+    pair, found, concluded = judged(colliding(CONTACT))
     assert found.impacts > 10
     assert pair.cell is not None
     assert pair.cell.faults == ()
-    assert report["verdict"] == "nothing_missing"
+    assert concluded.verdict == "nothing_missing"
 
 
 @pytest.mark.parametrize(
@@ -89,28 +89,28 @@ def test_what_is_different_in_a_contact_is_named(
     true: Contact, effect: str, parameter: str, wanted: float, within: float, measured: bool
 ) -> None:
     case = colliding(true, measured=measured, runs=2 if measured else 3)
-    pair, found, report = judged(case)
+    pair, found, concluded = judged(case)
     if not measured:
         # Forces that the motion asks for need more where no impacts that they were not fitted to agree.
         (_, best), *others = found.ranked
-        for nats, expected in (
+        for ln_bayes, expected in (
             (1.9 * BLIND_FACTOR * CLAIM_NATS, []),
             (2.1 * BLIND_FACTOR * CLAIM_NATS, [effect]),
         ):
-            sure = replace(found, ranked=((nats, best), *others))
+            sure = replace(found, ranked=((ln_bayes, best), *others))
             assert claimed(joined(case, pair, sure, NOTHING)) == expected
         told = foretold_by(case, pair, found)
         assert told is not None
         assert told.gained > 0
-        report = joined(case, pair, found, NOTHING | {"gap": {}}, told)
-    assert claimed(report) == [effect]
-    assert report["effects"][0]["contact"] == 1
-    assert value(report, parameter) == pytest.approx(wanted, abs=within)
+        concluded = joined(case, pair, found, NOTHING, told)
+    assert claimed(concluded) == [effect]
+    assert concluded.effects[0].contact == 1
+    assert value(concluded, parameter) == pytest.approx(wanted, abs=within)
 
 
 def foretold_by(case: Case, pair: Pair, found: ContactFindings) -> Foretold | None:
     """Return what the third run says of what the first two did, the frames being as believed."""
-    return foretold(case, cast(Findings, still_frames(pair)), NOTHING, found)
+    return foretold(case, cast(Findings, still_frames(pair)), NOTHING.verdict, found)
 
 
 def still_frames(pair: Pair) -> SimpleNamespace:
@@ -129,36 +129,36 @@ def test_laws_share_what_is_believed_of_another_law() -> None:
         "contact_stiffness",
         "contact_damping",
     ]
-    assert sum(np.exp(nats - 20.0) for nats, _ in ranked[3:]) == pytest.approx(1.0)
+    assert sum(np.exp(ln_bayes - 20.0) for ln_bayes, _ in ranked[3:]) == pytest.approx(1.0)
 
 
 def test_another_law_is_named() -> None:
     true = replace(CONTACT, law="hertz", stiffness=1e9, restitution=None)
-    _, _, report = judged(colliding(true))
-    assert claimed(report) == ["contact_law"]
-    assert value(report, "law") == "hertz"
+    _, _, concluded = judged(colliding(true))
+    assert claimed(concluded) == ["contact_law"]
+    assert value(concluded, "law") == "hertz"
 
 
 def test_a_second_contact_is_found_at_its_floor() -> None:
     other = replace(CONTACT, floor=2, gap_m=0.0018)
-    pair, _, report = judged(colliding(CONTACT, other))
+    pair, _, concluded = judged(colliding(CONTACT, other))
     assert pair.second is not None
     # Its pushes are no fault of the force cell at the other floor.
-    assert claimed(report) == ["second_contact"]
-    assert {report["effects"][0][key] for key in ("left", "right")} == {"tall", "stiff"}
-    assert report["effects"][0]["floor"] == 2
-    assert value(report, "gap") == pytest.approx(1.8, abs=0.03)
+    assert claimed(concluded) == ["second_contact"]
+    assert {concluded.effects[0].left, concluded.effects[0].right} == {"tall", "stiff"}
+    assert concluded.effects[0].floor == 2
+    assert value(concluded, "gap") == pytest.approx(1.8, abs=0.03)
 
 
 def test_a_second_contact_is_named_though_its_force_leaves_more_than_noise() -> None:
     case = colliding(CONTACT, replace(CONTACT, floor=2, gap_m=0.0018))
     pair, found, _ = judged(case)
-    poor = NOTHING | {"verdict": "unknown_effect", "gap": {}}
+    poor = replace(NOTHING, verdict="unknown_effect")
     assert claimed(joined(case, pair, found, poor)) == ["second_contact"]
     # Another frame than the believed one, or a tone, is something else.
-    assert joined(case, pair, found, poor, objections=True)["verdict"] == "unknown_effect"
+    assert joined(case, pair, found, poor, objections=True).verdict == "unknown_effect"
     alone = replace(pair, second=None)
-    assert joined(case, alone, found, poor)["verdict"] == "unknown_effect"
+    assert joined(case, alone, found, poor).verdict == "unknown_effect"
 
 
 def test_the_sticks_are_those_of_the_case() -> None:
@@ -295,24 +295,22 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert told.impacts >= 5
     assert told.model > 1.25 * told.likeliest
     assert told.likeliest == pytest.approx(1.0, abs=0.35)
-    shown = joined(case, pair, found, NOTHING | {"gap": {}}, told)["gap"]["contact"]
+    shown = joined(case, pair, found, NOTHING, told)["gap"]["contact"]
     assert shown == {"impacts": told.impacts, "before": told.model, "after": told.likeliest}
-    kept = joined(case, pair, replace(found, ranked=()), NOTHING | {"gap": {}}, told)["gap"]["contact"]
+    kept = joined(case, pair, replace(found, ranked=()), NOTHING, told)["gap"]["contact"]
     assert kept["after"] == told.model
     # An effect that the held-out impacts do not like is not claimed.
-    assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, told)) == ["contact_damping"]
+    assert claimed(joined(case, pair, found, NOTHING, told)) == ["contact_damping"]
     worse = replace(told, gained=-10.0)
-    assert claimed(joined(case, pair, found, NOTHING | {"gap": {}}, worse)) == []
+    assert claimed(joined(case, pair, found, NOTHING, worse)) == []
     # However plain it is to the others, what they say must not be strong, only true.
     (_, best), *others = found.ranked
     plainer = replace(found, ranked=((500.0, best), *others))
     agreed = replace(told, gained=8.0, impacts=found.impacts)
-    assert claimed(joined(case, pair, plainer, NOTHING | {"gap": {}}, agreed)) == ["contact_damping"]
+    assert claimed(joined(case, pair, plainer, NOTHING, agreed)) == ["contact_damping"]
     # A single one that says nothing either way is no veto.
     few = replace(told, gained=-0.5, impacts=1)
-    assert claimed(joined(case, pair, replace(found, impacts=40), NOTHING | {"gap": {}}, few)) == [
-        "contact_damping"
-    ]
+    assert claimed(joined(case, pair, replace(found, impacts=40), NOTHING, few)) == ["contact_damping"]
     findings.held_out = ()
     assert foretold(case, cast(Findings, findings), NOTHING, found) is None
 
@@ -340,14 +338,15 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
 
 
 def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one() -> None:
-    _, found, report = judged(colliding(replace(CONTACT, stiffness=1.4e7)))
-    assert report["verdict"] == "nothing_missing"
+    _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.4e7)))
+    assert concluded.verdict == "nothing_missing"
     said = contact_advice.advice(found, CLAIM_NATS)
     assert said[0].startswith("The same shaking recorded at four times the sampling rate")
     assert "another stiffness of the contact from the contact as believed" in said[0]
     assert found.bodies is not None
     assert found.null is not None
-    gains = dict(contact_advice.expected(found.bodies, found.ranked[0][1], found.null))
+    expected = contact_advice.expected(found.bodies, found.ranked[0][1], found.null)
+    gains = {gain.what: gain.ln_bayes for gain in expected}
     finest = gains["the same shaking recorded at four times the sampling rate, force cell included"]
     assert finest > 20
     # What a coarser record tells a finer one tells, too.

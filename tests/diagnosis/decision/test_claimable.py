@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -11,9 +12,8 @@ import pytest
 
 from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import remaining, visible
+from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.report.figures import _evidence
 from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model_of
 
 
@@ -24,22 +24,22 @@ def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
     ]
 
 
-def together(nats: float, *several: tuple[Any, list[float]]) -> Judged:
+def together(ln_bayes: float, *several: tuple[Any, list[float]]) -> Judged:
     """Return effects as they may have been judged."""
     effects, values = zip(*several, strict=True)
     return Judged(
-        cast(Any, SimpleNamespace(effects=effects, values=values)), nats, (0.1, 0.1), np.ones((2, 1))
+        cast(Any, SimpleNamespace(effects=effects, values=values)), ln_bayes, (0.1, 0.1), np.ones((2, 1))
     )
 
 
-def absorbing(nats: float) -> Judged:
+def absorbing(ln_bayes: float) -> Judged:
     """Return a change of a frame's modes with so much evidence."""
-    return together(nats, effect("p_delta", 1.0, absorbing=True))
+    return together(ln_bayes, effect("p_delta", 1.0, absorbing=True))
 
 
-def local(nats: float) -> Judged:
+def local(ln_bayes: float) -> Judged:
     """Return an effect in a storey with so much evidence."""
-    return together(nats, effect("bumper", 1.0))
+    return together(ln_bayes, effect("bumper", 1.0))
 
 
 def one(name: str, value: float, **where: Any) -> Judged:
@@ -60,7 +60,7 @@ def test_effects_are_judged_beside_the_delay_of_a_filter_that_is_likelier_than_e
     # What imitates the delay alone is not claimed.
     (claimed_one,) = found.claimable()
     assert claimed_one.effects == (bumper[0],)
-    assert claimed_one.nats == pytest.approx(200.0)
+    assert claimed_one.ln_bayes == pytest.approx(200.0)
     assert claimed_one.beside is judged_ones[1]
     found.judged = [together(1000.0, late), *judged_ones]
     assert found.claimable() == [found.judged[0], judged_ones[2]]
@@ -88,30 +88,42 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     assert found.claimable() == [judged_ones[0], judged_ones[5]]
 
 
-def test_what_an_effect_needs_in_a_pair() -> None:
+def least(found: Findings, kind: Callable[[float], Judged], size: float) -> float:
+    """Return the least evidence with which an effect of that size is detected, infinity where none is enough."""
+    levels = np.geomspace(1.0, 1e5, 2001)
+    return next((float(level) for level in levels if found.plain(kind(float(level)), size)), np.inf)
+
+
+def test_an_effect_needs_more_the_less_is_known_of_what_acts_on_the_frames() -> None:
+    """Modes are never quite those of the baseline frame, and impacts show it: more for what imitates that."""
     nothing: Any = None
-    found = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
-    assert found.plain(absorbing(30.0), 0.2)
+    alone = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
     pair, *_ = judged(colliding(CONTACT))
-    found.pair = pair
-    # Modes are never quite those of the baseline frame, and impacts show it.
-    assert not found.plain(absorbing(199.0), 0.5)
-    assert found.plain(absorbing(200.0), 0.2)
-    assert found.plain(absorbing(1000.0), 0.1)
-    assert not found.plain(local(99.0), 0.5)
-    assert found.plain(local(100.0), 0.1)
-    found.pair = replace(pair, contact_claimed=True)
-    assert not found.plain(absorbing(299.0), 0.5)
-    assert found.plain(absorbing(300.0), 0.5)
-    assert not found.plain(absorbing(1499.0), 0.1)
-    assert found.plain(absorbing(1500.0), 0.1)
-    assert found.plain(local(100.0), 0.1)
+    touching = replace(alone, pair=pair)
+    beside = replace(alone, pair=replace(pair, contact_claimed=True))
     # Without a cell, forces are what the motion asks for.
-    found.pair = replace(pair, second=(2, 500.0, 1))
-    assert not found.plain(absorbing(1000.0), 0.1)
-    assert not found.plain(absorbing(399.0), 0.25)
-    assert found.plain(absorbing(500.0), 0.25)
-    assert not found.plain(local(199.0), 0.5)
+    blind = replace(alone, pair=replace(pair, second=(2, 500.0, 1)))
+    needed = [least(found, absorbing, 0.5) for found in (alone, touching, beside, blind)]
+    assert needed == sorted(needed)
+    assert len(set(needed)) == 4
+    assert least(alone, local, 0.5) < least(touching, local, 0.5) < least(blind, local, 0.5)
+    for found in (touching, beside, blind):
+        assert least(found, local, 0.5) < least(found, absorbing, 0.5)
+    # What is between the frames says nothing about an effect in a storey that no mode imitates.
+    assert least(beside, local, 0.5) == least(touching, local, 0.5)
+
+
+def test_overwhelming_evidence_makes_up_for_size_where_a_cell_measured_the_force() -> None:
+    nothing: Any = None
+    alone = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
+    pair, *_ = judged(colliding(CONTACT))
+    touching = replace(alone, pair=pair)
+    blind = replace(alone, pair=replace(pair, second=(2, 500.0, 1)))
+    small = 0.12
+    assert least(touching, absorbing, 0.5) < least(touching, absorbing, small) < np.inf
+    assert least(blind, absorbing, small) == np.inf
+    assert least(alone, absorbing, small) == np.inf
+    assert least(touching, absorbing, 0.01) == np.inf
 
 
 def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
@@ -119,13 +131,13 @@ def test_what_is_left_of_a_pair_is_that_of_the_frame_that_has_most() -> None:
     model = model_of(colliding(CONTACT))
     nothing: Any = None
     found = Findings(
-        model_of, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(model.observed.names)))
+        model, nothing, nothing, nothing, (0,), (1,), floor=np.ones((2, len(model.observed.names)))
     )
-    gaps = np.where(model.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
-    fit = replace(local(0.0), channel_gap=gaps)
+    misfits = np.where(model.observed.floor >= 3, 2.0, 1.0) * np.ones((2, 1))
+    fit = replace(local(0.0), channel_misfit=misfits)
     assert remaining(found, fit) == pytest.approx(2.0)
     # Without a second run only the first counts.
-    assert remaining(found, replace(fit, channel_gap=gaps * [[1.0], [np.nan]])) == pytest.approx(2.0)
+    assert remaining(found, replace(fit, channel_misfit=misfits * [[1.0], [np.nan]])) == pytest.approx(2.0)
 
 
 def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
@@ -133,24 +145,9 @@ def test_an_effect_of_one_frame_is_as_large_as_that_frame_shows_it() -> None:
     model = model_of(colliding(CONTACT))
     tall = model.observed.floor < 3
     nothing: Any = None
-    before = replace(local(0.0), channel_gap=2.0 * np.ones((2, len(tall))))
+    before = replace(local(0.0), channel_misfit=2.0 * np.ones((2, len(tall))))
     found = Findings(model, before, nothing, nothing, (0,), (1,), floor=np.ones((2, len(tall))))
-    gaps = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
+    misfits = np.where(tall, np.sqrt(3.0), 1.0) * np.ones((2, 1))
     for frame, size in (("tall", 1.0), ("stiff", np.sqrt(3.0)), (None, np.sqrt(3.0))):
-        fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_gap=gaps)
-        assert visible(found, fit) == pytest.approx(size)
-
-
-@pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])
-def test_what_a_verdict_needs_is_inside_the_picture_of_the_evidence(needed: float, lines: int) -> None:
-    place = dict.fromkeys(("frame", "storey", "floor", "channel", "contact"))
-    report = {
-        "candidates": [{"effect": "p_delta", "log_evidence": 14.8, **place}],
-        "effects": [],
-        "thresholds": {"log_evidence": needed / lines, "absorbing": {"log_evidence": needed}},
-    }
-    (axes,) = _evidence(report).axes
-    drawn = [float(np.ravel(line.get_xdata())[0]) for line in axes.get_lines()]
-    assert drawn == [needed / lines, needed][:lines]
-    assert max(drawn) < axes.get_xlim()[1]
-    assert axes.texts[-1].get_text() == "14.8"
+        fit = replace(together(500.0, effect("bumper", 1.0, frame=frame)), channel_misfit=misfits)
+        assert signal_to_noise(found, fit) == pytest.approx(size)

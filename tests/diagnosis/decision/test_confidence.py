@@ -11,6 +11,8 @@ import pytest
 
 from pounding.diagnosis.benchmark.fitting import main
 from pounding.diagnosis.decision.confidence import (
+    FILE,
+    FORMER,
     VERDICTS,
     Features,
     confidence,
@@ -29,12 +31,14 @@ def cases(count: int, seed: int) -> list[tuple[Features, bool]]:
     rng = np.random.default_rng(seed)
     found = []
     for _ in range(count):
-        nats, margin = rng.lognormal(4.0, 1.5), rng.lognormal(3.0, 1.5)
+        ln_bayes, margin = rng.lognormal(4.0, 1.5), rng.lognormal(3.0, 1.5)
         verdict = VERDICTS[rng.integers(4)]
         effects = int(rng.integers(1, 3)) if verdict == "effect_named" else 1
-        visible, closed = rng.lognormal(0.5, 1.0), rng.uniform(0.0, 1.0)
+        signal_to_noise, closed = rng.lognormal(0.5, 1.0), rng.uniform(0.0, 1.0)
         rate = 0.3 + 0.65 * margin / (margin + 15.0) if verdict != "nothing_missing" else 0.9
-        found.append((Features(verdict, nats, margin, visible, closed, effects), bool(rng.random() < rate)))
+        found.append(
+            (Features(verdict, ln_bayes, margin, signal_to_noise, closed, effects), bool(rng.random() < rate))
+        )
     return found
 
 
@@ -59,8 +63,8 @@ def test_few_cases_make_no_steep_rule() -> None:
 def test_the_shipped_file_says_where_it_comes_from_and_more_evidence_never_lowers_a_named_effect() -> None:
     assert shipped().source
     rates = [
-        confidence(Features("effect_named", nats, margin, 1.0, 0.9, 1))
-        for nats, margin in ((40.0, 1.0), (40.0, 30.0), (400.0, 300.0))
+        confidence(Features("effect_named", ln_bayes, margin, 1.0, 0.9, 1))
+        for ln_bayes, margin in ((40.0, 1.0), (40.0, 30.0), (400.0, 300.0))
     ]
     assert rates == sorted(rates)
     assert all(0.01 <= confidence(Features(verdict, 0.0, 0.0, 0.0, 0.0, 0)) <= 0.99 for verdict in VERDICTS)
@@ -99,14 +103,32 @@ def test_only_the_kinds_that_are_asked_for_are_fitted_anew(tmp_path: Path) -> No
     assert written["effect_class"] == pytest.approx(learnt.coefficients["effect_class"], abs=1e-4)
 
 
+def test_calibrations_and_features_of_before_are_read_by_their_names_of_then(tmp_path: Path) -> None:
+    written = FILE.read_text(encoding="utf-8")
+    for new, old in FORMER.items():
+        written = written.replace(f"\n{new} =", f"\n{old} =")
+    (tmp_path / "former.toml").write_text(written, encoding="utf-8")
+    assert read_calibration(tmp_path / "former.toml") == shipped()
+    line = {
+        "verdict": "effect_named",
+        "nats": 40.0,
+        "margin": 3.0,
+        "visible": 2.0,
+        "closed": None,
+        "effects": 1,
+    }
+    (tmp_path / "pairs.jsonl").write_text(json.dumps(line | {"right": True}))
+    assert read_pairs(tmp_path / "pairs.jsonl") == [(Features("effect_named", 40.0, 3.0, 2.0, 0.0, 1), True)]
+
+
 def test_pairs_are_lines_of_json(tmp_path: Path) -> None:
     file = tmp_path / "pairs.jsonl"
     one = {
         "verdict": "effect_named",
-        "nats": 1,
+        "ln_bayes": 1,
         "margin": 1,
-        "visible": 1,
-        "closed": 1,
+        "signal_to_noise": 1,
+        "explained": 1,
         "effects": 1,
         "right": True,
     }

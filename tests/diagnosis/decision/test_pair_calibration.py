@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 import pytest
@@ -13,10 +13,12 @@ from pounding.contact.parameters import make_law
 from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.contact_force.pairs import quick_filter
+from pounding.diagnosis.decision.claims import Claim, Place, claim
+from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import CONTACT as CONTACT_CLAIM
-from pounding.diagnosis.decision.confidence import Features
+from pounding.diagnosis.decision.confidence import Basis, Features, basis
+from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.pair_calibration import Truth, right, simulate_and_judge, simulated, truths
-from pounding.diagnosis.decision.pair_decision import place
 from pounding.diagnosis.decision.rig_calibration import turn
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
@@ -61,7 +63,7 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
 def findings(case: Case) -> tuple[Findings, ContactFindings]:
     """Return findings on a pair whose frames are as believed, and what its impacts say."""
     pair, contact_findings, _ = judged(case)
-    null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), nats=0.0)
+    null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), ln_bayes=0.0)
     found = SimpleNamespace(pair=pair, judged=[], null=null, model=pair.slow, claimable=lambda: [])
     return cast(Findings, found), contact_findings
 
@@ -99,24 +101,28 @@ def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
     offset = truths(found, contact_findings)[1]
     assert offset.contact is not None
     made = simulated(case, found, offset, np.random.default_rng(5))
-    _, _, report = judged(made)
-    (claim,) = report["effects"]
-    assert claim["effect"] == "gap_offset"
+    _, _, conclusion = judged(made)
+    (named,) = conclusion.effects
+    assert named.effect == "gap_offset"
     # Of the size that was found, times a factor of chance.
-    assert 0.2 < claim["parameters"][0]["value"] < 3.0
+    assert 0.2 < float(named.parameters[0].value or 0.0) < 3.0
+
+
+def concluded(verdict: Verdict, *claims: Claim) -> Conclusion:
+    behind = basis(Features("pair_nothing_missing", 12.0, 3.0, 1.0, 1.0, 1))
+    return Conclusion(verdict, 0.9, behind, claims, ())
 
 
 def test_a_verdict_is_right_by_type_and_place_alone() -> None:
-    hidden = Truth("gap offset", place({"effect": "gap_offset", "contact": 1}))
-    claim = {"effect": "gap_offset", "contact": 1, "log_evidence": 40.0}
-    other = {"effect": "contact_law", "contact": 1}
-    named: dict[str, Any] = {"verdict": "effect_named", "effects": [claim | {"class": [claim]}]}
-    assert right(named, hidden)
-    assert not right(named, Truth())
-    assert right({"verdict": "effect_class", "effects": [other | {"class": [other, claim]}]}, hidden)
-    assert not right({"verdict": "effect_named", "effects": named["effects"] * 2}, hidden)
-    assert not right({"verdict": "unknown_effect", "effects": named["effects"]}, hidden)
-    assert right({"verdict": "nothing_missing", "effects": []}, Truth())
+    gap, law = (Place(effect=name, contact=1) for name in ("gap_offset", "contact_law"))
+    hidden = Truth("gap offset", gap)
+    named = claim(gap, [], 40.0)
+    assert right(concluded("effect_named", named), hidden)
+    assert not right(concluded("effect_named", named), Truth())
+    assert right(concluded("effect_class", claim(law, [], 40.0, [law, gap])), hidden)
+    assert not right(concluded("effect_named", named, named), hidden)
+    assert not right(concluded("unknown_effect", named), hidden)
+    assert right(concluded("nothing_missing"), Truth())
 
 
 def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
@@ -124,10 +130,10 @@ def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
     found, contact_findings = findings(case)
     frames, contact = (Features(name, 12.0, 3.0, 1.0, 1.0, 1) for name in ("nothing_missing", CONTACT_CLAIM))
 
-    def diagnose(made: Case) -> dict[str, Any]:
+    def diagnose(made: Case) -> Conclusion:
         assert not np.array_equal(made.runs[0].values, case.runs[0].values)
-        basis = {"features": vars(frames), "contact": vars(contact)}
-        return {"verdict": "effect_named", "effects": [], "confidence_basis": basis}
+        behind = Basis(calibration="a test", features=frames, contact=contact)
+        return replace(concluded("effect_named"), basis=behind)
 
     outcome = simulate_and_judge(case, found, contact_findings, diagnose, 0)
     assert (outcome.truth, outcome.right, outcome.features) == ("nothing missing", False, contact)

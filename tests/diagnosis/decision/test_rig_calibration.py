@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pounding.diagnosis.decision.confidence import basis, shipped
+from pounding.diagnosis import diagnose
+from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.confidence import SimulatedTruth, basis, shipped
 from pounding.diagnosis.decision.rig_calibration import (
     Outcome,
     calibrate,
@@ -25,7 +28,6 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.search import search
-from pounding.diagnosis.workflow import diagnose_case
 from tests.diagnosis.models import measured
 
 CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffness" and one.storey == 2)
@@ -85,15 +87,39 @@ def outcomes(found: Findings, right: int, of: int) -> list[Outcome]:
 
 
 def test_the_stated_rate_follows_what_happened_on_the_rig(found: Findings) -> None:
-    report = {"confidence_basis": basis(features(found, decide(found)))}
-    good, bad = (stated(report, outcomes(found, right, 20)) for right in (20, 4))
-    assert good["confidence"] > 0.8
-    assert bad["confidence"] < 0.4
-    behind = good["confidence_basis"]
-    assert behind["calibration"].startswith("20 cases simulated on this rig")
-    assert shipped().source in behind["calibration"]
-    assert behind["simulated"] == [{"truth": "cubic stiffness", "right": 20, "cases": 20}]
-    json.dumps(good)
+    concluded = Conclusion("effect_named", 0.5, basis(features(found, decide(found))), (), ())
+    good, bad = (stated(concluded, outcomes(found, right, 20)) for right in (20, 4))
+    assert good.confidence > 0.8
+    assert bad.confidence < 0.4
+    assert good.basis.calibration.startswith("20 cases simulated on this rig")
+    assert shipped().source in good.basis.calibration
+    assert good.basis.simulated == (SimulatedTruth(truth="cubic stiffness", right=20, cases=20),)
+
+
+def test_kept_outcomes_of_before_are_read_and_what_is_none_is_simulated_anew(tmp_path: Path) -> None:
+    features = {"verdict": "effect_named", "margin": 3.0, "effects": 1}
+    former = {"nats": 40.0, "visible": 2.0, "closed": 0.9}
+    new = {"ln_bayes": 40.0, "signal_to_noise": 2.0, "explained": 0.9}
+    lines = [
+        {"number": 0, "truth": "bumper", "right": True, "features": features | former},
+        {"number": 1, "truth": "bumper", "right": True, "features": features | new},
+        {"number": 2, "truth": "bumper", "right": True, "features": {"verdict": "another"}},
+        {"number": 3, "truth": "bumper"},
+        [4],
+    ]
+    kept = tmp_path / "kept.jsonl"
+    # The last line was cut off by an interruption.
+    kept.write_text("\n".join(json.dumps(line) for line in lines) + '\n{"number": 5, "tru')
+    first, second = read_outcomes(kept)
+    assert (first.number, second.number) == (0, 1)
+    assert first.features == second.features
+
+    def simulate(number: int) -> Outcome:
+        return replace(first, number=number)
+
+    again = calibrate(simulate, kept, cases=6, workers=1)
+    assert [one.number for one in again] == list(range(6))
+    assert calibrate(lambda number: pytest.fail("all are kept"), kept, cases=6, workers=1) == again
 
 
 def test_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
@@ -101,4 +127,4 @@ def test_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
         '[[frame]]\nname = "5B"\n[[modal]]\nquantity = "mass"\nvalue = 33.0\nunit = "kg"\nstd = 1.0\n'
     )
     with pytest.raises(CaseError, match=r"this case has no run; leave --calibrate out"):
-        diagnose_case(tmp_path, calibrate=True)
+        diagnose(tmp_path, calibrate=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.decision.verdict import decide
-from pounding.diagnosis.design.advice import advice, as_it_was, expected, measurements, rivals
+from pounding.diagnosis.design.frame_advice import advice, as_it_was, expected, measurements, rivals
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
@@ -47,14 +47,15 @@ def louder(factor: float, noise: float) -> Model:
 @pytest.mark.slow
 def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
     weak = searched(louder(1.0, 0.1))
-    assert decide(weak).verdict == "nothing_missing"
-    said = advice(weak)
+    decision = decide(weak)
+    assert decision.verdict == "nothing_missing"
+    said = advice(weak, decision)
     assert said[0].startswith("The same shaking at twice its amplitude")
     # So weakly shown, its storey is a guess.
     assert "hysteresis" in said[0]
     assert "nothing missing" in said[0]
     best = weak.judged[0]
-    gains = dict(expected(weak, best.fit, weak.null.fit))
+    gains = {gain.what: gain.ln_bayes for gain in expected(weak, best.fit, weak.null.fit)}
     assert (
         gains["the same shaking at twice its amplitude"]
         > 100
@@ -64,15 +65,16 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
     assert decide(strong).verdict != "nothing_missing"
     assert strong.judged[0].effects[0].name == "hysteresis"
     # The order of magnitude holds; the null model bends more than a linear imitation can.
-    assert strong.judged[0].nats > 100
+    assert strong.judged[0].ln_bayes > 100
 
 
 def test_what_is_tried_is_a_measurement_that_was_not_made_and_a_clear_verdict_asks_for_none() -> None:
     cubic = effect("cubic_stiffness", 2)
     found = searched(measured([(cubic, np.array([2e9]))]))
-    assert decide(found).verdict == "effect_named"
-    assert rivals(found, decide(found)) is None
-    assert advice(found) == []
+    decision = decide(found)
+    assert decision.verdict == "effect_named"
+    assert rivals(found, decision) is None
+    assert advice(found, decision) == []
     tried = list(measurements(found, as_it_was(found)))
     further = [one for one in tried if not one.more]
     # Of three floors all accelerations and the first and third displacement are there.
@@ -85,4 +87,4 @@ def test_a_rival_that_is_the_truth_itself_gains_nothing() -> None:
     cubic = effect("cubic_stiffness", 2)
     found = searched(measured([(cubic, np.array([2e9]))]))
     best = found.judged[0].fit
-    assert all(abs(nats) < 1e-6 for _, nats in expected(found, best, best))
+    assert all(abs(gain.ln_bayes) < 1e-6 for gain in expected(found, best, best))

@@ -11,7 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Prior
-from pounding.diagnosis.decision.verdict import decide, parameters
+from pounding.diagnosis.decision.conclusion import parameters
+from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidate_file import read_candidates
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
@@ -104,14 +105,14 @@ def test_what_nothing_in_the_catalogue_fits_is_named_once_the_user_offers_it(
     assert effect.place() | {"effect": "stroke_damper", "frame": "bench", "storey": 2} == effect.place()
     assert decision.judged.fit.values[0][0] == pytest.approx(150.0, rel=0.02)
     # The held-out gap falls from 15 % to the noise.
-    assert decision.judged.gap[1] == pytest.approx(0.02, rel=0.1)
+    assert decision.judged.misfit[1] == pytest.approx(0.02, rel=0.1)
 
 
 def test_parameters_are_reported_in_the_users_units(kinds: list[type[Effect]]) -> None:
     case, nothing = None, None
     tie = kinds[1](index=0, frame="bench", storey=1)
     shown = parameters(case, nothing, tie, np.array([3e4, 2e-3]), np.array([1e3, 1e-4]))  # type: ignore[arg-type]
-    assert [(one["name"], round(one["value"], 6), one["unit"]) for one in shown] == [
+    assert [(one.name, round(float(one.value or 0), 6), one.unit) for one in shown] == [
         ("stiffness", 3e4, "N/m"),
         ("slack", 2.0, "mm"),
     ]

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pounding.diagnosis import diagnose, read_report
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.case.reading import read_case
@@ -26,7 +26,6 @@ from pounding.diagnosis.inference.modal_evidence import (
 from pounding.diagnosis.inference.modal_model import alone
 from pounding.diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
 from pounding.diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
-from pounding.diagnosis.workflow import diagnose_case
 from tests.diagnosis.models import three_storeys
 
 BENCH = """
@@ -161,13 +160,13 @@ def test_a_modal_case_is_diagnosed_from_its_folder(tmp_path: Path) -> None:
         for mode, value in ((1, 6.0), (2, 16.8), (3, 24.3))
     )
     (tmp_path / "case.toml").write_text(text)
-    report = diagnose_case(tmp_path, tmp_path / "out")
-    assert report["verdict"] == "nothing_missing"
-    assert 0 < report["confidence"] <= 1
-    assert {"schema", "effects", "gap", "where", "candidates", "warnings"} <= set(report)
-    written = json.loads((tmp_path / "out" / "report.json").read_text())
-    assert [row["mode"] for row in written["modal"]] == [1, 2, 3]
-    assert "foretold" in (tmp_path / "out" / "report.html").read_text()
+    report = diagnose(tmp_path, tmp_path / "out")
+    assert report.verdict == "nothing_missing"
+    assert report.confidence is not None
+    assert 0 < report.confidence <= 1
+    assert read_report(tmp_path / "out") == report
+    assert [row.mode for row in report.modal or ()] == [1, 2, 3]
+    assert "predicted" in (tmp_path / "out" / "report.html").read_text()
     again = write_case(read_case(tmp_path), tmp_path / "copy").parent
     assert read_case(again).modal == read_case(tmp_path).modal
 

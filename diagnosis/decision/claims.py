@@ -1,0 +1,168 @@
+"""What is said of effects: where they are, how large, how likely. The entries of a report are made of these.
+
+Each is a `msgspec.Struct`: it is written to JSON, and read from there, by the names of docs/diagnosis/case-format.md.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from msgspec import UNSET, Struct, UnsetType, field
+
+from pounding.diagnosis.effects.catalogue import Effect
+
+
+def finite(value: float) -> float | None:
+    """Return a number as reports hold it: None where it is not finite, as JSON has no other word for it."""
+    return float(value) if math.isfinite(value) else None
+
+
+class Place(Struct, frozen=True, kw_only=True):
+    """An effect and where it is; None where it has no such place. Storeys and floors count from 1, contacts too.
+
+    Attributes:
+        effect: Its name in the catalogue, or in the user's own candidates.
+        test: Name of the only modal test in which it acts; unset where it acts in all.
+    """
+
+    effect: str
+    frame: str | None = None
+    storey: int | None = None
+    floor: int | None = None
+    channel: str | None = None
+    contact: int | None = None
+    left: str | None = None
+    right: str | None = None
+    test: str | UnsetType = UNSET
+
+    @property
+    def place(self) -> Place:
+        """Effect and place alone, without what else is said of it."""
+        return Place(**fields(self))
+
+    def words(self) -> str:
+        """Return what and where, in words: `coulomb friction in storey 3 of 5B`."""
+        said = self.effect.replace("_", " ")
+        if self.channel is not None:
+            said += f" of channel{'s' * (', ' in self.channel)} {self.channel}"
+        elif self.left is not None:
+            said += f" between {self.left} and {self.right}" + (
+                f" at floor {self.floor}" if self.floor else ""
+            )
+        else:
+            said += "".join(
+                f" {'on' if key == 'floor' else 'in'} {key} {value}"
+                for key, value in (("storey", self.storey), ("floor", self.floor), ("contact", self.contact))
+                if value is not None
+            )
+            said += f" of {self.frame}" if self.frame else ""
+        return said if self.test is UNSET else f"{said}, only in the {str(self.test).replace('_', ' ')}"
+
+    def where(self) -> str:
+        """Return where it is, for a table's cell: `5B, storey 3`."""
+        words = [f"{self.left}–{self.right}"] if self.left else []
+        words += [self.frame] if self.frame else []
+        numbered = {
+            "storey": self.storey,
+            "floor": self.floor,
+            "channel": self.channel,
+            "contact": self.contact,
+        }
+        words += [f"{key} {value}" for key, value in numbered.items() if value is not None]
+        words += [] if self.test is UNSET else [f"only in {str(self.test).replace('_', ' ')}"]
+        return ", ".join(words) or "the table"
+
+
+def place_of(effect: Effect) -> Place:
+    """Return an effect of the catalogue and its place."""
+    return _place(effect.place())
+
+
+def places_of(effect: Effect) -> list[Place]:
+    """Return the places under which an effect is reported; more than one where it stands for several."""
+    return [_place(entry) for entry in effect.entries()]
+
+
+def _place(entry: Mapping[str, Any]) -> Place:
+    counted = ("storey", "floor", "contact")
+    values: dict[str, Any] = {
+        key: int(value) if key in counted and value is not None else value for key, value in entry.items()
+    }
+    return Place(**values)
+
+
+class Parameter(Struct, frozen=True, kw_only=True):
+    """A parameter of an effect: a number in `unit` with its standard error, or the name of a law, which has none."""
+
+    name: str
+    value: float | str | None
+    std: float | UnsetType | None = UNSET
+    unit: str
+
+    def words(self, digits: int = 3) -> str:
+        """Return it in words: `friction force 12.1 ± 0.4 N`.
+
+        Args:
+            digits: Significant digits of the value.
+        """
+        name = self.name.replace("_", " ")
+        if self.value is None or isinstance(self.value, str):
+            return f"{name} {self.value or 'unknown'}"
+        unit = "" if self.unit in ("", "1", "-") else f" {self.unit}"
+        known = isinstance(self.std, float)
+        return f"{name} {self.value:.{digits}g}" + (f" ± {self.std:.2g}" if known else "") + unit
+
+
+def parameter(name: str, value: float | str, std: float | None, unit: str) -> Parameter:
+    """Return a parameter; numbers that are not finite become None."""
+    number = value if isinstance(value, str) else finite(value)
+    return Parameter(name=name, value=number, std=None if std is None else finite(std), unit=unit)
+
+
+class Candidate(Place, frozen=True, kw_only=True):
+    """An effect that was tried.
+
+    Attributes:
+        log_evidence: Logarithm of the Bayes factor against 'nothing missing' [nats].
+    """
+
+    log_evidence: float
+
+
+class Claim(Candidate, frozen=True, kw_only=True):
+    """An effect that is said to be missing from the model.
+
+    Attributes:
+        parameters: How large it is.
+        members: What these data cannot tell apart, itself first; `class` in JSON.
+    """
+
+    parameters: tuple[Parameter, ...]
+    members: tuple[Place, ...] = field(name="class", default=())
+
+    def sized(self) -> str:
+        """Return what, where and how large, in words."""
+        values = ", ".join(one.words() for one in self.parameters)
+        return f"{self.words()} ({values})" if values else self.words()
+
+
+def candidate(place: Place, log_evidence: float) -> Candidate:
+    """Return a candidate at a place."""
+    return Candidate(**fields(place), log_evidence=float(log_evidence))
+
+
+def claim(
+    place: Place, parameters: list[Parameter], log_evidence: float, members: list[Place] | None = None
+) -> Claim:
+    """Return a claim at a place; alone in its class where no members are given."""
+    alike = tuple(members or [place])
+    return Claim(
+        **fields(place), parameters=tuple(parameters), log_evidence=float(log_evidence), members=alike
+    )
+
+
+def fields(place: Place) -> dict[str, Any]:
+    """Return effect and place as the arguments of what is said at that place."""
+    return {key: getattr(place, key) for key in Place.__struct_fields__}

@@ -1,0 +1,129 @@
+"""What is concluded of a case: the verdict with its confidence, what is claimed, and everything that was tried."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from msgspec import Struct
+
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.decision.claims import (
+    Candidate,
+    Claim,
+    Parameter,
+    candidate,
+    claim,
+    parameter,
+    place_of,
+    places_of,
+)
+from pounding.diagnosis.decision.confidence import Basis, basis, confidence
+from pounding.diagnosis.decision.decision import Decision, Verdict
+from pounding.diagnosis.decision.verdict import features
+from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
+from pounding.diagnosis.inference.findings import Findings
+
+
+class ContactMisfit(Struct, frozen=True, kw_only=True):
+    """How well held-out impacts are predicted, one by one from the measured motion before each.
+
+    Attributes:
+        impacts: How many they are.
+        before: Root mean square of what the believed contact leaves of their forces [standard deviations of these].
+        after: The same with the contact that is claimed.
+    """
+
+    impacts: int
+    before: float | None
+    after: float | None
+
+
+@dataclass(frozen=True)
+class Conclusion:
+    """What is concluded.
+
+    Attributes:
+        verdict: The verdict on everything in the case.
+        confidence: Probability that it is right.
+        basis: What stands behind that figure.
+        effects: What is claimed, the likeliest first; the best that was tried for an unknown effect.
+        candidates: Every effect that was tried, the likeliest first.
+        warnings: Sentences.
+        contact_misfit: How well held-out impacts are predicted; None without any.
+    """
+
+    verdict: Verdict
+    confidence: float
+    basis: Basis
+    effects: tuple[Claim, ...]
+    candidates: tuple[Candidate, ...]
+    warnings: tuple[str, ...] = ()
+    contact_misfit: ContactMisfit | None = None
+
+
+def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
+    """Return what a decision on frames concludes, what is between them left aside."""
+    given = features(found, decision)
+    return Conclusion(
+        verdict=decision.verdict,
+        confidence=confidence(given),
+        basis=basis(given),
+        effects=_claims(case, found, decision),
+        candidates=_candidates(found),
+        warnings=(*case.warnings, *found.model.observed.warnings, *decision.model_checks),
+    )
+
+
+def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...]:
+    if decision.verdict == "nothing_missing":
+        return ()
+    judged = decision.judged
+    shown = []
+    for effect, values, std in zip(judged.fit.effects, judged.fit.values, judged.fit.std, strict=True):
+        if effect.rival or effect not in judged.effects:
+            continue
+        for place in places_of(effect):
+            members = [place, *(place_of(other.effects[0]) for other in decision.alike)]
+            sizes = parameters(case, found, effect, values, std)
+            shown.append(claim(place, sizes, judged.ln_bayes, members))
+    return tuple(shown)
+
+
+def parameters(
+    case: Case, found: Findings, effect: Effect, values: np.ndarray, std: np.ndarray
+) -> list[Parameter]:
+    """Return an effect's parameters as reported.
+
+    Args:
+        case: The case, for the units of its channels.
+        found: What was found, for what the baseline model has.
+        effect: The effect.
+        values, std: Its parameters and their standard errors in SI, shape (parameters,).
+    """
+    shown = []
+    for quantity, value, spread in zip(effect.quantities, values, std, strict=True):
+        if not quantity.reported:
+            continue
+        unit, factor = quantity.unit, quantity.per_si
+        if unit == CHANNEL_UNIT:
+            channel = case.channels[case.channel_index(str(effect.channel))]
+            unit, factor = channel.unit, 1 / channel.to_si
+        if effect.name == "joint_flexibility":
+            factor = found.model.structure.frames[effect.index].joint_stiffness
+        shown.append(parameter(quantity.name, float(value) * factor, float(spread) * factor, unit))
+    return shown
+
+
+def _candidates(found: Findings) -> tuple[Candidate, ...]:
+    """Return every single effect of the catalogue that has a finite evidence, the likeliest first."""
+    ln_bayes: dict[Effect, float] = {one.effect: one.ln_bayes for one in found.scores.ranked}
+    for judged in (*found.judged, *found.claimable()):
+        if len(judged.effects) == 1:
+            ln_bayes[judged.effects[0]] = judged.ln_bayes
+    ranked = sorted(ln_bayes.items(), key=lambda item: -item[1])
+    return tuple(
+        candidate(place_of(effect), value)
+        for effect, value in ranked
+        if not effect.rival and np.isfinite(value)
+    )

@@ -1,0 +1,248 @@
+"""Which further measurement of shaken frames would part what the data cannot, by simulation.
+
+One of two rivals is taken for true and makes the data of a further measurement; the other predicts them with the filter that
+it would have, and is allowed to bend its size and the nuisance parameters to imitate (linearised, inside their priors).
+Half the squared innovations that then remain, less those of the measurement as it was, are the ln Bayes factor that the
+further measurement is expected to bring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from time import perf_counter
+
+import numpy as np
+
+from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.design.contenders import Gain, advised, contenders
+from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.filtering import (
+    run_filter,
+    whitened_innovations,
+)
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.histories import Histories
+from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.search import widths
+from pounding.diagnosis.model.kalman import Noise
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
+from pounding.diagnosis.model.storeys import Structure
+
+SHARE = 0.02
+"""Noise of a channel that is not there yet, as a share of its rms, where no channel of its kind is."""
+LONGEST_S = 8.0
+"""Length of a simulated run [s]."""
+WEIGHT_SHARE = 0.1
+"""Known weight on the roof, as a share of its frame's mass."""
+SECONDS = 20.0
+"""[s] after which no further measurement is tried."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """A further measurement.
+
+    Attributes:
+        what: In words.
+        model: The model with this measurement's channels, runs and known weights.
+        noise: Of each channel in SI.
+        more: Whether it is a run beside the existing one; else the same run with more channels.
+    """
+
+    what: str
+    model: Model
+    noise: np.ndarray
+    more: bool
+
+
+def rivals(found: Findings, decision: Decision) -> tuple[Judged, Judged] | None:
+    """Return the best candidate and the one that is hardest to tell from it, or None where the verdict is clear."""
+    if decision.verdict == "unknown_effect" or not found.judged:
+        return None
+    first = decision.judged if decision.named else found.judged[0]
+    if decision.alike:
+        return first, decision.alike[0]
+    mine = _places(first)
+    others = [
+        (one.ln_bayes, one)
+        for one in found.judged
+        if len(one.effects) == len(first.effects) and _places(one) != mine
+    ]
+    return contenders((first.ln_bayes, first), others, found.null, decision.named)
+
+
+def _places(judged: Judged) -> set[tuple[object, ...]]:
+    return {tuple(effect.place().values()) for effect in judged.effects}
+
+
+def advice(found: Findings, decision: Decision) -> list[str]:
+    """Return sentences on the further measurements that would part the rivals, best first; none for a clear verdict."""
+    return advised(rivals(found, decision), _name, lambda true, other: expected(found, true.fit, other.fit))
+
+
+def _name(judged: Judged) -> str:
+    return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
+
+
+def expected(found: Findings, true: Fit, other: Fit) -> list[Gain]:
+    """Return what each further measurement is expected to bring, most first.
+
+    Args:
+        found: What the search found.
+        true: The rival that is taken for true.
+        other: The rival that tries to imitate it.
+    """
+    began = perf_counter()
+    now = as_it_was(found)
+    base = _normal(now, true, other, found)
+    left = _unexplained(base)
+    gains = []
+    for one in measurements(found, now):
+        if perf_counter() - began > SECONDS:
+            break
+        normal = _normal(one, true, other, found)
+        total = _unexplained(_sum(base, normal)) if one.more else _unexplained(normal)
+        gains.append(Gain(one.what, total - left))
+    return sorted(gains, key=lambda gain: -gain.ln_bayes)
+
+
+def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
+    """Yield the further measurements that are tried: channels, amplitudes, another motion, a weight on the roof."""
+    model, run = now.model, now.model.observed.runs[0]
+    for size, words in ((2.0, "twice"), (0.5, "half")):
+        louder = replace(run, table=size * run.table)
+        yield _with_run(now, louder, f"the same shaking at {words} its amplitude")
+    yield _with_run(now, _other_motion(run), "broadband noise of the same peak on the table")
+    structure = model.structure
+    for number, frame in enumerate(structure.frames):
+        mass = frame.mass.copy()
+        weight = WEIGHT_SHARE * float(frame.floor_mass.sum())
+        mass[-1, -1] += weight
+        heavier = Structure(
+            tuple(replace(f, mass=mass) if i == number else f for i, f in enumerate(structure.frames))
+        )
+        loaded = Model(heavier, model.observed, model.prior)
+        yield Measurement(
+            f"the same shaking with {weight:.2g} kg on the roof of {frame.name}", loaded, now.noise, True
+        )
+    yield from _channels(now)
+
+
+def _channels(now: Measurement) -> Iterator[Measurement]:
+    seen = now.model.observed
+    present = {(int(q), int(f)) for q, f in zip(seen.quantity, seen.floor, strict=True)}
+    simulated = now.model.predict(np.zeros(len(now.model.std)), None, (), [0])
+    for kind, words in ((ACCELERATION, "accelerometer on"), (DISPLACEMENT, "displacement sensor at")):
+        for floor in range(now.model.structure.floors):
+            if (kind, floor) in present:
+                continue
+            frame, number = now.model.structure.place(floor)
+            run = seen.runs[0]
+            blank = np.zeros((len(run.table), len(seen.names) + 1))
+            wider = replace(
+                seen,
+                names=(*seen.names, "further"),
+                to_si=np.append(seen.to_si, 1.0),
+                quantity=np.append(seen.quantity, kind),
+                floor=np.append(seen.floor, floor),
+                runs=(replace(run, measured=blank),),
+            )
+            model = Model(now.model.structure, wider, now.model.prior)
+            rms = float(
+                root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
+            )
+            alike = np.flatnonzero(seen.quantity == kind)
+            share = SHARE
+            if len(alike):
+                shown = root_mean_square(simulated.outputs[0])[alike]
+                share = float(np.median(now.noise[alike] / np.maximum(shown, 1e-12)))
+            what = (
+                f"an {words} floor {number} of {frame}"
+                if kind == ACCELERATION
+                else f"a {words} floor {number} of {frame}"
+            )
+            yield Measurement(what, model, np.append(now.noise, min(share, 1.0) * rms), False)
+
+
+def as_it_was(found: Findings) -> Measurement:
+    """Return what was measured: the first training run, cut to `LONGEST_S`, without what is infinitely noisy."""
+    seen = found.model.observed
+    number = found.null.fit.filtered.runs[0]
+    run = seen.runs[number]
+    samples = min(len(run.table), int(LONGEST_S / run.step_s))
+    noise = np.asarray(found.null.fit.filtered.noise[0].channel, float)
+    kept = np.flatnonzero(np.isfinite(noise))
+    cut = replace(
+        run,
+        table=run.table[:samples],
+        time_s=run.time_s[:samples],
+        measured=np.zeros((samples, len(kept))),
+        contact=run.contact[:samples],
+    )
+    observed = replace(
+        seen,
+        names=tuple(seen.names[c] for c in kept),
+        to_si=seen.to_si[kept],
+        quantity=seen.quantity[kept],
+        floor=seen.floor[kept],
+        runs=(cut,),
+    )
+    model = Model(found.model.structure, observed, found.model.prior)
+    return Measurement("as it was", model, noise[kept], False)
+
+
+def _with_run(now: Measurement, run: RunData, what: str) -> Measurement:
+    observed = replace(now.model.observed, runs=(run,))
+    return Measurement(what, Model(now.model.structure, observed, now.model.prior), now.noise, True)
+
+
+def _other_motion(run: RunData) -> RunData:
+    """Return a run of band-limited noise with the same peak and length."""
+    rng = np.random.default_rng(0)
+    spectrum = np.fft.rfft(rng.standard_normal(len(run.table)))
+    frequency = np.fft.rfftfreq(len(run.table), run.step_s)
+    shaped = np.fft.irfft(spectrum * np.exp(-((frequency / 30.0) ** 4)), len(run.table))
+    shaped *= np.sin(np.linspace(0, np.pi, len(shaped))) ** 0.5
+    return replace(run, table=shaped * np.abs(run.table).max() / np.abs(shaped).max())
+
+
+Normal = tuple[np.ndarray, np.ndarray, float]
+
+
+def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
+    """Return Gauss-Newton matrix, slope and sum of squares of the imitator on the data that the true rival makes."""
+    model = one.model
+    made = model.predict(
+        model.carried(found.model, true.filtered.values), None, true.filtered.effects, [0]
+    ).outputs[0]
+    run = replace(model.observed.runs[0], measured=made)
+    model = Model(model.structure, replace(model.observed, runs=(run,)), model.prior)
+    known = other.filtered.noise[0]
+    noise = Noise(np.asarray(known.latent), known.table, one.noise)
+    filtered = run_filter(
+        model, model.carried(found.model, other.filtered.values), [noise], [0], other.filtered.effects
+    )
+    widths_of = [
+        widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
+    ]
+    coordinates = Coordinates.of(model, other.effects, other.values, widths_of)
+    histories = Histories(model, filtered, coordinates)
+    columns = histories.effect_columns(coordinates.theta(filtered.values))[0]
+    # A channel that only this measurement has brings gain and delay of its own: they are no part of the other's matrix.
+    shared = [j for j, parameter in enumerate(model.parameters) if not parameter.kind.startswith("channel")]
+    both = np.hstack([histories.nuisance_columns()[0][:, shared], columns]).astype(float)
+    residual = whitened_innovations(model, filtered)[0]
+    return both.T @ both, both.T @ residual, float(residual @ residual)
+
+
+def _sum(one: Normal, other: Normal) -> Normal:
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
+def _unexplained(normal: Normal) -> float:
+    """Return half the squares that remain when the imitator has bent all it may [nats]."""
+    gram, slope, squares = normal
+    return 0.5 * float(squares - slope @ np.linalg.solve(gram + np.eye(len(gram)), slope))

@@ -1,0 +1,200 @@
+"""The report on a case: one object, written to `report.json` and read from there, of which pages and tables are made.
+
+Its fields are the keys of docs/diagnosis/case-format.md and docs/diagnosis/reports.md. What a report may lack is unset; what
+it has but knows no number for is None, as everything that is not finite.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from msgspec import UNSET, Struct, UnsetType
+
+from pounding.diagnosis.decision.claims import Candidate, Claim
+from pounding.diagnosis.decision.conclusion import ContactMisfit
+from pounding.diagnosis.decision.confidence import Basis
+from pounding.diagnosis.decision.decision import NAMED, Verdict
+from pounding.diagnosis.design.detectability import Detectability
+from pounding.diagnosis.design.distinguishing_tests import Distinction
+from pounding.diagnosis.inference.misfit_map import Spot
+
+SCHEMA = 2
+EXPLAINABLE = 1.1
+"""A misfit is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
+
+
+class Misfit(Struct, frozen=True, kw_only=True):
+    """Medians over the channels of rms(simulated - measured) / rms(measured).
+
+    Attributes:
+        before: Of the baseline model, its nuisance parameters calibrated.
+        after: Of the exudyn model with the effects in it.
+        noise_floor: What a perfect model would leave.
+        explained: Share of the misfit above the noise floor that the effects explain; None where none is above it.
+    """
+
+    before: float | None
+    after: float | None
+    noise_floor: float | None
+    explained: float | UnsetType | None = UNSET
+
+    def share(self) -> float | None:
+        """Return the share of the misfit above the noise floor that the effects explain, or None where none is above it."""
+        before, after, noise = self.before, self.after, self.noise_floor
+        if before is None or after is None or noise is None or not before > EXPLAINABLE * noise:
+            return None
+        return (before - after) / (before - noise)
+
+
+class HeldOutMisfit(Misfit, frozen=True, kw_only=True):
+    """The same over the runs that were not used, whose names are in `run`."""
+
+    run: str
+
+
+class Misfits(Struct, frozen=True, kw_only=True):
+    """The misfit over the runs that were used, over those held out (None without any), and of held-out impacts."""
+
+    training: Misfit | None
+    held_out: HeldOutMisfit | None
+    contact: ContactMisfit | UnsetType = UNSET
+
+    @property
+    def judged(self) -> Misfit | None:
+        """That by which a verdict is judged: of the held-out runs if there are any."""
+        return self.held_out or self.training
+
+
+class ChannelMisfit(Struct, frozen=True, kw_only=True):
+    """The misfit of one channel, on the held-out runs if there are any."""
+
+    channel: str
+    before: float | None
+    after: float | None
+    noise_floor: float | None
+
+
+class Threshold(Struct, frozen=True, kw_only=True):
+    """What an effect needs for a verdict: log evidence [nats], and a share of some channel's noise."""
+
+    log_evidence: float
+    share_of_noise: float
+
+
+class Thresholds(Threshold, frozen=True, kw_only=True):
+    """The same, and for effects that absorb what every baseline frame has wrong."""
+
+    absorbing: Threshold
+
+
+class File(Struct, frozen=True, kw_only=True):
+    """A file that was read, and its SHA-256."""
+
+    name: str
+    sha256: str
+
+
+class Origin(Struct, frozen=True, kw_only=True):
+    """Where a report comes from: the software, what it was asked, its priors, and the files that it read."""
+
+    software: str
+    version: str
+    libraries: dict[str, str]
+    python: str
+    command: str
+    prior: dict[str, float]
+    files: tuple[File, ...]
+
+
+class ModalRow(Struct, frozen=True, kw_only=True):
+    """A modal datum in SI: as measured, by the baseline model, with the effects, and predicted from the others.
+
+    Attributes:
+        surprise: Its distance from that prediction in standard deviations.
+    """
+
+    frame: str
+    quantity: str
+    mode: int | None
+    test: str
+    measured: float
+    std: float
+    baseline: float | None
+    fitted: float | None
+    predicted: float | None
+    surprise: float | None
+
+
+class Remainder(Struct, frozen=True, kw_only=True):
+    """What is left when everything claimed is in the model.
+
+    Attributes:
+        p_value: Probability of so much by chance.
+        linear: Whether it is of the kind that a linear model makes.
+        size: Its share of the motion.
+        statement: The same in a sentence.
+    """
+
+    p_value: float | None
+    linear: bool | None
+    size: float | None
+    statement: str
+
+
+class CalibratedParameter(Struct, frozen=True, kw_only=True):
+    """A parameter of the baseline model after calibration, as a factor or in its unit, with its standard deviations."""
+
+    parameter: str
+    baseline: float
+    calibrated: float
+    std: float | None
+    prior_std: float | None
+    frame: str | None = None
+    storey: int | None = None
+
+
+class Report(Struct, frozen=True, kw_only=True):
+    """What is said of a case: of shaken frames, of two that pound, or of modal data alone.
+
+    Attributes:
+        verdict: `nothing_missing`, `effect_named`, `effect_class` or `unknown_effect`.
+        confidence: Probability that it is right; None where a method states none.
+        confidence_basis: What stands behind that figure.
+        effects: What is missing, the likeliest first; the best that was tried for an unknown effect.
+        misfit: How far the model is from the measurements before and after.
+        where: Where the baseline model disagrees most.
+        candidates: Every effect that was tried, the likeliest first.
+        remainder: What is left with the effects in the model; None where it was not looked at.
+        calibration: What became of the baseline model's parameters; None where it was not looked at.
+        warnings: Sentences.
+        modal: Every modal datum; of cases with modal data alone.
+        advice: Sentences on further measurements.
+        channels, smallest_detectable, apart, thresholds, origin: Details of a report that is written to a folder.
+    """
+
+    schema: int = SCHEMA
+    verdict: Verdict
+    confidence: float | None
+    effects: tuple[Claim, ...]
+    misfit: Misfits
+    where: tuple[Spot, ...]
+    candidates: tuple[Candidate, ...]
+    warnings: tuple[str, ...]
+    confidence_basis: Basis | UnsetType = UNSET
+    remainder: Remainder | None = None
+    calibration: tuple[CalibratedParameter, ...] | None = None
+    modal: tuple[ModalRow, ...] | UnsetType = UNSET
+    advice: tuple[str, ...] | UnsetType = UNSET
+    channels: tuple[ChannelMisfit, ...] | UnsetType = UNSET
+    smallest_detectable: tuple[Detectability, ...] | UnsetType = UNSET
+    apart: tuple[Distinction, ...] | UnsetType = UNSET
+    thresholds: Thresholds | UnsetType = UNSET
+    origin: Origin | UnsetType = UNSET
+
+    @property
+    def named(self) -> bool:
+        """Whether it says what is missing, alone or as one of a class."""
+        return self.verdict in NAMED
+
+    def json(self) -> str:
+        """Return the report as the text of a `report.json`."""
+        return msgspec.json.format(msgspec.json.encode(self), indent=2).decode() + "\n"

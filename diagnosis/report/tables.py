@@ -1,0 +1,84 @@
+"""The findings of a report for the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from pounding.diagnosis.report.modal import contents
+from pounding.diagnosis.report.report import Report
+from pounding.diagnosis.report.report_text import LN_BAYES, number, percent, sentence, strength
+from pounding.experiments.console.output import table
+
+SPOTS, CANDIDATES = 4, 8
+"""How many places of misfit and how many candidates are shown."""
+
+
+def tables(report: Report) -> Iterator[RenderableType]:
+    """Yield the findings of a report, the verdict in a sentence first."""
+    yield Text(sentence(report))
+    yield from _of_modal_data(report) if report.modal else _of_runs(report)
+    yield Text(LN_BAYES)
+    for pair in report.apart or ():
+        first, other = (place.words() for place in pair.between)
+        yield Text(f"to tell {first} from {other}: {' '.join(pair.tests)}")
+    for warning in report.warnings:
+        yield Text(f"warning: {warning}")
+
+
+def _of_modal_data(report: Report) -> Iterator[RenderableType]:
+    for title, heads, rows in contents(report):
+        if rows:
+            yield table(title, heads, rows)
+
+
+def _of_runs(report: Report) -> Iterator[RenderableType]:
+    yield _misfits(report)
+    if contact := report.misfit.contact:
+        left = f"{number(contact.before)} with the believed contact"
+        if contact.after != contact.before:
+            left += f", {number(contact.after)} with the contact as found"
+        yield Text(
+            f"{contact.impacts} held-out impacts, rms error of their forces in standard deviations (1 is expected): {left}"
+        )
+    if report.effects:
+        yield _effects(report)
+    if report.where:
+        title = "Where the baseline model disagrees most"
+        spots = Table("channel", "run", "window [s]", "band [Hz]", "misfit", title=title)
+        for one in report.where[:SPOTS]:
+            window, band = (f"{number(a)} to {number(b)}" for a, b in (one.window_s, one.band_hz))
+            spots.add_row(one.channel, one.run, window, band, percent(one.misfit))
+        yield spots
+    ranked = Table(
+        "candidate", "where", "ln Bayes factor", "evidence", title="Evidence against 'nothing missing'"
+    )
+    for tried in report.candidates[:CANDIDATES]:
+        ranked.add_row(tried.effect, tried.where(), f"{tried.log_evidence:.1f}", strength(tried.log_evidence))
+    yield ranked
+
+
+def _effects(report: Report) -> Table:
+    title = "Nearest of what was tried" if report.verdict == "unknown_effect" else "What is missing"
+    effects = Table("effect", "where", "parameter", "value", "standard error", "unit", title=title)
+    for effect in report.effects:
+        for one in effect.parameters:
+            size = (number(one.value), number(one.std), one.unit)
+            effects.add_row(effect.effect, effect.where(), one.name, *size)
+    return effects
+
+
+def _misfits(report: Report) -> Table:
+    title = "Misfit (NRMSE): rms(simulated - measured) / rms(measured)"
+    misfits = Table("runs", "before", "after", "noise floor", "explained", title=title)
+    held_out = report.misfit.held_out
+    for label, misfit in (
+        ("training", report.misfit.training),
+        (f"held out ({held_out.run})" if held_out else "held out: none, there is a single run", held_out),
+    ):
+        keys = ("before", "after", "noise_floor", "explained")
+        misfits.add_row(label, *(percent(getattr(misfit, key, None)) for key in keys))
+    return misfits
