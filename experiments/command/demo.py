@@ -81,7 +81,7 @@ def draw_frames(folder: Path) -> None:
 
 
 def collide(motion: Record, records: Path | None, folder: Path) -> None:
-    """Let the pair collide at a share of its required gap: numbers, plots, a film."""
+    """Let the pair collide at a part of the gap that would keep it apart: numbers, plots, a film."""
     left, right = (frames.build(frames.load(name)) for name in PAIR)
     needed_mm = 1e3 * pair_gap(left, right, motion).closing_m
     gap_mm = round(SHARE_OF_REQUIRED_GAP * needed_mm, 1)

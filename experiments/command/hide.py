@@ -45,9 +45,9 @@ def hide(
     Parameters
     ----------
     effects
-        Names of effects in or outside the catalogue, each optionally with its place, such as coulomb_friction:3
-        (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without an effect. All
-        names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
+        What to hide: names of the catalogue or from outside it, each with its place if wanted, such as
+        coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without
+        any. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
     hidden = hide_effects(
         effects,

@@ -66,7 +66,7 @@ def pound(
     Parameters
     ----------
     left
-        Frame on the left (name or frame file); it moves in +x towards the right frame.
+        Frame on the left (name or frame file); it moves in +x towards the other.
     right
         Frame on the right.
     """

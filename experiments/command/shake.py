@@ -81,7 +81,7 @@ def shake(
 def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:
     """Return the comparison of the run with each measured channel for which the run has a history.
 
-    A warning names a channel without a history in the run (of another frame, of a contact).
+    A channel that it has none for (another frame's, a contact's) is told by a warning.
     """
     compared = []
     for channel in channels:
