@@ -233,6 +233,9 @@ class HertzDamp(Law):
 BUILT_IN = tuple(LAWS)
 """Names of the package's five laws, in the order of the thesis."""
 
+DAMPED = tuple(name for name in BUILT_IN if LAWS[name].damped)
+"""Those of them in which an impact loses energy."""
+
 
 def names() -> list[str]:
     """Names of all laws known, the package's five first, then those that the user added."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pounding import units
 from pounding.constants import STANDARD_GRAVITY
-from pounding.contact.laws import BUILT_IN, law_class
+from pounding.contact.laws import BUILT_IN, DAMPED
 from pounding.experiments.measurements.quantities import UNITS
 
 __all__ = [
@@ -31,4 +31,4 @@ MODAL_UNITS: dict[str, dict[str, float]] = {
 """What a modal test may have found, and its units with factors to SI."""
 
 LAWS = BUILT_IN
-UNDAMPED_LAWS = frozenset(name for name in LAWS if not law_class(name).damped)
+UNDAMPED_LAWS = frozenset(LAWS) - frozenset(DAMPED)

@@ -16,7 +16,7 @@ from numba import njit
 
 from pounding.constants import STD_PER_MAD
 from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
-from pounding.contact.laws import BUILT_IN, law_class
+from pounding.contact.laws import BUILT_IN, DAMPED
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
 from pounding.diagnosis.model.model import Model
@@ -24,7 +24,6 @@ from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.storeys import Modes
 
 LAWS = BUILT_IN
-DAMPED = tuple(name for name in LAWS if law_class(name).damped)
 STEP_S = 2e-5
 """Step of a simulated impact, of second order: a fiftieth of a short one."""
 LEAD_S = 1e-3

@@ -12,6 +12,7 @@ import matplotlib
 from matplotlib.figure import Figure
 
 from pounding.contact.collision import collide
+from pounding.contact.laws import DAMPED
 from pounding.contact.parameters import FLOOR_MASS, RESTITUTION, thesis_law
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
@@ -21,7 +22,6 @@ from pounding.experiments.results.provenance import stamp
 from pounding.frames.files import replacing
 
 SPEED = 0.3
-DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
 
 
 def main(*, out: options.Out = None, json: options.Json = False) -> None:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pounding.contact import ContactError, Law, collide, make_law
+from pounding.contact import BUILT_IN, ContactError, Law, collide, make_law, thesis_law
 from pounding.contact.collision import contact_time_hertz, contact_time_linear
 from pounding.contact.damping import linear_damping_ratio, linear_restitution, reduced_mass
+from pounding.contact.laws import DAMPED
 from pounding.contact.stereo import after_impact, after_impact_as_printed, restitution_of
 
 RATIOS = (1.0, 3.0, 10.0, 30.0, 100.0)
@@ -24,7 +25,12 @@ REACHED = {
     ("hertz_damp", ()): (0.2562, 0.4704, 0.6303, 0.7991, 0.9468),
     ("hertz_damp", (("formula", "muthukumar"),)): (0.6842, 0.7252, 0.7748, 0.8530, 0.9535),
 }
-DAMPED = ("linear_viscoelastic", "nonlinear_viscoelastic", "hertz_damp")
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_law_is_called_damped_that_loses_energy(name: str) -> None:
+    found = collide(thesis_law(name), 6.2, 6.2, 0.3)
+    assert (found.restitution < 0.99) == (name in DAMPED)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
