@@ -20,9 +20,6 @@ from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 
-LARGEST_LOSS = 0.95
-"""Share of its stiffness that a storey can lose and still stand."""
-RELATIVE = ("stiffness_change", "loosening")
 PROBE = 0.1
 """Prior standard deviations by which a nuisance parameter is moved to see what it does to the channels."""
 ROUNDS = 8
@@ -117,7 +114,7 @@ def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smalle
     sign = effect.sign or 1
     amplitude = float(amplitudes[best])
     for _ in range(ROUNDS):
-        if not _possible(effect, model, amplitude):
+        if not (np.isfinite(amplitude) and amplitude <= effect.largest(model)):
             return None
         seen = sight.of_effect(effect, effect.values(sign * amplitude, shapes[best]))
         if seen >= size:
@@ -127,14 +124,6 @@ def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smalle
         return None
     compared = amplitude / widths[best] if effect.where in ("channel", "logger") else amplitude
     return Smallest(effect, effect.values(sign * amplitude, shapes[best]), float(compared))
-
-
-def _possible(effect: Effect, model: Model, amplitude: float) -> bool:
-    if effect.name in RELATIVE:
-        return amplitude <= LARGEST_LOSS
-    if effect.name == "hysteresis":
-        return amplitude <= effect.stiffness(model)  # type: ignore[attr-defined]
-    return bool(np.isfinite(amplitude))
 
 
 def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]) -> Detectability:

@@ -7,35 +7,23 @@ from collections.abc import Mapping, Sequence
 from msgspec import Struct
 
 from pounding.diagnosis.decision.claims import Claim, Place
+from pounding.diagnosis.effects.candidates import kinds
+from pounding.diagnosis.effects.catalogue_page import shown
 
-NONLINEAR = ("coulomb_friction", "air_drag", "cubic_stiffness", "hysteresis", "bumper")
-DISSIPATING = ("damping_change", "coulomb_friction", "air_drag", "hysteresis")
-OF_THE_TABLE = ("table_gain", "table_delay", "table_tilt")
-OF_A_SENSOR = ("sensor_gain", "sensor_delay", "sensor_offset")
+KINDS = {kind.name: kind for kind in kinds() if not kind.rival}
+NONLINEAR = {name for name, kind in KINDS.items() if kind.nonlinear}
+DISSIPATING = {name for name, kind in KINDS.items() if kind.dissipates}
+OF_THE_TABLE = {name for name, kind in KINDS.items() if not kind.where}
+OF_A_SENSOR = {name for name, kind in KINDS.items() if kind.where in ("channel", "logger")}
 
-SHOWS = {
-    "stiffness_change": "A hammer test of the upper modes: one storey's stiffness moves each mode by its own drift there.",
-    "joint_flexibility": "A hammer test of the upper modes: soft joints lower the first mode more than the upper ones.",
-    "base_rocking": "Two vertical accelerometers at the ends of the base plate: only a rocking base moves them.",
-    "p_delta": "The same shaking with known weights added to the floors: the geometric stiffness follows the weight.",
-    "added_mass": "The same shaking with a known mass added to that floor, or weighing it.",
-    "loosening": "The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
-    "hysteresis": "The same shaking at a third of its amplitude: below yield nothing is left of it.",
-    "bumper": "The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
-    "torsional_eccentricity": "A second accelerometer on the other side of the same floor: only torsion parts the two.",
-    "table_gain": "A second accelerometer of another make on the table.",
-    "table_delay": "Table and floor on one logger, or a knock on the table that both record.",
-    "table_tilt": "Two vertical accelerometers at the ends of the table.",
-    "sensor_gain": "The sensor exchanged with its neighbour: a fault of the sensor goes with it.",
-    "sensor_delay": "A knock that all loggers record, or the sensor moved to the logger of its neighbours.",
-    "sensor_offset": "A minute of record before anything moves.",
+SHOWS = {kind.name: kind.described.told_by for kind in shown(kinds()) if kind.described} | {
     "gap_offset": "A feeler gauge in the gap before and after the shaking.",
     "second_contact": "A force cell or a strip of pressure film at the place in question.",
     "contact_stiffness": "Impacts at several speeds with force cell and drift measured: force over deformation.",
     "contact_damping": "A rebound from rest: the speed after over the speed before.",
     "contact_law": "Impacts at several speeds: the exponent of force over deformation does not depend on the speed.",
 }
-"""A test that shows one kind of effect and little else."""
+"""A test that shows one kind of effect and little else; empty where there is none."""
 
 
 class Distinction(Struct, frozen=True, kw_only=True):
@@ -66,7 +54,7 @@ def parting_tests(one: Place, other: Place, measured: Sequence[int]) -> list[str
             "Free vibration from a pull and release: the amplitude falls along a line with friction, an exponential "
             "with viscous damping, a hyperbola with drag, and stops falling early with yielding."
         )
-    found += [SHOWS[name] for name in names if name in SHOWS and name not in _plain(names)]
+    found += [SHOWS[name] for name in names if SHOWS.get(name) and name not in _plain(names)]
     return list(dict.fromkeys(found))
 
 

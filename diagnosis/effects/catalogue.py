@@ -92,6 +92,10 @@ class Effect:
     """Whether it is tried in every diagnosis; else only where it is asked for."""
     described: ClassVar[Description | None] = None
     """What the catalogue in the documentation says and draws of it; None for what is no effect of its own there."""
+    nonlinear: ClassVar[bool] = False
+    """Whether its share of the motion depends on how strong the shaking is."""
+    dissipates: ClassVar[bool] = False
+    """Whether it takes energy in every cycle."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
 
@@ -126,6 +130,11 @@ class Effect:
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the prior standard deviation of the amplitude in SI."""
         raise NotImplementedError
+
+    def largest(self, model: Model) -> float:
+        """Return the largest amplitude in SI that it can have."""
+        del model
+        return float("inf")
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return what a unit amplitude adds."""

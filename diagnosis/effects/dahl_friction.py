@@ -45,10 +45,13 @@ class DahlFriction(StoreyEffect):
     default = False
     quantities = (Quantity("friction_force", "N"), Quantity("build_up_drift", "mm", 1000.0))
     sign = 1
+    nonlinear = True
+    dissipates = True
     described = Description(
         r"$\mathrm{d}f/\mathrm{d}d = \bigl(F\,\mathrm{sign}(v) - f\bigr) / \bigl(x_0\,\mathrm{sign}(v)\bigr)$",
         "`coulomb_friction` (where $x_0$ is small), `hysteresis`, and `damping_change` at one amplitude",
         loop(bristles, 0.3, 0.25),
+        told_by="The same shaking at a tenth of its amplitude: what builds up is then a spring that hardly loses energy.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

@@ -42,12 +42,14 @@ class Description:
         taken_for: With which other effects it is easily confused.
         sketch: Its picture.
         remark: What is said after the names and units of its parameters.
+        told_by: A test that shows it and little else, a sentence; empty where there is none.
     """
 
     equation: str
     taken_for: str
     sketch: Sketch
     remark: str = ""
+    told_by: str = ""
 
 
 def relation(mark: str, across: str, up: str, baseline: Function, true: Function) -> Sketch:

@@ -45,6 +45,7 @@ class JointFlexibility(FrameEffect):
         "the frame's own model",
         "`stiffness_change` of all storeys, `p_delta`, `base_rocking`",
         relation("joints", "joint's turn", "moment", same, lambda x: 0.6 * x),
+        told_by="A hammer test of the upper modes: soft joints lower the first mode more than the upper ones.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -89,6 +90,7 @@ class BaseRocking(FrameEffect):
         r"$K^{-1} \to K^{-1} + h h^\mathsf{T}/k_r$ with the floors' heights $h$",
         "`joint_flexibility`, `stiffness_change` of the lowest storey, `table_tilt`",
         relation("rock", "base moment", "base's turn", nothing, lambda x: 0.7 * x),
+        told_by="Two vertical accelerometers at the ends of the base plate: only a rocking base moves them.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -134,6 +136,7 @@ class PDelta(FrameEffect):
         "`stiffness_change` of the lower storeys, `joint_flexibility`",
         relation("frame", "drift", "force", same, lambda x: 0.75 * x),
         ", beyond what the baseline model has",
+        told_by="The same shaking with known weights added to the floors: the geometric stiffness follows the weight.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -168,6 +171,7 @@ class AddedMass(FrameEffect):
         r"$M_{ff} \to M_{ff} + m$ on floor $f$",
         "`stiffness_change` of the storeys below; a mass that is not rigidly fixed is *unknown*",
         relation("floor", "acceleration", "inertia", same, lambda x: 1.4 * x),
+        told_by="The same shaking with a known mass added to that floor, or weighing it.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -198,6 +202,8 @@ class AirDrag(FrameEffect):
     name = "air_drag"
     quantities = (Quantity("coefficient", "N s^2/m^2"),)
     sign = 1
+    nonlinear = True
+    dissipates = True
     described = Description(
         r"$-c\,w\lvert w\rvert$ on each floor",
         "`damping_change`, `coulomb_friction`",
@@ -255,6 +261,7 @@ class TorsionalEccentricity(FrameEffect):
         "centres of mass and stiffness apart by $e$: every floor turns too",
         "*unknown* (a mass on a spring), a second mode close by",
         history("plan", "floor's edge", sine, lambda t: sine(t) + 0.4 * np.sin(5 * np.pi * t)),
+        told_by="A second accelerometer on the other side of the same floor: only torsion parts the two.",
     )
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:

@@ -20,6 +20,8 @@ from pounding.diagnosis.model.terms import Motion, force_term, pattern_terms
 SHARPNESS = 8.0
 SHARPEST = 30.0
 """Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite."""
+LARGEST_LOSS = 0.95
+"""Share of its stiffness that a storey can lose and still stand."""
 STICKING_RATIO = 0.3
 STIFFEST = 60.0
 STICKING = 15.0
@@ -80,7 +82,12 @@ class StiffnessChange(StoreyEffect):
         "the same in a neighbouring storey, `joint_flexibility`, `p_delta`, `base_rocking`; `added_mass` where only the "
         "lowest mode is seen. Small ones vanish in the prior of the storey's stiffness",
         relation("storey", "drift", "force", same, lambda x: 0.6 * x),
+        told_by="A hammer test of the upper modes: one storey's stiffness moves each mode by its own drift there.",
     )
+
+    def largest(self, model: Model) -> float:
+        """Return nearly all of the storey's stiffness."""
+        return LARGEST_LOSS
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
@@ -92,7 +99,9 @@ class StiffnessChange(StoreyEffect):
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Change the matrix."""
-        assembly.stiffness += max(float(values[0]), -0.95) * storey_pattern(model.structure, self.index)
+        assembly.stiffness += max(float(values[0]), -LARGEST_LOSS) * storey_pattern(
+            model.structure, self.index
+        )
 
 
 @memoryless
@@ -110,6 +119,7 @@ class DampingChange(StoreyEffect):
     law = damper
     linear = True
     quantities = (Quantity("damping", "N s/m"),)
+    dissipates = True
     described = Description(
         r"$f = c\,v$",
         "the same in another storey (at light damping a mode feels only the sum), `coulomb_friction` if all runs are of "
@@ -152,6 +162,8 @@ class CoulombFriction(StoreyEffect):
         Quantity("sticking_stiffness", "1", reported=False),
     )
     sign = 1
+    nonlinear = True
+    dissipates = True
     described = Description(
         r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$",
         "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
@@ -199,6 +211,7 @@ class CubicStiffness(StoreyEffect):
     name = "cubic_stiffness"
     law = cubic_spring
     quantities = (Quantity("cubic_stiffness", "N/m^3"),)
+    nonlinear = True
     described = Description(
         r"$f = k_3\,d^3$",
         "a `bumper` on each side, `hysteresis` (where $k_3 < 0$)",
@@ -219,7 +232,8 @@ def _stiff_share(force: float, limit: float, sharpness: float, step: float) -> f
     """Return which share of the elastic stiffness is left at a force that changes by `step`."""
     if force * step <= 0.0:
         return 1.0
-    return max(1.0 - min(abs(force) / limit, 1.0) ** sharpness, 0.0)
+    lost: float = min(abs(force) / limit, 1.0) ** sharpness
+    return max(1.0 - lost, 0.0)
 
 
 @remembering
@@ -253,12 +267,19 @@ class Hysteresis(StoreyEffect):
         Quantity("sharpness", "1", reported=False),
     )
     sign = 1
+    nonlinear = True
+    dissipates = True
     described = Description(
         "a part $k_y$ of the storey's stiffness yields at $F_y$; small motions feel nothing of it; how sharp its knee is "
         "(Bouc and Wen's exponent) is refined and not reported",
         "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
         loop(yielding, 0.25, 0.6, 8.0),
+        told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
     )
+
+    def largest(self, model: Model) -> float:
+        """Return the storey's stiffness."""
+        return self.stiffness(model)
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the storey's stiffness."""
@@ -302,7 +323,12 @@ class Loosening(StoreyEffect):
         r"$f = x\,k\,(t/T)\,d$, in each run anew",
         "`hysteresis` in a run that grows, `stiffness_change`",
         history("storey", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
+        told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
     )
+
+    def largest(self, model: Model) -> float:
+        """Return nearly all of the storey's stiffness."""
+        return LARGEST_LOSS
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3."""
@@ -310,7 +336,7 @@ class Loosening(StoreyEffect):
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the stiffness at the end of the run, which is when it is whole."""
-        return (max(float(values[0]), -0.95) * self.stiffness(model), float("nan"))
+        return (max(float(values[0]), -LARGEST_LOSS) * self.stiffness(model), float("nan"))
 
 
 @memoryless
@@ -330,10 +356,12 @@ class Bumper(StoreyEffect):
     law = stop
     quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m"))
     sign = 1
+    nonlinear = True
     described = Description(
         r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$",
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
         loop(stop, 0.5, 2.0),
+        told_by="The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

@@ -28,6 +28,7 @@ class TableGain(Effect):
         r"$a_g \to (1 + x)\,a_g$",
         "a gain of all other sensors",
         history("table", "table", sine, lambda t: 1.3 * sine(t)),
+        told_by="A second accelerometer of another make on the table.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -56,6 +57,7 @@ class TableDelay(Effect):
         "a delay of all other sensors",
         history("table", "table", sine, lambda t: sine(t - 0.06)),
         ", positive where the frame was shaken later than the channel says",
+        told_by="Table and floor on one logger, or a knock on the table that both record.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -83,6 +85,7 @@ class TableTilt(Effect):
         r"the table pitches by $\theta = \psi\,a_g$: floors move by $h\theta$, weights lean",
         "`base_rocking`, `table_gain`",
         relation("tilt", "table accel.", "pitch", nothing, lambda x: 0.7 * x),
+        told_by="Two vertical accelerometers at the ends of the table.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -125,6 +128,7 @@ class SensorGain(ChannelEffect):
         relation("sensor", "truth", "reading", same, lambda x: 1.4 * x),
         "; a wrong polarity is $-2$; `g` typed where the cell gave `m/s^2` reads 9.81 times too much, $+8.81$, the other "
         "way round $-0.898$",
+        told_by="The sensor exchanged with its neighbour: a fault of the sensor goes with it.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -153,6 +157,7 @@ class SensorDelay(ChannelEffect):
         "`table_delay`",
         history("sensor", "reading", sine, lambda t: sine(t - 0.06)),
         "; channels of one kind or of one frame may be late together, as a logger of their own",
+        told_by="A knock that all loggers record, or the sensor moved to the logger of its neighbours.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -213,6 +218,7 @@ class SensorOffset(ChannelEffect):
         r"$y \to y + b$",
         "a slow drift",
         history("sensor", "reading", sine, lambda t: sine(t) + 0.5),
+        told_by="A minute of record before anything moves.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

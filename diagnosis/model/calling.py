@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numba
 from llvmlite import ir
-from numba import carray, cfunc, njit, types
+from numba import cfunc, njit, types
 from numba.extending import intrinsic
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
@@ -18,7 +19,10 @@ PARAMETERS = 5
 MEMORY = 4
 """How many numbers a force may remember."""
 
-_POINTER = types.CPointer(types.double)
+# numba says neither what it exports nor of which type.
+_untyped: Any = numba
+_array = _untyped.carray
+_POINTER = _untyped.types.CPointer(types.double)
 _SIGNATURE = types.double(_POINTER, _POINTER, types.double, types.double, types.double, _POINTER)
 
 
@@ -55,7 +59,8 @@ def called(address: int, p: Any, state: Any, d: float, v: float, t: float, new: 
         d, v, t: Drift, its rate, and the time since the run began.
         new: What it would remember from now on is written here, contiguous float64, shape (MEMORY,).
     """
-    return _call(address, p.ctypes.data, state.ctypes.data, d, v, t, new.ctypes.data)
+    force: float = _call(address, p.ctypes.data, state.ctypes.data, d, v, t, new.ctypes.data)
+    return force
 
 
 def entry(function: Callable[..., float], cache: bool = True) -> Any:
@@ -74,7 +79,7 @@ def with_parameters(function: Callable[..., float], count: int) -> Callable[...,
     """Return ``function(d, v, t, *parameters)`` of `count` parameters and no memory in the form that `entry` takes."""
     inner = njit(error_model="numpy")(function)
 
-    def force(p, state, d, v, t, new):
-        return inner(d, v, t, *_as_tuple(carray(p, (count,)), count))
+    def force(p: Any, state: Any, d: float, v: float, t: float, new: Any) -> Any:
+        return inner(d, v, t, *_as_tuple(_array(p, (count,)), count))
 
     return force

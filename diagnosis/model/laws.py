@@ -108,7 +108,9 @@ def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:
 
 
 @njit(cache=True)
-def _along(address, parameters, drift, rate, time):
+def _along(
+    address: int, parameters: np.ndarray, drift: np.ndarray, rate: np.ndarray, time: np.ndarray
+) -> np.ndarray:
     state, new = np.zeros(MEMORY), np.zeros(MEMORY)
     force = np.empty(drift.size)
     for k in range(drift.size):

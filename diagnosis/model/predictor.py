@@ -7,11 +7,15 @@ Forces are evaluated at the middle of each substep (exponential midpoint rule, s
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from pounding.diagnosis.model.calling import MEMORY, called
+
+Real = NDArray[Any]
 
 # What a channel measures.
 ACCELERATION, DISPLACEMENT, VELOCITY, ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT = range(5)
@@ -24,7 +28,20 @@ LEAK = 2.0 * math.pi * 0.002
 
 
 @njit(cache=True)
-def _effect_forces(laws, rows, room, parameters, memory, new, eta, rate, table_rate, time, keep, force):
+def _effect_forces(
+    laws: Real,
+    rows: Real,
+    room: Real,
+    parameters: Real,
+    memory: Real,
+    new: Real,
+    eta: Real,
+    rate: Real,
+    table_rate: float,
+    time: float,
+    keep: bool,
+    force: Real,
+) -> None:
     """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
     modes = eta.size
     for j in range(laws.size):
@@ -41,7 +58,7 @@ def _effect_forces(laws, rows, room, parameters, memory, new, eta, rate, table_r
 
 
 @njit(cache=True)
-def _advance(steps, eta, rate, force, new_eta, new_rate):
+def _advance(steps: Real, eta: Real, rate: Real, force: Real, new_eta: Real, new_rate: Real) -> None:
     for m in range(eta.size):
         new_eta[m] = steps[m, 0] * eta[m] + steps[m, 1] * rate[m] + steps[m, 4] * force[m]
         new_rate[m] = steps[m, 2] * eta[m] + steps[m, 3] * rate[m] + steps[m, 5] * force[m]
@@ -49,26 +66,26 @@ def _advance(steps, eta, rate, force, new_eta, new_rate):
 
 @njit(cache=True)
 def predict(
-    modes,
-    half,
-    full,
-    participation,
-    floors,
-    latent_rows,
-    known_mid,
-    known_at,
-    table_mid,
-    quantities,
-    channel_floor,
-    measured,
-    gain,
-    decay,
-    step_s,
-    laws,
-    rows,
-    room,
-    parameters,
-):
+    modes: Real,
+    half: Real,
+    full: Real,
+    participation: Real,
+    floors: Real,
+    latent_rows: Real,
+    known_mid: Real,
+    known_at: Real,
+    table_mid: Real,
+    quantities: Real,
+    channel_floor: Real,
+    measured: Real,
+    gain: Real,
+    decay: Real,
+    step_s: float,
+    laws: Real,
+    rows: Real,
+    room: Real,
+    parameters: Real,
+) -> tuple[Real, Real, Real, Real]:
     """Run the predictor over one run.
 
     Args:
