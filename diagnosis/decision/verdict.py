@@ -141,7 +141,8 @@ def signal_to_noise(found: Findings, judged: Judged, without: Judged | None = No
     """
     before, after = _over(found, without or judged.beside or found.null), _over(found, judged)
     taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))[:, _moved(found, judged)]
-    return float(np.nanmax(np.nanmean(taken, axis=0))) if np.isfinite(taken).any() else 0.0
+    known = taken[:, np.isfinite(taken).any(axis=0)]
+    return float(np.nanmean(known, axis=0).max(initial=0.0))
 
 
 def _moved(found: Findings, judged: Judged) -> np.ndarray:
