@@ -28,6 +28,7 @@ from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.sweeps.store import code_version
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.extras import extra_module
 from pounding.frames.files import write_whole
 
 Method = Callable[[Path], Mapping[str, Any]]
@@ -58,6 +59,8 @@ def method(name: str) -> Method:
 
         return diagnose_case
     if name in METHODS:
+        if name == "sparse-pysindy":
+            extra_module("pysindy.optimizers")
         from pounding.diagnosis.benchmark import competitors
 
         return competitors.COMPETITORS[name]
@@ -175,7 +178,7 @@ def run_benchmark(
 def _version() -> str:
     """Return a hash of all source that a judged case depends on."""
     digest = hashlib.sha256(code_version(one_case).encode())
-    spec = find_spec("diagnosis")
+    spec = find_spec("pounding.diagnosis")
     root = Path(str(spec.origin)).parent if spec else Path()
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())

@@ -16,7 +16,6 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from pounding.diagnosis.decision.confidence import Calibration, Features, fit, restated, shipped
 from pounding.diagnosis.decision.verdict import decide, features
@@ -26,6 +25,7 @@ from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.experiments.results.provenance import software_version
+from pounding.extras import extra_module
 
 CASES = 36
 """Cases that make a calibration."""
@@ -71,16 +71,17 @@ def calibrate(
         minutes: When to stop with what is there.
         workers: Processes; one where candidates are the user's own, whose code lives in this process.
     """
+    joblib = extra_module("joblib")
     path.parent.mkdir(parents=True, exist_ok=True)
     done = read_outcomes(path)
     known = {one.number for one in done}
     missing = [number for number in range(cases) if number not in known]
     began = monotonic()
-    with Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
+    with joblib.Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
         while missing and monotonic() - began < 60 * minutes:
             progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
             numbers, missing = missing[:workers], missing[workers:]
-            for outcome in parallel(delayed(simulate)(number) for number in numbers):
+            for outcome in parallel(joblib.delayed(simulate)(number) for number in numbers):
                 done.append(outcome)
                 kept.write(json.dumps(asdict(outcome)) + "\n")
             kept.flush()

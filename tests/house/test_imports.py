@@ -132,7 +132,7 @@ def test_packages_are_imported_by_their_one_name(path: Path) -> None:
 @pytest.mark.parametrize("path", sources(), ids=place)
 def test_data_flows_one_way(path: Path) -> None:
     package = path.relative_to(HOUSE).parts[0]
-    allowed = ALLOWED[package] | {package, "errors"}
+    allowed = ALLOWED[package] | {package, "errors", "extras"}
     if place(path).startswith(COMMAND):
         allowed |= {"diagnosis"}
     assert {one.partition(".")[0] for one in ours(path)} <= allowed
