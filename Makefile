@@ -8,7 +8,7 @@ OUT    ?= results/demo
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow lint types docs clean
+.PHONY: demo test test-slow guard lint types docs clean links
 
 demo: $(VENV)/installed
 	$(BIN)/pounding demo --out $(OUT)
@@ -18,6 +18,10 @@ test: $(VENV)/installed
 
 test-slow: $(VENV)/installed
 	$(BIN)/python -m pytest -m slow -n 2
+
+# Not part of .ci/run: half an hour or more. Another set: make guard GUARD="--only open --workers 1".
+guard: $(VENV)/installed
+	$(BIN)/python -m tests.guard $(GUARD)
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
@@ -30,7 +34,12 @@ docs: $(VENV)/installed
 	rm -rf docs/reference
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs docs/_build/html
 
-$(VENV)/installed: pyproject.toml
+# pounding/frames and so on are links; git makes text files of them where it may not make links.
+links:
+	@test -d pounding/frames/ || { echo "pounding/frames is no link to frames/: this clone was made without symbolic links;\
+ run 'git config core.symlinks true && rm -r pounding && git checkout -- pounding' where links are allowed" >&2; exit 1; }
+
+$(VENV)/installed: pyproject.toml | links
 	$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] <= (3, 13) else "Python 3.11, 3.12 or 3.13 is needed, this is %d.%d: name another with make PYTHON=python3.12" % sys.version_info[:2])'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[develop]"

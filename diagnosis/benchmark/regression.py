@@ -21,8 +21,8 @@ from pounding.diagnosis.benchmark.methods import report_of_method
 from pounding.diagnosis.case.case import Case, CaseFrame, Run
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.decision.claims import Claim, Place, claim, parameter
-from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.report.report import Report
+from pounding.extras import extra_module
 
 LOWEST = 0.4
 """Of the first frequency: below, twice integrated accelerometers show their noise and little else."""
@@ -138,16 +138,13 @@ def thresholded_by_pysindy(
     """Return the same by pysindy's STLSQ; what is always in is taken out of both sides first.
 
     Raises:
-        CaseError: pysindy is not installed.
+        MissingExtraError: pysindy is not installed.
     """
-    try:
-        from pysindy.optimizers import STLSQ
-    except ImportError:
-        raise CaseError("pysindy is not installed; pip install '.[sparse]' in the checkout") from None
+    stlsq = extra_module("pysindy.optimizers").STLSQ
     base = columns[:, :always]
     known = np.linalg.lstsq(base, np.column_stack([columns[:, always:], target]), rcond=None)[0]
     left = np.column_stack([columns[:, always:], target]) - base @ known
-    optimiser = STLSQ(threshold=threshold, alpha=0.0)
+    optimiser = stlsq(threshold=threshold, alpha=0.0)
     found = np.ravel(optimiser.fit(left[:, :-1], left[:, -1:]).coef_)
     return np.concatenate([known[:, -1] - known[:, :-1] @ found, found])
 

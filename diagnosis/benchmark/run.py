@@ -29,6 +29,7 @@ from pounding.diagnosis.report.report import Report
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.sweeps.store import code_version
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.extras import extra_module
 from pounding.frames.files import write_whole
 
 Method = Callable[[Path], Report]
@@ -57,6 +58,8 @@ def method(name: str) -> Method:
 
         return diagnose
     if name in METHODS:
+        if name == "sparse-pysindy":
+            extra_module("pysindy.optimizers")
         from pounding.diagnosis.benchmark import competitors
 
         return competitors.COMPETITORS[name]

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from statsmodels.stats.proportion import proportion_confint
+from scipy.stats import binomtest
 
 from pounding.diagnosis.benchmark.scoring import NOTHING, OUTSIDE, UNKNOWN, Judged
 from pounding.diagnosis.hidden.places import EFFECTS
@@ -39,7 +39,7 @@ def share(cases: Sequence[Judged], hit: Callable[[Judged], bool]) -> dict[str, A
     hits = sum(bool(hit(case)) for case in cases)
     if not cases:
         return {"hits": 0, "cases": 0, "share": None, "low": None, "high": None}
-    low, high = proportion_confint(hits, len(cases), method="wilson")
+    low, high = binomtest(hits, len(cases)).proportion_ci(0.95, method="wilson")
     return {
         "hits": hits,
         "cases": len(cases),

@@ -16,7 +16,6 @@ from time import monotonic
 
 import msgspec
 import numpy as np
-from joblib import Parallel, delayed
 
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
@@ -27,6 +26,7 @@ from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.experiments.results.provenance import software_version
+from pounding.extras import extra_module
 
 CASES = 36
 """Cases that make a calibration."""
@@ -72,19 +72,20 @@ def calibrate(
         minutes: When to stop with what is there.
         workers: Processes; one where candidates are the user's own, whose code lives in this process.
     """
+    joblib = extra_module("joblib")
     path.parent.mkdir(parents=True, exist_ok=True)
     done = read_outcomes(path)
     known = {one.number for one in done}
     missing = [number for number in range(cases) if number not in known]
     began = monotonic()
-    with Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
+    with joblib.Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
         if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
             # What follows a line that was cut off begins a line of its own.
             kept.write("\n")
         while missing and monotonic() - began < 60 * minutes:
             progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
             numbers, missing = missing[:workers], missing[workers:]
-            for outcome in parallel(delayed(simulate)(number) for number in numbers):
+            for outcome in parallel(joblib.delayed(simulate)(number) for number in numbers):
                 done.append(outcome)
                 kept.write(json.dumps(asdict(outcome)) + "\n")
             kept.flush()

@@ -16,19 +16,20 @@ import importlib.util
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-import pint
 from numba.core.errors import NumbaError
 
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.calling import PARAMETERS, with_parameters
 from pounding.diagnosis.model.laws import Law
+from pounding.extras import extra_module
 
 PLACES = {"d": "storey", "u": "floor"}
 """Where a force acts, by the name of the first argument."""
@@ -50,7 +51,6 @@ RAISED = (
     ValueError,
 )
 """What a user's own code may raise when it is read or tried."""
-_UNITS: Any = pint.UnitRegistry()
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,10 @@ def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
     Raises:
         CaseError: The file is missing or cannot be run, or a function lacks units, does not compile, is not finite, is
             not proportional to its first parameter or does not return a force.
+        MissingExtraError: pint is not installed.
     """
     path = Path(path)
+    _units()  # Without pint nothing of the file can be read.
     module = _module(path)
     found: list[UserForce | type[Effect]] = []
     for name, thing in vars(module).items():
@@ -189,11 +191,18 @@ def _parameter(where: str, argument: inspect.Parameter) -> UserParameter:
     return UserParameter(name, unit, float(to_si), sizes)
 
 
+@cache
+def _units() -> Any:
+    """Return pint's registry of units; one for all, since quantities of two do not mix."""
+    return extra_module("pint").UnitRegistry()
+
+
 def _to_si(where: str, name: str, unit: str) -> Any:
     """Return one of a unit as a quantity in SI."""
+    units = _units()
     try:
-        return (1.0 * _UNITS.parse_expression(unit) * _UNITS.dimensionless).to_base_units()
-    except (pint.PintError, *RAISED, SyntaxError) as error:
+        return (1.0 * units.parse_expression(unit) * units.dimensionless).to_base_units()
+    except (extra_module("pint").PintError, *RAISED, SyntaxError) as error:
         raise CaseError(
             f'{where}: the unit "{unit}" of {name!r} is not understood ({error}); write it like "N s/m" or "mm"'
         ) from error
@@ -241,7 +250,8 @@ def _check_units(where: str, function: Callable[..., Any], parameters: Sequence[
         parameter.sizes[0] / parameter.to_si * _to_si(where, parameter.name, parameter.unit)
         for parameter in parameters
     ]
-    metre, second, newton = _UNITS.metre, _UNITS.second, _UNITS.newton
+    pint, units = extra_module("pint"), _units()
+    metre, second, newton = units.metre, units.second, units.newton
     for x, v, t in product((0.05, -0.05), (1.0, -1.0), (7.0,)):
         try:
             result = function(x * metre, v * metre / second, t * second, *quantities)

@@ -19,13 +19,14 @@ from pounding.experiments.console import options
 from pounding.experiments.console.output import progress_console, warn
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output import result_folder as keeping
-from pounding.experiments.pictures.films import film
+from pounding.experiments.pictures.films import film, require
 from pounding.experiments.pictures.scenes import picture
 from pounding.experiments.records import Record, find
 from pounding.experiments.rig.pounding import Pounding
 from pounding.experiments.rig.pounding import pound as run_pair
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.studies import laboratory, table_3_1
+from pounding.extras import MissingExtraError
 from pounding.frames.drawing.pictures import mesh_picture, modes_picture
 from pounding.frames.drawing.vtk import write_modes
 from pounding.frames.errors import FrameError
@@ -49,17 +50,18 @@ def demo(
     began = time.perf_counter()
     keeping.prepare(out)
     motion = _motion(records)
+    filmed = _can_film()
     for title, step in (
         ("1. Five frames from steel plate to Table 3.1", lambda: table_3_1.main(out=out / "table-3-1")),
         ("2. Their meshes and mode shapes", lambda: draw_frames(out / "frames")),
         ("3. Tested as the laboratory did", lambda: laboratory.main(out=out / "laboratory")),
         (
             f"4. 15B alone on the table under {motion.name}",
-            lambda: shake("15B", record=motion.name, records=records, out=out / "shaking", film=True),
+            lambda: shake("15B", record=motion.name, records=records, out=out / "shaking", film=filmed),
         ),
         (
             f"5. {PAIR[0]} beside {PAIR[1]}, five impact laws",
-            lambda: collide(motion, records, out / "pounding"),
+            lambda: collide(motion, records, out / "pounding", filmed),
         ),
     ):
         console.rule(f"[bold]{title}")
@@ -80,13 +82,14 @@ def draw_frames(folder: Path) -> None:
     )
 
 
-def collide(motion: Record, records: Path | None, folder: Path) -> None:
-    """Let the pair collide at a share of its required gap: numbers, plots, a film.
+def collide(motion: Record, records: Path | None, folder: Path, filmed: bool = True) -> None:
+    """Let the pair collide at a share of its required gap: numbers, plots, a film where `filmed`.
 
     Args:
         motion: Record at model scale.
         records: Folder with ground motions; None for the default.
         folder: Where numbers, plots and the film go.
+        filmed: Whether a film is made.
     """
     left, right = (frames.build(frames.load(name)) for name in PAIR)
     needed_mm = 1e3 * pair_gap(left, right, motion).closing_m
@@ -98,6 +101,8 @@ def collide(motion: Record, records: Path | None, folder: Path) -> None:
     run = _viscoelastic(left, right, motion, gap_mm)
     title = f"{PAIR[0]} beside {PAIR[1]}, {motion.name}, gap {gap_mm:g} mm"
     _drawn(lambda: picture(run.motion, folder / "collision.png", title=title))
+    if not filmed:
+        return
     hardest = max(run.impacts, key=lambda impact: impact.peak_force_n)
     start, end = max(0.0, hardest.time_s - 0.2), min(run.motion.model_s, hardest.time_s + 0.3)
     with Progress(console=progress_console(), transient=True) as progress:
@@ -132,6 +137,16 @@ def _motion(folder: Path | None) -> Record:
             "compared with Table 4.1"
         )
         return motion
+
+
+def _can_film() -> bool:
+    """Return whether films can be made; where not, say so."""
+    try:
+        require()
+    except MissingExtraError as error:
+        warn(f"{error}; the demonstration goes on without them")
+        return False
+    return True
 
 
 def _drawn(draw: Callable[[], None]) -> None:

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, progress_console
+from pounding.extras import extra_module
 
 OF_BENCHMARK = Group("Judging the diagnosis instead (docs/diagnosis/benchmark.md)", sort_key=1)
 
@@ -92,6 +93,8 @@ def diagnose(
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
+    if calibrate:
+        extra_module("joblib")  # said before the diagnosis, which takes minutes
     from msgspec import to_builtins
 
     from pounding.diagnosis import workflow

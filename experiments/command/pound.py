@@ -17,6 +17,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig_of, shaking
@@ -77,10 +78,12 @@ def pound(
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
+    if film and out is None:
+        warn("--film needs a folder: nothing is written without --out")
+    elif film:
+        films.require()
     if out is not None:
         keeping.prepare(out)
-    elif film:
-        warn("--film needs a folder: nothing is written without --out")
     runs = []
     with _progress() as progress:
         for chosen in laws:

@@ -14,7 +14,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.measurements import history as measured
 from pounding.experiments.output import result_folder as keeping
-from pounding.experiments.pictures import plots
+from pounding.experiments.pictures import films, plots
 from pounding.experiments.records import Record, find
 from pounding.experiments.results import dataset as results
 from pounding.experiments.results.provenance import stamp
@@ -55,6 +55,8 @@ def shake(
     asked = {"frame": frame, "record": record, "pga_g": pga, "damping_ratio": damping}
     if out is None and (film or csv):
         warn("--film and --csv need a folder: nothing is written without --out")
+    elif film:
+        films.require()
     channels = measured.read(measured_file) if measured_file else []
     reduced = frames.build(frames.load(frame), joints=joints, p_delta=p_delta, damping=damping)
     motion = find(record, records).scaled(pga_g=pga)

@@ -7,11 +7,11 @@ from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import imageio_ffmpeg
 import numpy as np
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures.scenes import Stage, size_of
+from pounding.extras import extra_module
 from pounding.frames.drawing.pictures import plotter
 from pounding.frames.files import replacing
 
@@ -22,6 +22,15 @@ FRAMES_PER_SECOND = 25
 
 GIF_WIDTH = 400
 """Width to which a GIF is scaled [pixels]; an MP4 keeps its size."""
+
+
+def require() -> None:
+    """See that films can be made, before anything is computed for one.
+
+    Raises:
+        MissingExtraError: imageio-ffmpeg is not installed.
+    """
+    extra_module("imageio_ffmpeg")
 
 
 def film(
@@ -50,7 +59,9 @@ def film(
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
         ExperimentError: Another suffix, or an empty span of time.
+        MissingExtraError: imageio-ffmpeg is not installed.
     """
+    require()
     path, end = Path(path), motion.model_s if end_s is None else end_s
     if path.suffix not in (".mp4", ".gif"):
         raise ExperimentError(f"film {path}: its suffix must be .mp4 or .gif")
@@ -75,13 +86,14 @@ def film(
 
 
 def _writer(path: Path, size: tuple[int, int]) -> Any:
+    write_frames = extra_module("imageio_ffmpeg").write_frames
     options: dict[str, Any] = {"fps": FRAMES_PER_SECOND, "macro_block_size": 1, "ffmpeg_log_level": "error"}
     if path.suffix == ".gif":
         palette = (
             f"scale={GIF_WIDTH}:-2:flags=lanczos,split[a][b];"
             "[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
         )
-        return imageio_ffmpeg.write_frames(
+        return write_frames(
             str(path),
             size,
             codec="gif",
@@ -89,4 +101,4 @@ def _writer(path: Path, size: tuple[int, int]) -> Any:
             output_params=["-filter_complex", palette],
             **options,
         )
-    return imageio_ffmpeg.write_frames(str(path), size, codec="libx264", quality=6, **options)
+    return write_frames(str(path), size, codec="libx264", quality=6, **options)

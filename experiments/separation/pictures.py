@@ -8,7 +8,6 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pandas as pd
-import statsmodels.api as sm
 from matplotlib.axes import Axes
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
 from pounding.experiments.separation.chapter_7.regression import Fit
 from pounding.experiments.separation.gaps.maps import GapMap
+from pounding.extras import extra_module
 from pounding.frames.files import replacing
 
 Real = NDArray[np.floating[Any]]
@@ -168,7 +168,9 @@ def regression_diagnostics(cases: pd.DataFrame, fits: Mapping[str, Fit], target:
         residual = chosen[target].to_numpy(float) - predicted
         _predicted_panel(row[0], chosen, predicted, target)
         _by_record_panel(row[1], chosen, residual)
-        sm.qqplot(residual / residual.std(), line=None, ax=row[2], ms=2, color=OURS)
+        extra_module("statsmodels.api").qqplot(
+            residual / residual.std(), line=None, ax=row[2], ms=2, color=OURS
+        )
         limits = np.array([-3.5, 3.5])
         row[2].plot(limits, limits, color="black", lw=0.8)
         row[2].set(xlabel="normal quantile", ylabel="residual over its deviation")

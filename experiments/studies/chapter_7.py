@@ -33,6 +33,7 @@ from pounding.experiments.separation.chapter_7.parametric import (
 from pounding.experiments.separation.chapter_7.regression import WITHOUT_STIFFNESS_AND_MASS, fit
 from pounding.experiments.separation.rules.design import Site, design
 from pounding.experiments.studies.chapter_4 import from_frame
+from pounding.extras import extra_module
 from pounding.frames import build, load
 from pounding.frames.files import write_whole
 
@@ -58,6 +59,7 @@ def main(
     Args:
         out: Folder for tables (CSV) and pictures; none are written without it.
     """
+    extra_module("statsmodels.api")  # said before the cases are computed, which takes a minute
     found, missing = gather(records, folder=cases, workers=workers, scheduler=scheduler)
     for sentence in missing:
         warn(sentence)

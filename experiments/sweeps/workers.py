@@ -23,6 +23,7 @@ from typing import Any
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.sweeps.store import Case, Outcome, Run, Store
+from pounding.extras import extra_module
 from pounding.frames.files import clear_begun
 
 ATTEMPTS_ALONE = 2
@@ -171,9 +172,9 @@ def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Runnin
 
     Raises:
         ExperimentError: The scheduler does not answer, has no workers, or is lost on the way.
+        MissingExtraError: dask.distributed is not installed.
     """
-    from distributed import Client, as_completed
-
+    distributed = extra_module("distributed")
     silent = ExperimentError(
         f"scheduler {address} does not answer within {timeout_s:g} s; check the address, start one with"
         " 'dask scheduler' and 'dask worker', or leave it out to run on this machine"
@@ -181,7 +182,7 @@ def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Runnin
     if not _greets(address, timeout_s):
         raise silent
     try:
-        client = Client(address, timeout=timeout_s, set_as_default=False)
+        client = distributed.Client(address, timeout=timeout_s, set_as_default=False)
     except (OSError, ValueError, TimeoutError):
         raise silent from None
     with client:
@@ -193,7 +194,7 @@ def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Runnin
             ) from None
         futures = {client.submit(task, key=f"case-{task.key}", pure=False): task for task in tasks}
         try:
-            for future in as_completed(list(futures), loop=client.loop):
+            for future in distributed.as_completed(list(futures), loop=client.loop):
                 if future.status in ("cancelled", "lost"):
                     raise ExperimentError(
                         f"scheduler {address} was lost; what is finished is kept, start again to go on"

@@ -17,7 +17,7 @@ ALLOWED = {
     "experiments": {"frames", "contact"},
     "diagnosis": {"frames", "contact", "experiments"},
 }
-SHARED = {"constants", "errors", "units"}
+SHARED = {"constants", "errors", "extras", "units"}
 """Modules of `pounding` itself, which import nothing of the packages."""
 COMMAND = "experiments/command/"
 

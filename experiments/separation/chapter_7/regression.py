@@ -9,18 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import statsmodels.api as sm
 from numpy.typing import NDArray
 from scipy import stats
-from statsmodels.regression.linear_model import RegressionResultsWrapper
-from statsmodels.stats.outliers_influence import variance_inflation_factor
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.chapter_7.equations import Linear
+from pounding.extras import extra_module
+
+if TYPE_CHECKING:
+    from statsmodels.regression.linear_model import RegressionResultsWrapper
 
 ALL = ("HT", "HS", "E", "FT", "FS", "DT", "DS", "ST", "SS", "MT", "MS")
 WITHOUT_STIFFNESS_AND_MASS = ("HT", "HS", "E", "FT", "FS", "DT", "DS")
@@ -137,12 +138,16 @@ def fit(cases: pd.DataFrame, symbols: Sequence[str], *, constant: bool = True, t
         symbols: Regressors.
         constant: Whether the model has a constant.
         target: Column to be explained [mm].
+
+    Raises:
+        ExperimentError: Too few cases.
+        MissingExtraError: statsmodels is not installed.
     """
     if len(cases) <= len(symbols) + 1:
         raise ExperimentError(f"{len(cases)} cases cannot carry {len(symbols)} regressors")
     design = regressors(cases, symbols, constant)
     kept = independent(design)
-    model = sm.OLS(cases[target], design[kept])
+    model = extra_module("statsmodels.api").OLS(cases[target], design[kept])
     return Fit(tuple(symbols), tuple(name for name in kept if name != "constant"), constant, model.fit())
 
 
@@ -183,15 +188,14 @@ def variance_inflation(cases: pd.DataFrame, symbols: Sequence[str]) -> pd.Series
 
     Infinite where a regressor is an exact combination of the others.
     """
+    factor = extra_module("statsmodels.stats.outliers_influence").variance_inflation_factor
     design = regressors(cases, symbols)
     factors = {}
     for symbol in symbols:
         # With the regressor last, it is left out exactly when the others already say all that it says.
         kept = independent(design[[name for name in design.columns if name != symbol] + [symbol]])
         inside = symbol in kept
-        factors[symbol] = (
-            variance_inflation_factor(design[kept].to_numpy(float), len(kept) - 1) if inside else np.inf
-        )
+        factors[symbol] = factor(design[kept].to_numpy(float), len(kept) - 1) if inside else np.inf
     return pd.Series(factors, name="vif")
 
 

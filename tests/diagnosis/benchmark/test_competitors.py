@@ -10,9 +10,9 @@ import pytest
 
 from pounding.diagnosis.benchmark.competitors import COMPETITORS
 from pounding.diagnosis.benchmark.regression import best_model, thresholded, thresholded_by_pysindy
-from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.extras import MissingExtraError
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_information_criterion_takes_the_term_and_no_other(regression: tuple[np.
 def test_pysindy_agrees_where_it_is_installed(regression: tuple[np.ndarray, np.ndarray]) -> None:
     columns, target = regression
     if importlib.util.find_spec("pysindy") is None:
-        with pytest.raises(CaseError, match="pysindy is not installed"):
+        with pytest.raises(MissingExtraError, match=r"pounding\[sparse\]"):
             thresholded_by_pysindy(columns, target, 0.1, 2)
     else:
         ours = thresholded(columns, target, 0.1, 2)
