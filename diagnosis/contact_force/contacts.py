@@ -199,7 +199,7 @@ def _robust(residual: np.ndarray) -> np.ndarray:
     """Return what each impact says against a fit [nats], growing slowly from `ROBUST` on (Huber)."""
     square = np.sum(residual**2, axis=1)
     size = np.sqrt(square)
-    return np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
+    return np.asarray(np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2))
 
 
 def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:

@@ -100,7 +100,7 @@ def _clipped(series: list[np.ndarray]) -> bool:
 
 def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:
     at = np.arange(len(force)) * step
-    return np.interp(at + delay, at, force)
+    return np.asarray(np.interp(at + delay, at, force))
 
 
 def _against_motion(

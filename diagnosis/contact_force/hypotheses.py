@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Contact
-from pounding.diagnosis.contact_force.impacts import DAMPED, LAWS, Law
+from pounding.diagnosis.contact_force.impacts import LAWS, Law
 
 GAP_M, GAP_SHARE = 3e-5, 0.003
 STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01

@@ -80,7 +80,18 @@ class Law:
 
 
 @njit(cache=True)
-def strike(free, free_rate, held, held_rate, kind, gap, stiffness, damper, ratio, mass):
+def strike(
+    free: np.ndarray,
+    free_rate: np.ndarray,
+    held: np.ndarray,
+    held_rate: np.ndarray,
+    kind: int,
+    gap: float,
+    stiffness: float,
+    damper: float,
+    ratio: float,
+    mass: float,
+) -> np.ndarray:
     """Return the force [N] of each step of an impact.
 
     Args:

@@ -7,9 +7,9 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 
+from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.impacts import DAMPED
 from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold
 from pounding.diagnosis.decision.claims import Claim, Parameter, Place, candidate, claim, finite, parameter
 from pounding.diagnosis.decision.conclusion import Conclusion, ContactMisfit

@@ -150,7 +150,7 @@ def _moved(found: Findings, judged: Judged) -> np.ndarray:
     model, frames = found.model, {effect.frame for effect in judged.effects}
     if None in frames:
         return np.ones(len(model.observed.names), bool)
-    return np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0)
+    return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
 
 
 def explained(found: Findings, judged: Judged, nothing: float = LEFT) -> float:

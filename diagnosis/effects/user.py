@@ -45,7 +45,7 @@ class UserEffect(Effect):
     def row(self, model: Model) -> np.ndarray:
         """Return the floors' displacements that make the drift or displacement on which the force acts."""
         if self.where == "floor":
-            return np.eye(model.structure.floors)[self.index]
+            return np.asarray(np.eye(model.structure.floors)[self.index])
         return np.asarray(model.structure.drift[self.index])
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:

@@ -31,7 +31,8 @@ def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[
         ]
     )
     rms = root_mean_square(measured)
-    return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+    ratio = np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+    return np.asarray(ratio)
 
 
 def levelled(model: Model, difference: np.ndarray, step_s: float) -> np.ndarray:
@@ -130,9 +131,8 @@ def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
         pushed = 0.0 if number in filtered.runs else touch_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
-    return np.sqrt(
-        np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
-    )
+    ratio = np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
+    return np.asarray(np.sqrt(ratio))
 
 
 def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:
@@ -180,7 +180,7 @@ def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> n
     output = system.output.copy()
     output[:, -2:] = 0.0
     variance = np.einsum("ci,ij,cj->c", output, covariance, output)
-    return np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def touch_response(model: Model, modes: Modes, number: int) -> np.ndarray:

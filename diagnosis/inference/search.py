@@ -144,7 +144,7 @@ def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]
     """Return prior standard deviations of an effect's parameters; those refined as logarithms ignore them."""
     size = effect.size(model, sizes, shape)
     start = effect.values(size, shape)
-    return np.maximum(np.abs(start), 1e-12)
+    return np.asarray(np.maximum(np.abs(start), 1e-12))
 
 
 def _refined(

@@ -180,7 +180,7 @@ def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np
         )
     except (LinAlgError, ValueError):
         solution = _doubling(scaled_step, scaled_output, scaled_covariance)
-    return np.asarray(solution) * np.outer(size, size)
+    return np.asarray(solution * np.outer(size, size))
 
 
 def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -193,7 +193,7 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
         g = g + a @ inverse @ g @ a.T
         a = a @ inverse @ a
         if np.abs(new_h - h).max() <= 1e-12 * np.abs(new_h).max():
-            return new_h
+            return np.asarray(new_h)
         h = new_h
     return h
 

@@ -114,7 +114,7 @@ class Model:
         if self._own is None:
             assembly = self.assemble(np.zeros(len(self.std)))
             self._own = self.plain_modes(assembly).floors.T @ assembly.mass
-        return np.square(self._own @ modes.floors)
+        return np.asarray(np.square(self._own @ modes.floors))
 
     def carried(self, other: Model, values: np.ndarray) -> np.ndarray:
         """Return another model's nuisance parameters of the same frames for this one, whose own sensors' are zero.
@@ -228,7 +228,7 @@ class Model:
                 measured[:, channel] = self._shift(
                     number, int(channel), float(assembly.channel_delay_s[channel])
                 )
-        return (measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added
+        return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added)
 
     def _shift(self, number: int, channel: int, delay_s: float) -> np.ndarray:
         key = (number, channel, round(delay_s, 8))

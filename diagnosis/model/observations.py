@@ -122,7 +122,8 @@ def root_mean_square(values: np.ndarray) -> np.ndarray:
     """Return the rms over the first axis of what is not NaN; NaN where there is nothing."""
     count = np.isfinite(values).sum(axis=0)
     total = np.nansum(np.square(values), axis=0)
-    return np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0))
+    mean = np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
+    return np.asarray(np.sqrt(mean))
 
 
 def observe(case: Case, structure: Structure) -> Observations:
@@ -210,4 +211,4 @@ def _filled(series: np.ndarray, where: str, warnings: list[str]) -> np.ndarray:
         return np.array(series, float)
     warnings.append(f"{where}: {missing.sum()} dropouts of the table's motion were interpolated")
     index = np.arange(len(series))
-    return np.interp(index, index[~missing], series[~missing])
+    return np.asarray(np.interp(index, index[~missing], series[~missing]))
