@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
-from pounding.diagnosis.inference.posterior import Posterior, descend
+from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 
 GAIN, DELAY_S = 0.01, 1.5e-4
 BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
@@ -75,7 +75,14 @@ def _filter_terms() -> np.ndarray:
 
 
 def compare(bodies: Bodies, impact: Impact, law: Law, error: np.ndarray) -> np.ndarray:
-    """Return the logarithmic spectrum of an impact as the law makes it, at errors of displacement and velocity."""
+    """Return the logarithmic spectrum of an impact as a law makes it, shape (7,).
+
+    Args:
+        bodies: The two floors and their impacts.
+        impact: The impact.
+        law: The contact law.
+        error: Errors of displacement and velocity before the impact [prior standard deviations], shape (2,).
+    """
     steps = np.arange(len(impact.free)) * STEP_S
     free = impact.free + impact.prior[0] * error[0] + impact.prior[1] * error[1] * steps
     rate = impact.free_rate + impact.prior[1] * error[1]
@@ -95,7 +102,7 @@ def fit(
         bodies: The two floors and their impacts.
         hypothesis: The hypothesis.
         start: Its gap, stiffness and loss to start from.
-        others: All unknowns of another fit, of which the filter's and the impacts' are taken over.
+        others: All unknowns of another fit, shape (unknowns,), of which the filter's and the impacts' are taken over.
     """
     x = np.zeros(COMMON + 2 * len(bodies.impacts))
     x[FILTER:COMMON] = start
@@ -136,7 +143,7 @@ def fit(
     )
 
 
-class Impacts:
+class Impacts(Likelihood):
     """The impacts of a contact as a term of the inference: what is left of each counts by Huber's measure.
 
     Args:
@@ -276,7 +283,13 @@ def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
 
 
 def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitted:
-    """Return a hypothesis fitted once more: its contact from where it was, the rest from where `others` has it."""
+    """Return a hypothesis fitted once more, its contact from where it was.
+
+    Args:
+        bodies: The two floors and their impacts.
+        fitted: The fit.
+        others: Another fit, from whose filter and impacts the descent starts.
+    """
     start = fitted.unknowns[FILTER:COMMON].tolist()
     return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
 

@@ -82,7 +82,13 @@ def hypotheses(law: Law, speed: float) -> list[Hypothesis]:
 
 
 def equivalent(law: Law, name: str, speed: float) -> float:
-    """Return the stiffness with which another law stores as much at the same depth as `law` in a typical impact."""
+    """Return the stiffness with which another law stores as much at the same depth in a typical impact.
+
+    Args:
+        law: The law, with its stiffness.
+        name: Name of the other law.
+        speed: Velocity of a typical impact [m/s].
+    """
     if law.name.startswith("linear") == name.startswith("linear"):
         return law.stiffness
     energy = 0.5 * law.mass * speed**2
@@ -94,7 +100,12 @@ def equivalent(law: Law, name: str, speed: float) -> float:
 
 
 def at(hypothesis: Hypothesis, x: Sequence[float] | np.ndarray) -> Law:
-    """Return the law at scaled gap, log stiffness and loss."""
+    """Return the law at scaled gap, log stiffness and loss.
+
+    Args:
+        hypothesis: The hypothesis, with centres and spreads.
+        x: Gap, log stiffness and loss about their centres in units of their spreads, shape (3,).
+    """
     law = hypothesis.law
     damping, restitution = law.damping, law.restitution
     if law.name in DAMPED:

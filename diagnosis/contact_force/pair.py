@@ -81,7 +81,8 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
     """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them.
 
     Args:
-        case: The case. model: The baseline model.
+        case: The case.
+        model: The baseline model.
         against_motion: Whether a force cell's gain and delay are judged by what the frames' sensors say.
     """
     contact = case.contacts[0]
@@ -122,13 +123,15 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
 
 
 def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[int]) -> Pair:
-    """Return a pair whose force cell is put right only if calibrated frames like that better than the cell's own word.
+    """Return a pair whose force cell is corrected only if calibrated frames are likelier with the correction than without.
 
-    Its gain and delay were told by frames as believed, which may be wrong by more than the cell.
+    The cell's gain and delay were estimated with the baseline frames, which may be wrong by more than the cell.
 
     Args:
-        case: The case. model: The baseline model. pair: The pair, as `prepare` gives it.
-        training: The runs that the frames are calibrated to.
+        case: The case.
+        model: The baseline model.
+        pair: The pair, as `prepare` gives it.
+        training: Numbers of the runs that the frames are calibrated to.
     """
     if pair.cell is None or not pair.cell.corrected:
         return pair
@@ -234,7 +237,13 @@ def found_noise(force: np.ndarray) -> float:
 
 
 def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tuple[Model, list[float]]:
-    """Return the model with a contact's force as the motion shows it, and the standard deviation of that [N]."""
+    """Return the model with a contact's force as the motion shows it, and the standard deviation of that in each run [N].
+
+    Args:
+        model: The baseline model.
+        floors: Left and right floor among all.
+        filtered: The filtered model.
+    """
     pushed = pairs.pushes(model, filtered, floors)
     forces = {run: one.force for run, one in zip(filtered.runs, pushed, strict=True)}
     noise = [found_noise(one.force) for one in pushed]
@@ -243,7 +252,13 @@ def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tu
 
 
 def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
-    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them."""
+    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        verdict: The verdict on the frames.
+    """
     assert found.pair is not None
     filtered = _frames(found, verdict)
     return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
@@ -261,7 +276,15 @@ def contact_findings(
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
 ) -> ContactFindings:
-    """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
+    """Return what the impacts of some runs say of the contact.
+
+    Args:
+        case: The case.
+        pair: The pair.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+        runs: Numbers of the runs.
+    """
     full, start, met = _met(pair, values, effects, runs)
     left, right = full.observed.contact_floors[pair.column]
     nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
@@ -318,10 +341,16 @@ def _met(
 
 
 def foretold(case: Case, found: Findings, verdict: str, contact_findings: ContactFindings) -> Foretold | None:
-    """Return how well the believed contact and the likeliest one foretell the held-out impacts; None without any.
+    """Return how well the contact of the baseline model and the likeliest one predict held-out impacts; None without any.
 
-    Impact by impact from the measured motion before each: a run through several impacts departs from the measured one
-    after the first few whatever the contact.
+    Each impact is predicted from the measured motion before it: a run through several impacts departs from the measured
+    one after the first few whatever the contact.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        verdict: The verdict on the frames.
+        contact_findings: What the impacts of the training runs say of the contact.
     """
     if found.pair is None or contact_findings.null is None or not found.held_out:
         return None

@@ -63,7 +63,13 @@ class Conclusion:
 
 
 def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
-    """Return what a decision on frames concludes, what is between them left aside."""
+    """Return what a decision on frames concludes, without what is between them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        decision: The decision.
+    """
     given = features(found, decision)
     return Conclusion(
         verdict=decision.verdict,

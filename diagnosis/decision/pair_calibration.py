@@ -98,7 +98,13 @@ def right(conclusion: Conclusion, truth: Truth) -> bool:
 
 
 def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
-    """Return the case with data that the pair as modelled makes itself, something being hidden in it.
+    """Return the case with simulated data of the pair, an effect being hidden in them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        truth: What is hidden.
+        rng: Random numbers for nuisance parameters, sizes and noise.
 
     Raises:
         CaseError: The contact's law and damping make no law that the engine knows.

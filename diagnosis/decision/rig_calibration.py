@@ -185,7 +185,13 @@ def name_of(judged: Judged) -> str:
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:
-    """Return the rig with data that it makes itself, parameters drawn, noise as estimated, dropouts where they were."""
+    """Return the rig with simulated data: parameters drawn, noise as estimated, dropouts where they were measured.
+
+    Args:
+        found: What the search found.
+        truth: The effects that are in the data.
+        rng: Random numbers for nuisance parameters, sizes and noise.
+    """
     model = found.model
     nuisance = drawn(model, rng)
     acting = scattered(truth, rng)

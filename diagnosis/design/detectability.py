@@ -84,9 +84,13 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectabil
 
 
 def threshold(information: np.ndarray, ln_bayes: float) -> np.ndarray:
-    """Return the amplitude, in prior standard deviations, whose expected ln Bayes factor is `ln_bayes`.
+    """Return the amplitude whose expected ln Bayes factor has a value [prior standard deviations], shape of `information`.
 
     The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `pounding.diagnosis.inference.evidence.score`).
+
+    Args:
+        information: Information I of the data on the amplitude in prior standard deviations, shape (shapes,).
+        ln_bayes: The ln Bayes factor.
     """
     needed = ln_bayes + 0.5 * np.log1p(information)
     with np.errstate(divide="ignore"):

@@ -306,9 +306,9 @@ class TorsionalEccentricity(FrameEffect):
 
         Args:
             model: The baseline model.
-            values: Nuisance parameters of the fit with the appendage in it.
-            floor: The appendage's floor among all.
-            appendage: Its mass [kg], frequency [Hz] and damping ratio.
+            values: Nuisance parameters of the fit with the appendage in their own units, shape (nuisance,).
+            floor: Floor of the appendage among all floors.
+            appendage: Its mass [kg], frequency [Hz] and damping ratio, shape (3,).
         """
         plain = model.plain_modes(model.assemble(values))
         first = self.span(model).start
@@ -351,7 +351,14 @@ class TorsionalEccentricity(FrameEffect):
 
 
 def oscillator(driving: np.ndarray, omega: float, ratio: float, step_s: float) -> np.ndarray:
-    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,)."""
+    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,).
+
+    Args:
+        driving: Acceleration that drives it [m/s^2], linear between samples, shape (samples,).
+        omega: Angular frequency [rad/s].
+        ratio: Damping ratio.
+        step_s: Sampling step [s].
+    """
     numerator, denominator, _ = cont2discrete(
         ([1.0], [1.0, 2 * ratio * omega, omega**2]), step_s, method="foh"
     )

@@ -95,11 +95,11 @@ def score(
 
     Args:
         model: The baseline model.
-        filtered: The predictor about which to linearise.
+        filtered: The filtered model about which to linearise.
         effects: The candidates.
-        sizes: Typical sizes of motion.
-        present: For each run whitened and prior-scaled columns of effects that the baseline already has; they stay
-            free as the nuisance parameters do.
+        sizes: Typical sizes of the motion.
+        present: For each run whitened and prior-scaled columns of effects that the filtered model already has, shape
+            (samples * channels, columns); they stay free as the nuisance parameters do.
     """
     columns = [(effect, shape) for effect in effects for shape in effect.grid(sizes)]
     width = np.array([effect.size(model, sizes, shape) for effect, shape in columns])

@@ -87,7 +87,14 @@ def examine(
     data: Sequence[ModalDatum],
     told: Callable[[str], None] = lambda what: None,
 ) -> ModalFindings:
-    """Return what modal data of one frame say of single effects and of pairs with the best one."""
+    """Return what modal data of one frame say of single effects and of pairs with the best one.
+
+    Args:
+        model: The baseline model.
+        flexible: Its joints as an effect, or None for a frame without any.
+        data: Modal data of the frame.
+        told: Called with what is being tried.
+    """
     candidates = modal_candidates(model, flexible, data)
     null = weigh(model, data)
     singles = []

@@ -43,7 +43,13 @@ def null_again(found: Findings) -> Fit:
 
 
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:
-    """Return model and fit with two channels exchanged where that is plainly what was measured."""
+    """Return model and fit with two channels exchanged where that is plainly what was measured.
+
+    Args:
+        model: The baseline model.
+        null: Its fit without effects.
+        training: Numbers of the runs.
+    """
     pair = exchange(model, null.filtered)
     if pair is None:
         return model, null

@@ -60,7 +60,16 @@ def search(
     progress: Progress,
     start: Filtered | None = None,
 ) -> Findings:
-    """Return what speaks for each effect; `start` is the null model as calibrated, where that is known already."""
+    """Return what the search finds of each effect.
+
+    Args:
+        model: The baseline model.
+        effects: The candidates.
+        training: Numbers of the runs that are fitted.
+        held_out: Numbers of the runs that are only predicted.
+        progress: Called with what is being done and the share that is done.
+        start: The null model as calibrated, where that is known already.
+    """
     progress("calibrating the baseline model", 0.05)
     start = start or calibrated(model, training)
     null = best_null(model, refine(model, start, (), (), ()))
@@ -141,7 +150,14 @@ def _chosen(scores: Scores) -> list[Score]:
 
 
 def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:
-    """Return prior standard deviations of an effect's parameters; those refined as logarithms ignore them."""
+    """Return prior standard deviations of an effect's parameters [SI], (parameters,); those of logarithms are not used.
+
+    Args:
+        model: The baseline model.
+        effect: The effect.
+        sizes: Typical sizes of the motion.
+        shape: Values of what is not an amplitude, one of the effect's `grid`.
+    """
     size = effect.size(model, sizes, shape)
     start = effect.values(size, shape)
     return np.asarray(np.maximum(np.abs(start), 1e-12))

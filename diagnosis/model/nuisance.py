@@ -63,7 +63,13 @@ class Assembly:
 
 
 def nuisance_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:
-    """Return the nuisance parameters of a structure and of what was measured on it."""
+    """Return the nuisance parameters of a structure and of what was measured on it.
+
+    Args:
+        structure: The frames.
+        observed: What was measured: sensors and contact events have nuisance parameters, too.
+        prior: Prior standard deviations that the case states.
+    """
     floors = structure.floors
     frames = range(len(structure.frames))
     first = {structure.first(frame) for frame in frames}
@@ -101,7 +107,14 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
 
 
 def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: float) -> None:
-    """Change an assembly by a parameter's `value`, in units of its own."""
+    """Change an assembly by a nuisance parameter.
+
+    Args:
+        assembly: The assembly, which is changed in place.
+        structure: The frames.
+        parameter: The nuisance parameter.
+        value: Its value in units of its own.
+    """
     place = parameter.place
     if parameter.kind == "frame_stiffness":
         span = structure.span(place)

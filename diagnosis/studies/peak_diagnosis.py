@@ -136,7 +136,13 @@ def _likelihood(
 def row(
     effect: WholeFrame, predicted: dict[str, np.ndarray], peaks: dict[str, tuple[Peak, ...]]
 ) -> dict[str, Any]:
-    """Return what the peaks say of an effect, with one size for all frames and with one a frame."""
+    """Return what the peaks say of an effect, with one size for all frames and with one a frame.
+
+    Args:
+        effect: The effect.
+        predicted: Peaks of each frame [m], shape (sizes, peaks).
+        peaks: Measured peaks of each frame.
+    """
     common, each = judge(predicted, peaks, False), judge(predicted, peaks, True)
     everything = _likelihood(predicted, peaks, list(peaks), RECORDS)
     sizes = np.array(effect.sizes)

@@ -176,7 +176,14 @@ class PeakModel:
     def __init__(
         self, frame: StoreyFrame, runs: Sequence[RunData], peaks: Sequence[Peak], prior: Prior
     ) -> None:
-        """Take a frame, the shakings (their `measured` is not looked at), the peaks on it and the priors."""
+        """Take a frame, the shakings (their `measured` is not looked at), the peaks on it and the priors.
+
+        Args:
+            frame: The frame.
+            runs: The shakings; their `measured` is not looked at.
+            peaks: Peaks measured on the frame.
+            prior: Prior standard deviations of its nuisance parameters.
+        """
         self.peaks = tuple(peaks)
         self.names = [run.name for run in runs]
         floors = sorted({peak.floor for peak in peaks})
