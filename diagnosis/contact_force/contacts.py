@@ -1,4 +1,4 @@
-"""What the impacts say of a contact: the believed one against another gap, stiffness, loss or law, in nats.
+"""What the impacts say of a contact: that of the baseline model against another gap, stiffness, loss or law.
 
 All impacts share the contact's numbers and an unknown filter; each has its own small errors of relative displacement and
 velocity. All have Gaussian priors; descent and evidence are those of every kind of data (`inference.posterior`).
@@ -41,7 +41,7 @@ as so many standard deviations reach."""
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and what is left."""
+    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and residuals."""
 
     hypothesis: Hypothesis
     law: Law
@@ -54,7 +54,7 @@ class Fitted:
 
     @property
     def misfit(self) -> float:
-        """What is left of the impacts, root mean square in standard deviations."""
+        """Root mean square of the residuals of the impacts [standard deviations]."""
         return float(np.sqrt(2 * self.cost / max(self.freedom, 1)))
 
 
@@ -144,7 +144,7 @@ def fit(
 
 
 class Impacts(Likelihood):
-    """The impacts of a contact as a term of the inference: what is left of each counts by Huber's measure.
+    """The impacts of a contact as a term of the inference: the residual of each counts by Huber's measure.
 
     Args:
         bodies: The two floors and their impacts.
@@ -165,7 +165,7 @@ class Impacts(Likelihood):
         return Posterior((self,), -free, free, np.full(unknowns, REACH))
 
     def cost(self, theta: np.ndarray) -> float:
-        """Return what the impacts say against a contact [nats]."""
+        """Return minus the log likelihood of the impacts for a contact."""
         return float(self.counts @ _robust(_residuals(self.bodies, self.hypothesis, theta)[0]))
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -203,7 +203,7 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
 
 
 def _robust(residual: np.ndarray) -> np.ndarray:
-    """Return what each impact says against a fit [nats], growing slowly from `ROBUST` on (Huber)."""
+    """Return minus the log likelihood of each impact, shape (impacts,), growing slowly from `ROBUST` on (Huber)."""
     square = np.sum(residual**2, axis=1)
     size = np.sqrt(square)
     return np.asarray(np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2))
@@ -295,10 +295,10 @@ def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitte
 
 
 def ranked(ln_bayes: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
-    """Return fits with their nats against the believed contact, best first.
+    """Return fits with their ln Bayes factors against the contact of the baseline model, best first.
 
-    Another law is one effect however many laws there are: each has its share of what is believed of that beforehand, or the
-    many would win wherever impacts tell two effects apart by nothing.
+    Another law is one effect however many laws there are: each has its share of the prior probability of that, or the many
+    would win wherever impacts tell two effects apart by nothing.
     """
     laws = sum(one.hypothesis.effect == "contact_law" for one in fits)
     shares = [np.log(laws) if one.hypothesis.effect == "contact_law" else 0.0 for one in fits]

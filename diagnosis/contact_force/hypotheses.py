@@ -1,4 +1,4 @@
-"""What a contact may be: as believed with its ordinary scatter, or with another gap, stiffness, loss or law."""
+"""What a contact may be: that of the baseline model with its scatter, or with another gap, stiffness, loss or law."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def baseline_law(contact: Contact, mass: float) -> Law:
 
 
 def null(law: Law) -> Hypothesis:
-    """Return the contact as believed, with ordinary scatter."""
+    """Return the contact of the baseline model with its scatter."""
     gap = float(np.hypot(GAP_M, GAP_SHARE * law.gap_m))
     return Hypothesis("", law, gap, STIFFNESS, _loss(law, DAMPING, RESTITUTION))
 

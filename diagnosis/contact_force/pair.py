@@ -1,4 +1,4 @@
-"""A pair from its believed contact to what is said of it: forces known or found, impacts, and the contact's effects.
+"""A pair from its baseline contact to what is said of it: forces known or found, impacts, and the contact's effects.
 
 Given the contact forces, the frames' motion does not depend on why there were forces, and given the motion the forces do
 not depend on the rest of the frames. So frames and contact are judged apart, and what is found of both is said.
@@ -48,7 +48,7 @@ must like it better that a cell is put right; how far a touch reaches beyond its
 
 @dataclass(frozen=True)
 class ContactFindings:
-    """What the impacts say: the believed contact, and each other hypothesis with its nats against it, best first."""
+    """What the impacts say: the baseline contact, and each other with its ln Bayes factor against it, best first."""
 
     null: Fitted | None
     ranked: tuple[tuple[float, Fitted], ...] = ()
@@ -65,10 +65,10 @@ class Foretold:
 
     Attributes:
         impacts: How many impacts.
-        model: With the contact as believed.
+        model: With the contact of the baseline model.
         likeliest: With the likeliest other contact, as fitted to the training runs.
-        gained: What the second says for itself against the believed contact with its ordinary scatter, as fitted to the
-            training runs too [nats].
+        gained: Gain of log likelihood of the likeliest over the contact of the baseline model with its scatter, as fitted to
+            the training runs too.
     """
 
     impacts: int
@@ -141,7 +141,7 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
 
 
 def _likely(model: Model, training: Sequence[int]) -> float:
-    """Return the log posterior of calibrated frames [nats]."""
+    """Return the log posterior of calibrated frames."""
     filtered = calibrated(model, training)
     return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
 
@@ -149,7 +149,7 @@ def _likely(model: Model, training: Sequence[int]) -> float:
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:
     """Return a pair with the forces that no cell measured found anew, by frames calibrated with those found before.
 
-    Weak touches show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
+    Weak contact events show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
     """
     if not pair.blind:
         return pair
@@ -175,7 +175,7 @@ def _slow(pair: Pair) -> Model:
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
     """Return column, least force in each run [N] and relative uncertainty of each contact's force.
 
-    However weak, a touch moves the frames: what was found is all taken, and of a cell's readings what is no noise.
+    However weak, a contact event moves the frames: what was found is all taken, and of a cell's readings what is no noise.
     """
     nothing = [0.0] * len(pair.full.observed.runs)
     plain = [impacts.PLAIN * noise for noise in pair.noise]
@@ -196,9 +196,9 @@ def _found_by(
 def _with_contact_events(
     observed: Observations, contacts: Sequence[tuple[int, Sequence[float], float]]
 ) -> Observations:
-    """Return the observations with their touches: what a cell reads between them is noise and shakes no frame.
+    """Return the observations with their contact events: what a cell reads between them is noise and shakes no frame.
 
-    The sizes of the largest touches are as well known as their source lets them.
+    The forces of the largest events are as well known as their source lets them.
     """
     contact_events: list[tuple[float, ContactEvent]] = []
     runs = []
@@ -221,7 +221,7 @@ def _with_contact_events(
 
 
 def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int, int]]:
-    """Return first and last sample of touches, those joined that are too near to be told apart at the lower rate."""
+    """Return first and last sample of contact events, those joined that are too near to be told apart at the lower rate."""
     merged: list[tuple[int, int]] = []
     for first, last in groups:
         if merged and (first - merged[-1][1]) * step_s < 2 * AROUND_S:
@@ -305,7 +305,7 @@ def contact_findings(
 def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
     """Return impacts with errors as large as they are seen to be, by what evidence on them is divided, and all fits.
 
-    The first fit is that of the believed contact.
+    The first fit is that of the contact of the baseline model.
     """
     tried = [null(law), *hypotheses(law, speed)]
     fits = contacts.warmed(met, [contacts.best_fit(met, one) for one in tried])
@@ -331,7 +331,7 @@ def _met(
     # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
     values = values[: len(full.std)]
     if pair.cell is None and pair.second is None:
-        # The force was found with the frames as believed; once more with the frames as they are.
+        # The force was found with the baseline frames; once more with the frames as they are.
         full, noise = _found_by(pair, values, effects, runs)
     start = run_filter(full, values, starting_noise(full, runs, LEVEL), runs, effects)
     left, right = full.observed.contact_floors[pair.column]

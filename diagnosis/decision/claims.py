@@ -132,7 +132,7 @@ class Candidate(Place, frozen=True, kw_only=True):
     """An effect that was tried.
 
     Attributes:
-        log_evidence: Logarithm of the Bayes factor against 'nothing missing' [nats].
+        log_evidence: The ln Bayes factor against 'nothing missing'.
     """
 
     log_evidence: float

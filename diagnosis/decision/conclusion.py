@@ -30,7 +30,7 @@ class ContactMisfit(Struct, frozen=True, kw_only=True):
 
     Attributes:
         impacts: How many they are.
-        before: Root mean square of what the believed contact leaves of their forces [standard deviations of these].
+        before: Root mean square error of their forces with the contact of the baseline model [standard deviations of these].
         after: The same with the contact that is claimed.
     """
 

@@ -78,7 +78,7 @@ def _listed(single: list[Judged]) -> Judged:
 def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
     filtered = judged.fit.filtered
     said = model_checks(found.model, filtered)
-    # A contact's push that was missed is no knock.
+    # A contact's push that was missed is no blow.
     pushed = None if _blind(found) else impulses(found.model, filtered)
     return tuple(said) if pushed is None else (*said, pushed.sentence())
 

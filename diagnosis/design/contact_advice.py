@@ -27,7 +27,7 @@ FINER = (1.0, 2.0, 4.0)
 """Further tests: in words, by how much finer the sampling is, by how much faster the floors meet, and whether these impacts
 come to those that are there; shares of the finest frequencies that are compared."""
 NAMES = {
-    "": "the contact as believed",
+    "": "the contact of the baseline model",
     "gap_offset": "another gap of the contact",
     "contact_stiffness": "another stiffness of the contact",
     "contact_damping": "another loss of the contact",

@@ -67,7 +67,7 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectabil
     """Return for each effect of the catalogue how small it may be and still be found, at its best and worst place.
 
     Two things must be reached (see `decision.verdict.decide`): the evidence, which grows with the square of the
-    amplitude over its standard error, and the share of a channel's noise that the effect makes up after the ordinary
+    amplitude over its standard error, and the share of a channel's noise that the effect makes up after the nuisance
     parameters have imitated what they can.
 
     Args:

@@ -59,7 +59,7 @@ class JointFlexibility(FrameEffect):
         return matrix_terms(motion, derivative, modes.floors, self.span(model))
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the joints' stiffness as a factor on the believed one."""
+        """Return the joints' stiffness as a factor on that of the baseline model, shape (1,)."""
         return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
@@ -161,7 +161,7 @@ class PDelta(FrameEffect):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class AddedMass(FrameEffect):
-    """Mass on a floor beyond the believed."""
+    """Mass on a floor beyond that of the baseline model."""
 
     name = "added_mass"
     linear = True

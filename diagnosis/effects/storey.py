@@ -76,7 +76,7 @@ class StoreyEffect(Effect):
         assembly.laws.append(PlacedLaw(self.law, self.row(model), self.numbers(model, values)))
 
     def stiffness(self, model: Model) -> float:
-        """Return the believed stiffness of the storey [N/m]."""
+        """Return the stiffness of the storey in the baseline model [N/m]."""
         return storey_stiffness(model.structure, self.index)
 
 
@@ -124,7 +124,7 @@ def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Number
 @CATALOGUE.add
 @dataclass(frozen=True)
 class DampingChange(StoreyEffect):
-    """A viscous damper: c v, negative where the frame has less than believed."""
+    """A viscous damper: c v, negative where the frame has less than the baseline model."""
 
     name = "damping_change"
     law = damper

@@ -1,4 +1,4 @@
-"""Evidence of every candidate about a calibrated predictor, in nats, with the nuisance parameters always free."""
+"""Evidence of every candidate about a filtered model, as ln Bayes factors, with the nuisance parameters always free."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Score:
 
 @dataclass(frozen=True)
 class Scores:
-    """Scores of all candidates, best first, and the Gram matrix of their signatures without the ordinary ones."""
+    """Scores of all candidates, best first, and the Gram matrix of their signatures, nuisance parameters projected out."""
 
     ranked: list[Score]
     projected: np.ndarray
@@ -121,7 +121,7 @@ def score(
         groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
         signature = grouped_signatures(model, one, [groups])[0]
-        # Candidates are often nearly ordinary: what is left of them is a small difference, and needs double precision.
+        # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
         signature = signature.astype(float) * np.concatenate([model.std, width])
         if present:
             nuisance = len(model.std)

@@ -27,7 +27,7 @@ class Filtered:
         noise: Noise of each training run.
         filters: Steady filter of each training run.
         prediction: Innovations and states of each training run.
-        log_likelihood: Of the innovations [nats].
+        log_likelihood: Log likelihood of the innovations.
         runs: Numbers of the runs used.
     """
 

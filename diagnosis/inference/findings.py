@@ -99,7 +99,7 @@ class Findings:
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 
     def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
-        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
+        """Return the ln Bayes factor and the size, in units of a channel's noise, that an effect needs to be named.
 
         Args:
             absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).

@@ -158,7 +158,7 @@ def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
         rms = np.nan_to_num(model.observed.rms(run))
         own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
         carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * noise.table
-        pushed = 0.0 if number in filtered.runs else touch_response(model, filtered.modes, number)
+        pushed = 0.0 if number in filtered.runs else contact_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
     ratio = np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
@@ -225,7 +225,7 @@ def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> n
     return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-def touch_response(model: Model, modes: Modes, number: int) -> np.ndarray:
+def contact_response(model: Model, modes: Modes, number: int) -> np.ndarray:
     """Return the mean square of each channel in SI, shape (channels,), that the uncertain contact forces of a run make.
 
     Args:

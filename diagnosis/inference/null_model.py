@@ -21,7 +21,7 @@ SWAPPED_GAP = 0.6
 
 
 def best_null(model: Model, null: Fit) -> Fit:
-    """Return the null model, calibrated also with small latent forces from the believed parameters if it seems stuck."""
+    """Return the null model, calibrated also with small latent forces from the baseline model if it seems stuck."""
     filtered, runs = null.filtered, null.filtered.runs
     left = fit_misfits(model, filtered, runs)
     if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):

@@ -33,7 +33,7 @@ class Fit:
         effects: The effects. values: SI parameters of each.
         std: Standard errors of those.
         filtered: The predictor with them.
-        log_posterior: Log likelihood plus log prior less half the log determinant of the information [nats].
+        log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
     """
 
@@ -153,7 +153,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
 
 
 def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
-    """Return a baseline with the likelier noise in each run: what a collision leaves is no noise of a run without one."""
+    """Return a baseline with the likelier noise in each run: what an impact adds is no noise of a run without one."""
     likely = [
         [
             log_likelihood(model, [series], [steady], [run])

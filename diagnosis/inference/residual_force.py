@@ -48,7 +48,7 @@ class ResidualForce:
 
 
 def residual_forces(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[ResidualForce]:
-    """Return the leftover force of every storey in each run, from all of the run's measurements.
+    """Return the residual force of every storey in each run, from all of the run's measurements.
 
     Args:
         model: The baseline model.

@@ -142,7 +142,7 @@ def _chosen(scores: Scores) -> list[Score]:
     for one in scores.ranked:
         if one.ln_bayes < WORTH or len(chosen) >= REFINED:
             break
-        # A foil acts alike on neighbouring floors, and two of them say enough.
+        # A rival outside the catalogue acts alike on neighbouring floors, and two of them say enough.
         rivals += one.effect.rival
         if not one.effect.rival or rivals <= FOILS:
             chosen.append(one)
@@ -268,7 +268,7 @@ def _faded(found: Findings) -> None:
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
-    """Start anew from the nuisance parameters as believed, with small latent forces: what scores best, and what is strong.
+    """Start anew from the baseline model, with small latent forces: what scores best, and what is strong.
 
     A strong effect is not near the null model, and a null model that imitates one may hold its refinement back.
     """

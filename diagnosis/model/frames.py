@@ -22,7 +22,7 @@ def definition(frame: CaseFrame) -> frames.Frame:
     Raises:
         CaseError: The frame is not known, or its file cannot be used.
     """
-    if frame.kind == "believed":
+    if frame.kind == "modal":
         return frames.StickFrame(
             name=frame.name,
             storeys=frame.storeys,

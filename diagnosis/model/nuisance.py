@@ -1,4 +1,4 @@
-"""The nuisance parameters: what may vary inside the priors, how wide, and what each changes in the believed system."""
+"""The nuisance parameters: what may vary inside the priors, how wide, and what each changes in the baseline model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ models that agree in all frequencies differ in both."""
 
 @dataclass(frozen=True)
 class Parameter:
-    """An nuisance parameter: what it is, of which place (an index), and its prior standard deviation."""
+    """A nuisance parameter: what it is, of which place (an index), and its prior standard deviation."""
 
     kind: str
     place: int
@@ -51,7 +51,7 @@ class Assembly:
     channel_delay_s: np.ndarray
     channel_offset: np.ndarray
     event_gain: np.ndarray
-    """Relative change of the contact force in each of the observations' touches."""
+    """Relative change of the contact force in each of the observations' contact events."""
     laws: list[PlacedLaw] = field(default_factory=list)
     """Forces of the effects."""
     extensions: list[

@@ -95,7 +95,7 @@ class Observations:
         contact_floors: Left and right floor of each contact force, measured or found.
         touching: Whether frames may touch: contact forces, measured or found, have a clock of their own.
         slower: How many samples of the logger one of these stands for, if they were made fewer.
-        touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
+        contact_events: Times in which floors touch; the size of the force in each is a nuisance parameter.
         modal, peaks: Numbers that stand beside the runs.
         warnings: What was odd.
     """

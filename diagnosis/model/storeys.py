@@ -28,7 +28,7 @@ class StoreyFrame:
         damping_ratio: Damping ratio of each mode, shape (n,).
         height_m: Height of each floor above the base, shape (n,).
         joint_derivative: d stiffness / d log(joint stiffness) [N/m], shape (n, n), or None where a frame has no joints.
-        joint_stiffness: The believed joint stiffness [N m/rad], or NaN.
+        joint_stiffness: Joint stiffness of the baseline model [N m/rad], or NaN.
         patterns: Change of the stiffness for a unit relative change of each storey's, (storeys, n, n), where the
             frame is more than a chain of storeys.
         gyration_m: Radius of gyration of a floor about the vertical [m].

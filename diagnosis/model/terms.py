@@ -57,12 +57,10 @@ def nuisance_terms(model: Model, modes: Modes, motion: Motion) -> list[list[Term
         modes: Modes of the filtered model.
         motion: Motion of a run.
     """
-    return [
-        _ordinary(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters
-    ]
+    return [_terms(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters]
 
 
-def _ordinary(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+def _terms(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
     shapes = modes.floors
     structure = model.structure
     if kind in ("storey_stiffness", "base_stiffness"):
@@ -94,7 +92,7 @@ def _ordinary(model: Model, modes: Modes, motion: Motion, kind: str, place: int)
 
 
 def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:
-    """Return the contact force in one touch, nothing in other runs."""
+    """Return the contact force in one contact event, nothing in other runs."""
     event, run = model.observed.contact_events[place], motion.run
     if model.observed.runs[event.run] is not run:
         return []

@@ -81,7 +81,7 @@ def simulate_engine(
     return found
 
 
-def simulate_touching(
+def simulate_pair(
     model: Model,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],

@@ -217,7 +217,7 @@ class PeakModel:
 
 
 def log_likelihood(predicted: np.ndarray, peaks: Sequence[Peak]) -> np.ndarray:
-    """Return the log likelihood [nats] of peaks for each unexplained scatter, (sizes, scatters).
+    """Return the log likelihood of peaks for each unexplained scatter, (sizes, scatters).
 
     Args:
         predicted: Peaks for each size of an effect [m], shape (sizes, peaks).
@@ -235,5 +235,5 @@ def log_likelihood(predicted: np.ndarray, peaks: Sequence[Peak]) -> np.ndarray:
 
 
 def evidence(likelihood: np.ndarray) -> float:
-    """Return the log evidence [nats] over sizes and scatters that are equally likely; `likelihood` is their logarithm."""
+    """Return the log evidence over sizes and scatters that are equally likely; `likelihood` is their logarithm."""
     return float(logsumexp(likelihood) - np.log(likelihood.size))
