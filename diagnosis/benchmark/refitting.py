@@ -82,7 +82,7 @@ class Refit:
         return np.asarray(left / np.sqrt(left.size))
 
     def best(self, effect: Effect | None) -> tuple[float, np.ndarray]:
-        """Return the smallest root mean square residual with an effect, and the effect's SI parameters."""
+        """Return the smallest root mean square residual with an effect, and its SI parameters, shape (parameters,)."""
         if effect is None:
             fit = least_squares(lambda x: self.residual(x, ()), np.zeros(len(self.free)), diff_step=1e-3)
             return float(np.sqrt(2 * fit.cost)), np.zeros(0)

@@ -88,7 +88,7 @@ def sparse_regression(folder: Path, optimiser: Optimiser | None = None) -> Repor
 def best_model(
     columns: np.ndarray, force: np.ndarray, always: int = 0, optimiser: Optimiser | None = None
 ) -> tuple[float, np.ndarray]:
-    """Return the gain in BIC of the best sparse model over the terms that are always in, and its factors.
+    """Return the gain in BIC of the best sparse model over the terms that are always in, and its factors, (terms,).
 
     Args:
         columns: Terms, shape (samples, terms).
@@ -142,7 +142,7 @@ def thresholded(columns: np.ndarray, target: np.ndarray, threshold: float, alway
 def thresholded_by_pysindy(
     columns: np.ndarray, target: np.ndarray, threshold: float, always: int = 0
 ) -> np.ndarray:
-    """Return the same factors by the STLSQ of pysindy; terms that are never dropped are taken out of both sides first.
+    """Return the same factors, shape (terms,), by the STLSQ of pysindy; what is never dropped is taken out first.
 
     Args:
         columns: Terms of the model at each sample, shape (samples, terms).

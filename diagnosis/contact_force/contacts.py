@@ -169,7 +169,7 @@ class Impacts(Likelihood):
         return float(self.counts @ _robust(_residuals(self.bodies, self.hypothesis, theta)[0]))
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield whitened residuals, measured less made, of all impacts, and their slopes, both weighted."""
+        """Yield weighted residuals of all impacts, measured less made, (7 impacts,), and slopes, (7 impacts, unknowns)."""
         residual, weight = _residuals(self.bodies, self.hypothesis, theta)
         scale = np.repeat(np.sqrt(weight * self.counts), 7)
         slopes = _slopes(self.bodies, self.hypothesis, theta, residual)

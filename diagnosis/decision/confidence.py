@@ -83,7 +83,7 @@ class Features:
     effects: int
 
     def terms(self) -> np.ndarray:
-        """Return the terms that the coefficients multiply, in the order of `TERMS`."""
+        """Return the terms that the coefficients multiply, shape (terms,), in the order of `TERMS`."""
         return np.array(
             [
                 1.0,

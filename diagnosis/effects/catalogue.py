@@ -154,7 +154,7 @@ class Effect:
         raise NotImplementedError
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the SI parameters, in the order of `quantities`, of an amplitude.
+        """Return the SI parameters of an amplitude in the order of `quantities`, shape (parameters,).
 
         Args:
             amplitude: The amplitude in SI.

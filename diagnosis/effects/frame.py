@@ -302,7 +302,7 @@ class TorsionalEccentricity(FrameEffect):
     def like_appendage(
         self, model: Model, values: np.ndarray, floor: int, appendage: np.ndarray
     ) -> np.ndarray:
-        """Return the parameters with which the first mode meets what an appendage on a floor makes it meet.
+        """Return the SI parameters, (3,), with which the first mode meets what an appendage on a floor makes it meet.
 
         Args:
             model: The baseline model.

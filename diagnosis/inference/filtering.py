@@ -207,7 +207,7 @@ def grouped_signatures(
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
-    """Return the whitened innovations of each run, flat."""
+    """Return the whitened innovations of each run, shape (samples * channels,)."""
     return [
         whitened(series, steady, np.isfinite(model.observed.runs[run].measured)).ravel()
         for series, steady, run in zip(

@@ -22,7 +22,7 @@ SLOW = 0.3
 
 
 def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
-    """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured.
+    """Return rms(simulated - measured) / rms(measured) of each channel, (channels,), over pooled runs.
 
     Args:
         model: The baseline model.
@@ -42,7 +42,9 @@ def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[
 
 
 def levelled(model: Model, difference: np.ndarray, step_s: float) -> np.ndarray:
-    """Take what is slow against the frames off absolute displacements: integrated twice, a table's noise drifts.
+    """Return differences, (samples, channels), without what is slow against the frames in absolute displacements.
+
+    Integrated twice, a table's noise drifts.
 
     Args:
         model: The baseline model.
@@ -86,7 +88,7 @@ def differences(
 
 
 def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Return misfits over the noise floor as they would be at the rate of the logger.
+    """Return misfits over the noise floor, shape (..., channels), as they would be at the rate of the logger.
 
     Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
     was recorded.
@@ -143,9 +145,9 @@ def simulate(
 
 
 def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
-    """Return the misfit that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
+    """Return the misfit that a perfect model would leave in each channel, (channels,): its and the inputs' noise.
 
-    Contact forces are as uncertain as their touches say in runs that were not fitted.
+    Contact forces are as uncertain as their contact events say in runs that were not fitted.
 
     Args:
         model: The baseline model.

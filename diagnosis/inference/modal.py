@@ -50,7 +50,7 @@ class ModalFindings:
 
     @cached_property
     def foretold(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Each datum as foretold from the others, SI, and its surprise, by the baseline model and the best explanation."""
+        """Each datum as predicted from the others, SI, and how far it lies off [standard deviations], each (data,)."""
         chosen = {"null": self.null, "best": self.best}
         return {key: foretold_from_others(self.model, self.data, one.acting) for key, one in chosen.items()}
 

@@ -199,7 +199,7 @@ class ModalTerm(Likelihood):
         )
 
     def likeliest(self) -> tuple[Posterior, np.ndarray]:
-        """Return the posterior and its maximum, from several sizes."""
+        """Return the posterior and its maximum, shape (nuisance + effects,), from several sizes."""
         posterior = self.posterior()
         axes = []
         for one in self.acting:

@@ -142,7 +142,7 @@ def descend(
     dampings: Sequence[float] = DAMPINGS,
     enough: float = ENOUGH,
 ) -> tuple[Posterior, np.ndarray]:
-    """Return the posterior about the end of a descent, and the parameters there.
+    """Return the posterior about the end of a descent, and the parameters there, shape (parameters,).
 
     Args:
         posterior: Where to descend.
@@ -201,7 +201,7 @@ def _log_inside(lower: float, upper: float) -> float:
 
 
 def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return the least of s' precision s / 2 - pull' s between bounds (bounded least squares on its factor).
+    """Return the least of s' precision s / 2 - pull' s between bounds, shape (n,) (bounded least squares on its factor).
 
     Args:
         precision: Positive definite, shape (n, n).

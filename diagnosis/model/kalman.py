@@ -153,7 +153,7 @@ def noise_density(states: int, noise: Noise) -> np.ndarray:
 
 
 def discretise(rate: np.ndarray, density: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return transition and noise covariance over a step (Van Loan 1978).
+    """Return transition and noise covariance over a step, each (states, states) (Van Loan 1978).
 
     Args:
         rate: Rate matrix A of the states [1/s], shape (states, states).

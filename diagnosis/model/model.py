@@ -134,7 +134,7 @@ class Model:
         return np.asarray(np.square(self._own @ modes.floors))
 
     def carried(self, other: Model, values: np.ndarray) -> np.ndarray:
-        """Return another model's nuisance parameters of the same frames for this one, whose own sensors' are zero.
+        """Return another model's nuisance parameters for this one, (nuisance,), those of its own sensors being zero.
 
         Args:
             other: A model with other sensors.

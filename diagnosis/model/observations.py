@@ -119,7 +119,7 @@ class Observations:
 
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:
-    """Return the rms over the first axis of what is not NaN; NaN where there is nothing.
+    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing.
 
     Args:
         values: Series, shape (samples, ...).

@@ -76,7 +76,7 @@ def peak_model(name: str, runs: Sequence[RunData]) -> PeakModel:
 
 
 def split_of(peaks: Sequence[Peak], records: Sequence[str]) -> np.ndarray:
-    """Return which peaks belong to records."""
+    """Return which peaks belong to records, shape (peaks,)."""
     return np.array([peak.run in records for peak in peaks])
 
 

@@ -235,5 +235,5 @@ def log_likelihood(predicted: np.ndarray, peaks: Sequence[Peak]) -> np.ndarray:
 
 
 def evidence(likelihood: np.ndarray) -> float:
-    """Return the log evidence over sizes and scatters that are equally likely; `likelihood` is their logarithm."""
+    """Return the log evidence of a log likelihood, shape (sizes, scatters), all of these being equally likely."""
     return float(logsumexp(likelihood) - np.log(likelihood.size))

@@ -1,6 +1,7 @@
 """Public functions say what their arguments are: an Args section, with shapes and units for arrays.
 
-A method that overrides one of a base class does not repeat what the base's docstring says of the arguments.
+Of an array that is returned the docstring says shape or unit, too. A method that overrides one of a base class does not
+repeat what the docstring of that one says.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ FEW = 2
 ARRAY = re.compile(r"\b(ndarray|NDArray|ArrayLike|Real|Index|Complex)\b")
 """Annotations of arrays: numpy's own, and the names that modules give them."""
 
-SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w' ]+)(?:, ?[\w' ]+)*,?\)")
+ARGS = re.compile(r"^Args:\n((?:[ \t]+.*(?:\n|$)|\n)*)", re.MULTILINE)
+"""The section of a docstring that describes arguments."""
+
+SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w'*+ ]+)(?:, ?[\w'*+ ]+)*,?\)")
 """`[m]`, `shape (n, 3)`, `(m,)`, `(..., 3)`, `(6 nodes, 6 nodes)`; a single word in brackets is no shape."""
 
 SHARED_SIGNATURES = {
@@ -79,7 +83,7 @@ def arguments(function: ast.FunctionDef) -> list[ast.arg]:
 def described(docstring: str) -> dict[str, str]:
     """What the Args section says of each argument: `name: text`, or `first, second: text` for several."""
     found: dict[str, str] = {}
-    for section in re.finditer(r"^Args:\n((?:[ \t]+.*(?:\n|$)|\n)*)", docstring, re.MULTILINE):
+    for section in ARGS.finditer(docstring):
         for entry in re.split(r"\n(?=    \S)", "\n" + section[1].rstrip()):
             names, _, text = entry.strip().partition(":")
             found |= {name.strip(): text for name in names.split(",")}
@@ -125,34 +129,47 @@ def origins(path: Path) -> dict[str, Path]:
     }
 
 
-def inherited(path: Path, owner: str, method: str) -> dict[str, str]:
-    """What the methods that a class' method overrides say of the arguments, which it need not repeat."""
+def overridden(path: Path, owner: str, method: str) -> list[str]:
+    """The docstrings of the methods that a class' method overrides, the nearest base's first."""
+    found = []
     for base in base_names(path, owner):
         where = origins(path).get(base, path)
-        if not where.is_file() or (where, base) == (path, owner):
-            continue
-        own = [one for one in public_functions(where) if one.name == f"{base}.{method}"]
-        if found := inherited(where, base, method) | (described(own[0].docstring) if own else {}):
-            return found
-    return {}
+        if where.is_file() and (where, base) != (path, owner):
+            own = [one for one in public_functions(where) if one.name == f"{base}.{method}"]
+            found += [one.docstring for one in own] + overridden(where, base, method)
+    return found
 
 
 def offences(path: Path) -> list[str]:
     found = []
     for function in public_functions(path):
-        given = [one for one in arguments(function.node) if not is_option(one)]
         owner, _, method = function.name.rpartition(".")
-        said = inherited(path, owner, method) | described(function.docstring)
+        docstrings = [function.docstring, *overridden(path, owner, method)]
         where = f"{place(path)}:{function.node.lineno} {function.name}"
-        silent = [one.arg for one in given if one.arg not in said]
-        shared = tuple(one.arg for one in given) in SHARED_SIGNATURES
-        if len(arguments(function.node)) > FEW and silent and not shared:
-            found.append(f"{where}: Args does not say what {', '.join(silent)} is")
-        for one in given:
-            if one.annotation is None or not ARRAY.search(ast.unparse(one.annotation)):
-                continue
-            if not SHAPE_OR_UNIT.search(said.get(one.arg, function.docstring)):
-                found.append(f"{where}: neither shape nor unit of the array {one.arg}")
+        found += [f"{where}: {said}" for said in silent_arguments(function, docstrings)]
+        returned = ast.unparse(function.node.returns) if function.node.returns is not None else ""
+        silent = not any(SHAPE_OR_UNIT.search(ARGS.sub("", docstring)) for docstring in docstrings)
+        if ARRAY.search(returned) and "Callable" not in returned and silent:
+            found.append(f"{where}: neither shape nor unit of the returned array")
+    return found
+
+
+def silent_arguments(function: Function, docstrings: list[str]) -> list[str]:
+    """What the docstrings of a function, and of the methods that it overrides, do not say of its arguments."""
+    given = [one for one in arguments(function.node) if not is_option(one)]
+    said: dict[str, str] = {}
+    for docstring in docstrings:
+        said = described(docstring) | said
+    silent = [one.arg for one in given if one.arg not in said]
+    shared = tuple(one.arg for one in given) in SHARED_SIGNATURES
+    found = []
+    if len(arguments(function.node)) > FEW and silent and not shared:
+        found.append(f"Args does not say what {', '.join(silent)} is")
+    for one in given:
+        if one.annotation is None or not ARRAY.search(ast.unparse(one.annotation)):
+            continue
+        if not SHAPE_OR_UNIT.search(said.get(one.arg, function.docstring)):
+            found.append(f"neither shape nor unit of the array {one.arg}")
     return found
 
 
@@ -232,5 +249,18 @@ def test_an_overriding_method_repeats_nothing(
 ) -> None:
     path = tmp_path / "module.py"
     path.write_text(OVERRIDING.format(line))
+    monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
+    assert len(offences(path)) == count
+
+
+@pytest.mark.parametrize(
+    ("said", "count"),
+    [("Return motion.", 1), ("Return motion [m].", 0), ("Return motion, (2 * n, 3).", 0), ("", 1)],
+)
+def test_a_returned_array_has_a_shape_or_a_unit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, count: int
+) -> None:
+    path = tmp_path / "module.py"
+    path.write_text(f'def f(x: float) -> Real:\n    """{said}\n\n    Args:\n        x: Time [s].\n    """\n')
     monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
     assert len(offences(path)) == count

@@ -60,7 +60,7 @@ def test_blows_are_told_with_their_floor_and_times() -> None:
     assert "1.30, 2.60 s" in found.sentence()
 
 
-def test_a_good_model_and_one_knock_are_no_blows() -> None:
+def test_a_good_model_and_one_blow_are_no_blows() -> None:
     assert impulses(measured(), null_model(measured())) is None
     once = struck([1.3], 2, 0.1)
     assert impulses(once, null_model(once)) is None
