@@ -300,7 +300,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
             ["measured", "", *(f"{100 * f:.1f}" for f in law["fall"])],
             ["relative drift", "", *(f"{d:.2f}" for d in law["drift"])],
             *(
-                [f"power {one['power']}, foretold from the others", f"{one['log_evidence']:.1f}"]
+                [f"power {one['power']}, predicted from the others", f"{one['log_evidence']:.1f}"]
                 + [f"{100 * f:.1f}" for f in one["foretold"]]
                 for one in law["laws"]
             ),
@@ -309,7 +309,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
 
 
 def _pooled_table(title: str, rows: Sequence[dict[str, Any]], judged: bool) -> Any:
-    heads = ["effect", "nats, all", *FRAMES, "misfit"] + (["foretold from f1, mean error"] if judged else [])
+    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (["predicted from f1, mean error"] if judged else [])
     lines = []
     for row in rows:
         line = [row["effect"], f"{row['log_evidence']:.1f}", *(f"{row['each'][name]:.1f}" for name in FRAMES)]
