@@ -34,7 +34,8 @@ def test_nothing_is_missing_where_nothing_is_hidden(open_cases: Path) -> None:
     assert report.effects == ()
     misfit = report.misfit.held_out
     assert misfit is not None
-    assert misfit.after == misfit.before
+    # The likeliest candidate, which is not claimed, is in the model of `after`.
+    assert misfit.after == pytest.approx(misfit.before, rel=0.05)
     # The generator's noise is 2 % of each channel's rms; the floor is estimated without knowing it.
     assert misfit.noise_floor == pytest.approx(0.02, rel=0.1)
 
