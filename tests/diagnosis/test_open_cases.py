@@ -32,7 +32,9 @@ NOTHING = Expected("nothing_missing")
 
 
 def fails(case: str, expected: Expected, reason: str) -> Any:
-    return pytest.param(case, expected, marks=pytest.mark.xfail(strict=True, reason=reason), id=case)
+    return pytest.param(
+        case, expected, marks=pytest.mark.xfail(strict=True, raises=AssertionError, reason=reason), id=case
+    )
 
 
 FAILING = [
