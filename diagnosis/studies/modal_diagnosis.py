@@ -309,7 +309,9 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
 
 
 def _pooled_table(title: str, rows: Sequence[dict[str, Any]], judged: bool) -> Any:
-    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (["predicted from f1, mean error"] if judged else [])
+    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (
+        ["predicted from f1, mean error"] if judged else []
+    )
     lines = []
     for row in rows:
         line = [row["effect"], f"{row['log_evidence']:.1f}", *(f"{row['each'][name]:.1f}" for name in FRAMES)]
