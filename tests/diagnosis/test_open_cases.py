@@ -93,7 +93,8 @@ def test_nothing_is_missing_where_nothing_is_hidden(open_cases: Path) -> None:
     report = diagnosed(open_cases / "open-null")
     check(report, NOTHING)
     misfit = held_out(report)
-    assert misfit["after"] == misfit["before"]
+    # The likeliest candidate, which is not claimed, is in the model of `after`.
+    assert misfit["after"] == pytest.approx(misfit["before"], rel=0.05)
     # The generator's noise is 2 % of each channel's rms; the floor is estimated without knowing it.
     assert misfit["noise_floor"] == pytest.approx(0.02, rel=0.1)
 

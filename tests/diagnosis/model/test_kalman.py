@@ -16,12 +16,8 @@ from pounding.diagnosis.inference.filtering import (
     whitened_innovations,
 )
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
-<<<<<<< HEAD
-from pounding.diagnosis.model.kalman import discretise, linear_system, steady_filter
-from pounding.diagnosis.model.laws import PlacedLaw
-=======
 from pounding.diagnosis.model.kalman import discretise
->>>>>>> packaging
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.terms import nuisance_terms
