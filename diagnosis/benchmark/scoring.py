@@ -120,7 +120,10 @@ def _explained(report: Report) -> float:
         impacts = report.misfit.contact
         misfit = Misfit(before=impacts.before, after=impacts.after, noise_floor=1.0) if impacts else None
     share = None if misfit is None else misfit.share()
-    return np.nan if share is None else share
+    if share is None:
+        return np.nan
+    # What is not claimed explains nothing.
+    return share if report.named else 0.0
 
 
 def _parameter_errors(hidden: Sequence[Mapping[str, Any]], claims: Sequence[Claim]) -> tuple[float, ...]:

@@ -208,7 +208,9 @@ class ModalTerm(Likelihood):
         ends = []
         for sizes in product(*axes):
             theta = np.concatenate([np.zeros(self.nuisance.shape[1]), sizes])
-            ends.append(descend(posterior, theta, STEPS, enough=1e-6)[1])
+            end = descend(posterior, theta, STEPS, enough=1e-6)[1]
+            # A step to a bound may end past it by a rounding.
+            ends.append(np.clip(end, posterior.lower, posterior.upper))
         return posterior, min(ends, key=posterior.cost)
 
 

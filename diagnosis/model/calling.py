@@ -63,6 +63,23 @@ def called(address: int, p: Any, state: Any, d: float, v: float, t: float, new: 
     return force
 
 
+@njit(cache=True)
+def called_at(address: int, p: int, state: int, d: float, v: float, t: float, new: int) -> float:
+    """Return the same as `called`, where parameters, memory and new memory are given by their addresses.
+
+    It spares the compiled loop the views of its rows, which cost more than most laws.
+
+    Args:
+        address: Where the law's compiled function is.
+        p: Address of its parameters in SI, contiguous float64.
+        state: Address of what it remembers, contiguous float64; it is read only.
+        d, v, t: Drift [m], its rate [m/s], and the time since the run began [s].
+        new: Address at which it writes what it would remember from now on, contiguous float64.
+    """
+    force: float = _call(address, p, state, d, v, t, new)
+    return force
+
+
 def entry(function: Callable[..., float], cache: bool = True) -> Any:
     """Return a C callback of ``function(p, state, d, v, t, new)``; `.address` is what `called` takes.
 

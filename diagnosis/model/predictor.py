@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from pounding.diagnosis.model.calling import MEMORY, called
+from pounding.diagnosis.model.calling import MEMORY, called_at
 
 Real = NDArray[Any]
 
@@ -44,15 +44,19 @@ def _effect_forces(
 ) -> None:
     """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
     modes = eta.size
+    numbers, remembered, then = parameters.ctypes.data, memory.ctypes.data, new.ctypes.data
+    of_parameters, of_memory = 8 * parameters.shape[1], 8 * memory.shape[1]
     for j in range(laws.size):
         d = 0.0
         v = room[j] * table_rate
         for m in range(modes):
             d += rows[j, m] * eta[m]
             v += rows[j, m] * rate[m]
-        pull = -called(laws[j], parameters[j], memory[j], d, v, time, new[j])
+        before, after = remembered + j * of_memory, then + j * of_memory
+        pull = -called_at(laws[j], numbers + j * of_parameters, before, d, v, time, after)
         if keep:
-            memory[j] = new[j]
+            for i in range(memory.shape[1]):
+                memory[j, i] = new[j, i]
         for m in range(modes):
             force[m] += rows[j, m] * pull
 

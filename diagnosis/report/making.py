@@ -10,8 +10,10 @@ from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.conclusion import Conclusion
+from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
-from pounding.diagnosis.inference.findings import Judged
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import median, misfit
 from pounding.diagnosis.inference.misfit_map import Spot, where
 from pounding.diagnosis.model.pair import Pair
@@ -34,10 +36,12 @@ class Made:
 
 
 def report_on(diagnosis: Diagnosis) -> Made:
-    """Return the report on a diagnosis; the exudyn model with the effects is run here, once for each run."""
+    """Return the report on a diagnosis; the exudyn model with the effects is run here, once for each run.
+
+    Whatever the verdict, `after` is with the likeliest candidate in the model.
+    """
     found, conclusion = diagnosis.found, diagnosis.conclusion
-    judged = found.null if diagnosis.decision.verdict == "unknown_effect" else diagnosis.decision.judged
-    outputs = {} if judged is found.null else _outputs(diagnosis, judged)
+    outputs = _outputs(diagnosis)
     training = _misfit(diagnosis, 0, outputs)
     held_out = None
     if found.held_out:
@@ -54,7 +58,10 @@ def report_on(diagnosis: Diagnosis) -> Made:
     )
     contact = UNSET if conclusion.contact_misfit is None else conclusion.contact_misfit
     misfits = Misfits(training=training, held_out=held_out, contact=contact)
-    warnings = [] if found.pair is None else poor_forces(found.pair, training)
+    warnings = []
+    if found.pair is not None:
+        left = training.after if diagnosis.decision.named else training.before
+        warnings = poor_forces(found.pair, left, training.noise_floor)
     return Made(assembled(conclusion, misfits, spots, warnings), outputs)
 
 
@@ -87,24 +94,51 @@ def assembled(
     )
 
 
-def poor_forces(pair: Pair, training: Misfit) -> list[str]:
-    """Return a warning where forces that no cell measured leave much of the motion unexplained."""
-    after, noise = training.after, training.noise_floor
-    if not pair.blind or after is None or noise is None or after < POORLY_KNOWN * noise:
+def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str]:
+    """Return a warning where forces that no cell measured leave much of the motion unexplained.
+
+    Args:
+        pair: The pair.
+        left: Misfit over the training runs.
+        noise: Its noise floor.
+    """
+    if not pair.blind or left is None or noise is None or left < POORLY_KNOWN * noise:
         return []
     return [
-        f"the contact forces were found from the motion and leave {after / noise:.1f} times the noise in the runs used: "
+        f"the contact forces were found from the motion and leave {left / noise:.1f} times the noise in the runs used: "
         "what is said of the frames is worth less than with a force cell"
     ]
 
 
-def _outputs(diagnosis: Diagnosis, judged: Judged) -> Outputs:
-    found = diagnosis.found
+def _outputs(diagnosis: Diagnosis) -> Outputs:
+    """Return the runs as the engine gives them with the effects in them, empty where no candidate has evidence."""
+    found, decision = diagnosis.found, diagnosis.decision
+    if decision.named:
+        judged = decision.judged
+    elif diagnosis.conclusion.verdict in NAMED or (likeliest := _likeliest(found)) is None:
+        # What is claimed of a contact changes nothing in frames whose forces are measured.
+        return {}
+    else:
+        judged = likeliest
     model, filtered = found.model, judged.fit.filtered
     if found.settled is not None and found.settled[0] is judged:
         _, model, filtered = found.settled
     runs = (*found.training, *found.held_out)
-    return dict(zip(runs, simulate_engine(model, filtered.values, filtered.effects, runs), strict=True))
+    try:
+        outputs = simulate_engine(model, filtered.values, filtered.effects, runs)
+    except CaseError:
+        if decision.named:
+            raise
+        # Nothing is claimed of it: the report says then what the baseline model leaves.
+        return {}
+    return dict(zip(runs, outputs, strict=True))
+
+
+def _likeliest(found: Findings) -> Judged | None:
+    """Return the likeliest candidate of the catalogue, or None where none has evidence."""
+    tried = (one for one in found.claimable() if not any(effect.rival for effect in one.effects))
+    best = max(tried, key=lambda one: one.ln_bayes, default=None)
+    return best if best is not None and best.ln_bayes > 0 else None
 
 
 def _misfit(diagnosis: Diagnosis, which: int, outputs: Outputs) -> Misfit:

@@ -29,7 +29,7 @@ LIKE = 0.03
 LN_BAYES = (
     "The ln Bayes factor of an effect is the natural logarithm of how many times likelier the measurements are with the "
     "effect in the model than with nothing missing, its size and the nuisance parameters averaged over their priors: "
-    "below 3 is weak, above 3 strong, above 5 decisive (Kass and Raftery 1995)."
+    "below 3 is weak, above 3 strong, above 5 decisive (bounds of Kass and Raftery 1995)."
 )
 
 
@@ -118,10 +118,27 @@ def number(value: float | str | UnsetType | None) -> str:
 
 
 def strength(ln_bayes: float) -> str:
-    """Return what a ln Bayes factor is called: `decisive`, `strong` or `weak`, `none` where it speaks against the effect."""
-    if ln_bayes <= 0:
-        return "none"
+    """Return what evidence of that ln Bayes factor is called: `decisive`, `strong` or `weak`."""
     return "decisive" if ln_bayes > 5 else "strong" if ln_bayes > 3 else "weak"
+
+
+def against_the_next(report: Report) -> str | None:
+    """Return how strongly a single named effect is told from what comes next; None where that was not compared.
+
+    Effects of a contact are weighed by the impacts and those of frames by their motion: no Bayes factor compares them.
+    """
+    if report.verdict == "unknown_effect" or len(report.effects) != 1:
+        return None
+    (effect,) = report.effects
+    tried = [one for one in report.candidates if one.place not in effect.members]
+    if not tried or any(one.contact is not None or one.left is not None for one in report.candidates):
+        return None
+    ln_bayes = effect.log_evidence - tried[0].log_evidence
+    name = "The class" if report.verdict == "effect_class" else effect.words()[0].upper() + effect.words()[1:]
+    return (
+        f"{name} against the next candidate, {tried[0].words()}: the evidence is {strength(ln_bayes)} "
+        f"(ln Bayes factor {ln_bayes:.3g})."
+    )
 
 
 def together(effects: Sequence[Claim]) -> list[Claim]:

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from pounding.diagnosis.report.modal import contents
 from pounding.diagnosis.report.report import Report
-from pounding.diagnosis.report.report_text import LN_BAYES, number, percent, sentence, strength
+from pounding.diagnosis.report.report_text import LN_BAYES, against_the_next, number, percent, sentence
 from pounding.experiments.console.output import table
 
 SPOTS, CANDIDATES = 4, 8
@@ -53,12 +53,12 @@ def _of_runs(report: Report) -> Iterator[RenderableType]:
             window, band = (f"{number(a)} to {number(b)}" for a, b in (one.window_s, one.band_hz))
             spots.add_row(one.channel, one.run, window, band, percent(one.misfit))
         yield spots
-    ranked = Table(
-        "candidate", "where", "ln Bayes factor", "evidence", title="Evidence against 'nothing missing'"
-    )
+    ranked = Table("candidate", "where", "ln Bayes factor", title="Evidence against 'nothing missing'")
     for tried in report.candidates[:CANDIDATES]:
-        ranked.add_row(tried.effect, tried.where(), f"{tried.log_evidence:.1f}", strength(tried.log_evidence))
+        ranked.add_row(tried.effect, tried.where(), f"{tried.log_evidence:.1f}")
     yield ranked
+    if said := against_the_next(report):
+        yield Text(said)
 
 
 def _effects(report: Report) -> Table:

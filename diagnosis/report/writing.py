@@ -19,6 +19,7 @@ from pounding.diagnosis.report.modal import contents, drawing
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.report_text import (
     LN_BAYES,
+    against_the_next,
     assumptions,
     next_steps,
     number,
@@ -57,6 +58,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
         pictures,
         "report.html.jinja",
         next_steps=next_steps(case, report),
+        against_the_next=against_the_next(report),
         assumptions=stated,
     )
     return report

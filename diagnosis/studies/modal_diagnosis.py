@@ -265,7 +265,14 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     yield _pooled_table("1. Rigid joints, no P-Delta; the sweep's f1 left out", result["single_pooled"], True)
     yield table(
         "2. P-Delta beside flexible joints",
-        ["frame", "joints [N m/rad]", "with gravity", "gravity, ln BF", "free factor, ln BF", "factor"],
+        [
+            "frame",
+            "joints [N m/rad]",
+            "with gravity",
+            "gravity, ln Bayes factor",
+            "free factor, ln Bayes factor",
+            "factor",
+        ],
         [
             [
                 row["frame"],
@@ -295,12 +302,12 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     law = result["amplitude_law"]
     yield table(
         "4. One law for all frames: fall of f1 [%] as a power of the storey drift at the sweep's resonance",
-        ["law", "ln BF", *law["frames"]],
+        ["law", "ln Bayes factor", *law["frames"]],
         [
             ["measured", "", *(f"{100 * f:.1f}" for f in law["fall"])],
             ["relative drift", "", *(f"{d:.2f}" for d in law["drift"])],
             *(
-                [f"power {one['power']}, foretold from the others", f"{one['log_evidence']:.1f}"]
+                [f"power {one['power']}, predicted from the others", f"{one['log_evidence']:.1f}"]
                 + [f"{100 * f:.1f}" for f in one["foretold"]]
                 for one in law["laws"]
             ),
@@ -309,7 +316,9 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
 
 
 def _pooled_table(title: str, rows: Sequence[dict[str, Any]], judged: bool) -> Any:
-    heads = ["effect", "ln BF, all", *FRAMES, "misfit"] + (["foretold from f1, mean error"] if judged else [])
+    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (
+        ["predicted from f1, mean error"] if judged else []
+    )
     lines = []
     for row in rows:
         line = [row["effect"], f"{row['log_evidence']:.1f}", *(f"{row['each'][name]:.1f}" for name in FRAMES)]

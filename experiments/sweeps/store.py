@@ -107,7 +107,7 @@ class Store:
         try:
             content = json.loads((self.folder / f"{key}.json").read_text(encoding="utf-8"))
             return Outcome({k: _unpacked(v) for k, v in content["values"].items()}, content["failure"])
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 
     def put(self, key: str, case: Case, outcome: Outcome) -> None:

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
+from pounding.diagnosis.decision import verdict
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.model_checks import model_checks
 from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.reading import read_report
 from pounding.diagnosis.report.tables import tables
@@ -123,10 +125,14 @@ def test_dropouts_are_no_effect(plain: Case) -> None:
     assert any("dropouts of the table's motion" in warning for warning in report.warnings)
 
 
-def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path) -> None:
+def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     case = replace(plain, runs=plain.runs[:1])
+    asked = []
+    monkeypatch.setattr(verdict, "model_checks", lambda *given: asked.append(given) or model_checks(*given))
     whole = diagnosis(case)
     report = write_report(whole, report_on(whole), tmp_path)
+    # What speaks against the model is looked for once, whatever is made of it.
+    assert len(asked) == 1
     assert report.misfit.held_out is None
     assert read_report(tmp_path) == report
     page = (tmp_path / "report.html").read_text(encoding="utf-8")

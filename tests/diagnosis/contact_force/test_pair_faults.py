@@ -20,7 +20,6 @@ from pounding.diagnosis.decision.diagnosis import conclude
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.decision.pair_decision import contact_claims
 from pounding.diagnosis.report.making import poor_forces
-from pounding.diagnosis.report.report import Misfit
 from pounding.diagnosis.workflow import find
 from tests.diagnosis.pair_models import (
     CONTACT,
@@ -140,11 +139,11 @@ def test_poor_forces_that_no_cell_measured_are_said() -> None:
     case = colliding(CONTACT, measured=False)
     pair = prepare(case, model_of(case))
     for left, said in ((0.02, False), (0.2, True)):
-        warnings = poor_forces(pair, Misfit(before=left, after=left, noise_floor=0.02))
+        warnings = poor_forces(pair, left, 0.02)
         assert any("worth less than with a force cell" in warning for warning in warnings) is said
     assert pair.blind
     heard = prepare(cell := colliding(CONTACT), model_of(cell))
-    assert poor_forces(heard, Misfit(before=0.2, after=0.2, noise_floor=0.02)) == []
+    assert poor_forces(heard, 0.2, 0.02) == []
 
 
 def struck(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspace(0.3, 2.2, 12))) -> Case:

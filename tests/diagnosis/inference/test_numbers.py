@@ -114,14 +114,14 @@ def test_numbers_that_agree_with_the_effect_speak_for_it(kinds: str, worth: floa
 def test_a_candidate_is_scored_by_the_numbers_too() -> None:
     mass, change = effect("added_mass", 3), np.array([0.3])
     frames = [one for one in candidates(measured()) if one.name in ("added_mass", "stiffness_change")]
-    ln_bayes = []
+    apart = []
     for kinds in ("", "modal"):
         model = with_numbers([(mass, change)], kinds)
         null = refine(model, calibrated(model, [0, 1]), (), (), ())
         ranked = score(model, null.filtered, frames, scales(model, null.filtered)).ranked
         assert ranked[0].effect == mass
-        ln_bayes.append(ranked[0].ln_bayes - ranked[1].ln_bayes)
-    assert ln_bayes[1] > ln_bayes[0] + 2.0
+        apart.append(ranked[0].ln_bayes - ranked[1].ln_bayes)
+    assert apart[1] > apart[0] + 2.0
 
 
 def test_a_number_that_contradicts_an_effect_speaks_against_it() -> None:

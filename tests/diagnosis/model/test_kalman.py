@@ -1,4 +1,4 @@
-"""The predictor, its steady filter and the sensitivities through it."""
+"""The predictor and the sensitivities through it; its steady filter is tested in test_steady_filter.py."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pounding.diagnosis.inference.filtering import (
     whitened_innovations,
 )
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
-from pounding.diagnosis.model.kalman import discretise, linear_system, steady_filter
+from pounding.diagnosis.model.kalman import discretise
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import root_mean_square
@@ -85,23 +85,6 @@ def test_innovations_of_the_right_model_are_white_and_of_the_stated_size() -> No
         neighbours = np.mean(white[1:] * white[:-1], axis=0)
         # Four standard deviations of the correlation of 2000 independent samples.
         assert np.abs(neighbours).max() < 4 / np.sqrt(len(white))
-
-
-def test_the_filter_solves_its_riccati_equation() -> None:
-    model = measured()
-    modes = model.modes(model.assemble(np.zeros(len(model.std))))
-    noise = starting_noise(model, (0,), 0.1)[0]
-    system = linear_system(
-        modes,
-        model.structure.drift @ modes.floors,
-        model.observed.quantity,
-        model.observed.floor,
-    )
-    steady = steady_filter(system, noise, STEP_S)
-    closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
-    assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
-    # Innovations' covariance is that of prediction plus noise: at least the noise.
-    assert (np.diag(steady.covariance) >= noise.channel**2).all()
 
 
 def test_discretisation_is_that_of_twice_half_a_step() -> None:

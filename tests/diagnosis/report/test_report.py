@@ -27,7 +27,7 @@ from pounding.diagnosis.report.report import (
     Threshold,
     Thresholds,
 )
-from pounding.diagnosis.report.report_text import percent, sentence, together
+from pounding.diagnosis.report.report_text import against_the_next, percent, sentence, together
 from pounding.diagnosis.report.tables import tables
 
 FRICTION = Place(effect="coulomb_friction", frame="5B", storey=3)
@@ -260,6 +260,24 @@ def test_a_worst_channel_that_the_median_hides_is_told() -> None:
     assert "and that of channel d5 from 150 % to 5 %" in sentence(told)
     like_others = structs.replace(bad, before=0.5)
     assert "d5" not in sentence(structs.replace(of_runs(), channels=(like_others,)))
+
+
+def test_how_strongly_an_effect_is_told_from_the_next_is_said_where_that_can_be_compared() -> None:
+    named = structs.replace(of_runs(), verdict="effect_named")
+    (effect,) = named.effects
+    alone = structs.replace(named, effects=(structs.replace(effect, members=(FRICTION,)),))
+    assert against_the_next(alone) == (
+        "Coulomb friction in storey 3 of 5B against the next candidate, damping change in storey 3 of 5B: "
+        "the evidence is decisive (ln Bayes factor 7)."
+    )
+    for behind, word in ((409.0, "weak"), (408.0, "strong"), (400.0, "decisive")):
+        tried = (candidate(FRICTION, 412.0), candidate(DAMPING, behind))
+        assert f"is {word} " in str(against_the_next(structs.replace(alone, candidates=tried)))
+    # All that was tried is in the class, nothing is missing, or impacts were weighed beside motions.
+    assert against_the_next(of_runs()) is None
+    assert against_the_next(structs.replace(alone, effects=())) is None
+    both = (*alone.candidates, candidate(LAW, 3.0))
+    assert against_the_next(structs.replace(alone, candidates=both)) is None
 
 
 def test_one_late_logger_is_one_effect_on_its_channels() -> None:

@@ -218,10 +218,11 @@ def finished_in(folder):
 def test_a_damaged_file_counts_as_not_finished(tmp_path):
     sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
     victim = sorted(tmp_path.glob("*.json"))[0]
-    victim.write_text(victim.read_text()[:20])
-    result = sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
-    assert result["sum"].values.tolist() == [1, 4]
-    json.loads(victim.read_text())
+    for damaged in (victim.read_text()[:20], "[]", '{"values": [1], "failure": ""}'):
+        victim.write_text(damaged)
+        result = sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
+        assert result["sum"].values.tolist() == [1, 4]
+        json.loads(victim.read_text())
 
 
 @pytest.mark.parametrize(
