@@ -79,10 +79,10 @@ class Refit:
         with np.errstate(all="ignore"):
             left = self.model.predict(values, None, effects, [0]).innovations[0] / self.rms
         left = np.clip(np.nan_to_num(left[self.good], nan=RUNAWAY), -RUNAWAY, RUNAWAY)
-        return left / np.sqrt(left.size)
+        return np.asarray(left / np.sqrt(left.size))
 
     def best(self, effect: Effect | None) -> tuple[float, np.ndarray]:
-        """Return the smallest root mean square residual with an effect, and the effect's SI parameters."""
+        """Return the smallest root mean square residual with an effect, and its SI parameters, shape (parameters,)."""
         if effect is None:
             fit = least_squares(lambda x: self.residual(x, ()), np.zeros(len(self.free)), diff_step=1e-3)
             return float(np.sqrt(2 * fit.cost)), np.zeros(0)
@@ -108,7 +108,7 @@ class Refit:
         positive = np.array(effect.logarithmic())
 
         def values(x: np.ndarray) -> np.ndarray:
-            return np.where(positive, start * np.exp(np.clip(x, -5, 5)), start * (1 + x))
+            return np.asarray(np.where(positive, start * np.exp(np.clip(x, -5, 5)), start * (1 + x)))
 
         def residual(x: np.ndarray) -> np.ndarray:
             count = len(self.free)

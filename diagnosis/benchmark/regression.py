@@ -88,7 +88,7 @@ def sparse_regression(folder: Path, optimiser: Optimiser | None = None) -> Repor
 def best_model(
     columns: np.ndarray, force: np.ndarray, always: int = 0, optimiser: Optimiser | None = None
 ) -> tuple[float, np.ndarray]:
-    """Return the gain in BIC of the best sparse model over the terms that are always in, and its factors.
+    """Return the gain in BIC of the best sparse model over the terms that are always in, and its factors, (terms,).
 
     Args:
         columns: Terms, shape (samples, terms).
@@ -118,7 +118,14 @@ def _bic(columns: np.ndarray, target: np.ndarray, factors: np.ndarray) -> float:
 
 
 def thresholded(columns: np.ndarray, target: np.ndarray, threshold: float, always: int = 0) -> np.ndarray:
-    """Return sequentially thresholded least squares: fit, drop what is below the threshold, fit again."""
+    """Return factors of sequentially thresholded least squares, shape (terms,): fit, drop what is small, fit again.
+
+    Args:
+        columns: Terms of the model at each sample, shape (samples, terms).
+        target: What they are fitted to, shape (samples,).
+        threshold: Factors below it are dropped.
+        always: Number of first terms that are never dropped.
+    """
     kept = np.ones(columns.shape[1], bool)
     held = np.arange(columns.shape[1]) < always
     factors = np.zeros(columns.shape[1])
@@ -135,7 +142,13 @@ def thresholded(columns: np.ndarray, target: np.ndarray, threshold: float, alway
 def thresholded_by_pysindy(
     columns: np.ndarray, target: np.ndarray, threshold: float, always: int = 0
 ) -> np.ndarray:
-    """Return the same by pysindy's STLSQ; what is always in is taken out of both sides first.
+    """Return the same factors, shape (terms,), by the STLSQ of pysindy; what is never dropped is taken out first.
+
+    Args:
+        columns: Terms of the model at each sample, shape (samples, terms).
+        target: What they are fitted to, shape (samples,).
+        threshold: Factors below it are dropped.
+        always: Number of first terms that are never dropped.
 
     Raises:
         MissingExtraError: pysindy is not installed.

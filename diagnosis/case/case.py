@@ -1,4 +1,4 @@
-"""A measured case: frames as believed, runs as measured, channels, contacts and priors, all in SI.
+"""A measured case: baseline frames, runs as measured, channels, contacts and priors, all in SI.
 
 The format is `case.toml` with one CSV file a run (docs/diagnosis/case-format.md). Units are converted here
 and nowhere else; what cannot be read is a `CaseError` of one sentence that names file, line and channel.
@@ -17,7 +17,7 @@ from pounding.diagnosis.case.quantities import OF_THE_TABLE, UNITS
 
 
 class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Standard deviations of what is believed of the nuisance parameters, as fractions; the delay in ms."""
+    """Prior standard deviations of the nuisance parameters, as fractions; the delay in ms."""
 
     storey_stiffness: float = 0.03
     frame_stiffness: float = 0.08
@@ -29,11 +29,11 @@ class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class CaseFrame:
-    """A frame as believed before the test.
+    """A frame of the baseline model, as it is thought to be before the test.
 
     Exactly one of three: a frame of the thesis (only `name`), a frame file (`file`), or masses and modes
-    (`floor_mass_kg`, `frequency_hz`, `damping_ratio`). The former two may be believed with ``rigid`` joints and
-    without P-Delta.
+    (`floor_mass_kg`, `frequency_hz`, `damping_ratio`). The former two may have ``rigid`` joints and no
+    P-Delta.
     """
 
     name: str
@@ -48,9 +48,9 @@ class CaseFrame:
 
     @property
     def kind(self) -> str:
-        """``thesis``, ``file`` or ``model``."""
+        """``thesis``, ``file`` or ``modal``: masses and modes."""
         if self.floor_mass_kg:
-            return "believed"
+            return "modal"
         return "file" if self.file else "thesis"
 
 
@@ -78,7 +78,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Contact:
-    """A believed contact: `left` moves in +x towards `right`.
+    """A contact of the baseline model: `left` moves in +x towards `right`.
 
     Stiffness [N/m] ([N/m^1.5] for the Hertz family), `damping` [N s/m] or `restitution` or neither.
     """
@@ -114,7 +114,7 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """All that was measured and believed; `warnings` say what is odd but can be read."""
+    """The baseline model and all that was measured; `warnings` say what is odd but can be read."""
 
     title: str
     folder: Path

@@ -213,7 +213,7 @@ def _contact(table: ContactTable, index: int, known: tuple[CaseFrame, ...], plac
     if table.law not in LAWS:
         raise error(f"unknown law {table.law!r}{suggest(table.law, list(LAWS))}", "law")
     if not 0 <= table.gap_mm < math.inf:
-        raise error(f"gap_mm is {table.gap_mm:g}; a believed gap is 0 or more", "gap_mm")
+        raise error(f"gap_mm is {table.gap_mm:g}; a gap is 0 or more", "gap_mm")
     if not 0 < table.stiffness_n_per_m < math.inf:
         raise error(
             f"stiffness_n_per_m is {table.stiffness_n_per_m:g}; it must be above 0", "stiffness_n_per_m"

@@ -63,7 +63,7 @@ def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
         keys["joints"] = frame.joints
     if not frame.p_delta:
         keys["p_delta"] = False
-    if frame.kind == "believed":
+    if frame.kind == "modal":
         keys |= {"storeys": frame.storeys, "storey_height_m": frame.storey_height_m}
         keys |= {"floor_mass_kg": list(frame.floor_mass_kg), "frequency_hz": list(frame.frequency_hz)}
         keys |= {"damping_ratio": list(frame.damping_ratio)}

@@ -1,4 +1,4 @@
-"""What the impacts say of a contact: the believed one against another gap, stiffness, loss or law, in nats.
+"""What the impacts say of a contact: that of the baseline model against another gap, stiffness, loss or law.
 
 All impacts share the contact's numbers and an unknown filter; each has its own small errors of relative displacement and
 velocity. All have Gaussian priors; descent and evidence are those of every kind of data (`inference.posterior`).
@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
-from pounding.diagnosis.inference.posterior import Posterior, descend
+from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 
 GAIN, DELAY_S = 0.01, 1.5e-4
 BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
@@ -41,7 +41,7 @@ as so many standard deviations reach."""
 
 @dataclass(frozen=True)
 class Fitted:
-    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and what is left."""
+    """A fitted hypothesis: its law, standard errors of gap, log stiffness and loss, log evidence, and residuals."""
 
     hypothesis: Hypothesis
     law: Law
@@ -54,7 +54,7 @@ class Fitted:
 
     @property
     def misfit(self) -> float:
-        """What is left of the impacts, root mean square in standard deviations."""
+        """Root mean square of the residuals of the impacts [standard deviations]."""
         return float(np.sqrt(2 * self.cost / max(self.freedom, 1)))
 
 
@@ -75,7 +75,14 @@ def _filter_terms() -> np.ndarray:
 
 
 def compare(bodies: Bodies, impact: Impact, law: Law, error: np.ndarray) -> np.ndarray:
-    """Return the logarithmic spectrum of an impact as the law makes it, at errors of displacement and velocity."""
+    """Return the logarithmic spectrum of an impact as a law makes it, shape (7,).
+
+    Args:
+        bodies: The two floors and their impacts.
+        impact: The impact.
+        law: The contact law.
+        error: Errors of displacement and velocity before the impact [prior standard deviations], shape (2,).
+    """
     steps = np.arange(len(impact.free)) * STEP_S
     free = impact.free + impact.prior[0] * error[0] + impact.prior[1] * error[1] * steps
     rate = impact.free_rate + impact.prior[1] * error[1]
@@ -95,7 +102,7 @@ def fit(
         bodies: The two floors and their impacts.
         hypothesis: The hypothesis.
         start: Its gap, stiffness and loss to start from.
-        others: All unknowns of another fit, of which the filter's and the impacts' are taken over.
+        others: All unknowns of another fit, shape (unknowns,), of which the filter's and the impacts' are taken over.
     """
     x = np.zeros(COMMON + 2 * len(bodies.impacts))
     x[FILTER:COMMON] = start
@@ -136,8 +143,8 @@ def fit(
     )
 
 
-class Impacts:
-    """The impacts of a contact as a term of the inference: what is left of each counts by Huber's measure.
+class Impacts(Likelihood):
+    """The impacts of a contact as a term of the inference: the residual of each counts by Huber's measure.
 
     Args:
         bodies: The two floors and their impacts.
@@ -158,11 +165,11 @@ class Impacts:
         return Posterior((self,), -free, free, np.full(unknowns, REACH))
 
     def cost(self, theta: np.ndarray) -> float:
-        """Return what the impacts say against a contact [nats]."""
+        """Return minus the log likelihood of the impacts for a contact."""
         return float(self.counts @ _robust(_residuals(self.bodies, self.hypothesis, theta)[0]))
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield whitened residuals, measured less made, of all impacts, and their slopes, both weighted."""
+        """Yield weighted residuals of all impacts, measured less made, (7 impacts,), and slopes, (7 impacts, unknowns)."""
         residual, weight = _residuals(self.bodies, self.hypothesis, theta)
         scale = np.repeat(np.sqrt(weight * self.counts), 7)
         slopes = _slopes(self.bodies, self.hypothesis, theta, residual)
@@ -196,10 +203,10 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
 
 
 def _robust(residual: np.ndarray) -> np.ndarray:
-    """Return what each impact says against a fit [nats], growing slowly from `ROBUST` on (Huber)."""
+    """Return minus the log likelihood of each impact, shape (impacts,), growing slowly from `ROBUST` on (Huber)."""
     square = np.sum(residual**2, axis=1)
     size = np.sqrt(square)
-    return np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2)
+    return np.asarray(np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2))
 
 
 def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -276,16 +283,22 @@ def best_fit(bodies: Bodies, hypothesis: Hypothesis) -> Fitted:
 
 
 def again(bodies: Bodies, fitted: Fitted, others: Fitted | None = None) -> Fitted:
-    """Return a hypothesis fitted once more: its contact from where it was, the rest from where `others` has it."""
+    """Return a hypothesis fitted once more, its contact from where it was.
+
+    Args:
+        bodies: The two floors and their impacts.
+        fitted: The fit.
+        others: Another fit, from whose filter and impacts the descent starts.
+    """
     start = fitted.unknowns[FILTER:COMMON].tolist()
     return fit(bodies, fitted.hypothesis, start, None if others is None else others.unknowns)
 
 
 def ranked(ln_bayes: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[float, Fitted], ...]:
-    """Return fits with their nats against the believed contact, best first.
+    """Return fits with their ln Bayes factors against the contact of the baseline model, best first.
 
-    Another law is one effect however many laws there are: each has its share of what is believed of that beforehand, or the
-    many would win wherever impacts tell two effects apart by nothing.
+    Another law is one effect however many laws there are: each has its share of the prior probability of that, or the many
+    would win wherever impacts tell two effects apart by nothing.
     """
     laws = sum(one.hypothesis.effect == "contact_law" for one in fits)
     shares = [np.log(laws) if one.hypothesis.effect == "contact_law" else 0.0 for one in fits]

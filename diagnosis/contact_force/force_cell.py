@@ -31,10 +31,12 @@ LEAST = 4
 def checked(
     case: Case, model: Model, touching: tuple[int, int], against_motion: bool = True
 ) -> tuple[Observations, Cell | None, list[str]]:
-    """Return the observations with the cell's faults taken out, the cell, and warnings; without a good cell None.
+    """Return the observations with the force cell's errors taken out, the cell, and warnings; without a good cell None.
 
     Args:
-        case: The case. model: The baseline model. touching: The floors between which the cell is.
+        case: The case.
+        model: The baseline model.
+        touching: Left and right floor among all between which the cell is.
         against_motion: Whether gain and delay are judged by the forces that the motion asks for: not where another contact
             pushes the same frames.
     """
@@ -100,7 +102,7 @@ def _clipped(series: list[np.ndarray]) -> bool:
 
 def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:
     at = np.arange(len(force)) * step
-    return np.interp(at + delay, at, force)
+    return np.asarray(np.interp(at + delay, at, force))
 
 
 def _against_motion(

@@ -51,7 +51,7 @@ class _Touching:
     own: np.ndarray
 
     def within(self, share: float) -> tuple[np.ndarray, float]:
-        """Return the posterior mean of the force's errors [N], (n,), and the log evidence of there being any [nats].
+        """Return the posterior mean of the force's errors [N], (n,), and the ln Bayes factor of there being any.
 
         Beforehand they are independent and Gaussian, of a standard deviation that is a share of the force's size.
         """

@@ -1,4 +1,4 @@
-"""What a contact may be: as believed with its ordinary scatter, or with another gap, stiffness, loss or law."""
+"""What a contact may be: that of the baseline model with its scatter, or with another gap, stiffness, loss or law."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Contact
-from pounding.diagnosis.contact_force.impacts import DAMPED, LAWS, Law
+from pounding.diagnosis.contact_force.impacts import LAWS, Law
 
 GAP_M, GAP_SHARE = 3e-5, 0.003
 STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01
@@ -43,7 +44,7 @@ def baseline_law(contact: Contact, mass: float) -> Law:
 
 
 def null(law: Law) -> Hypothesis:
-    """Return the contact as believed, with ordinary scatter."""
+    """Return the contact of the baseline model with its scatter."""
     gap = float(np.hypot(GAP_M, GAP_SHARE * law.gap_m))
     return Hypothesis("", law, gap, STIFFNESS, _loss(law, DAMPING, RESTITUTION))
 
@@ -81,7 +82,13 @@ def hypotheses(law: Law, speed: float) -> list[Hypothesis]:
 
 
 def equivalent(law: Law, name: str, speed: float) -> float:
-    """Return the stiffness with which another law stores as much at the same depth as `law` in a typical impact."""
+    """Return the stiffness with which another law stores as much at the same depth in a typical impact.
+
+    Args:
+        law: The law, with its stiffness.
+        name: Name of the other law.
+        speed: Velocity of a typical impact [m/s].
+    """
     if law.name.startswith("linear") == name.startswith("linear"):
         return law.stiffness
     energy = 0.5 * law.mass * speed**2
@@ -93,7 +100,12 @@ def equivalent(law: Law, name: str, speed: float) -> float:
 
 
 def at(hypothesis: Hypothesis, x: Sequence[float] | np.ndarray) -> Law:
-    """Return the law at scaled gap, log stiffness and loss."""
+    """Return the law at scaled gap, log stiffness and loss.
+
+    Args:
+        hypothesis: The hypothesis, with centres and spreads.
+        x: Gap, log stiffness and loss about their centres in units of their spreads, shape (3,).
+    """
     law = hypothesis.law
     damping, restitution = law.damping, law.restitution
     if law.name in DAMPED:

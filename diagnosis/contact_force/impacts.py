@@ -80,7 +80,18 @@ class Law:
 
 
 @njit(cache=True)
-def strike(free, free_rate, held, held_rate, kind, gap, stiffness, damper, ratio, mass):
+def strike(
+    free: np.ndarray,
+    free_rate: np.ndarray,
+    held: np.ndarray,
+    held_rate: np.ndarray,
+    kind: int,
+    gap: float,
+    stiffness: float,
+    damper: float,
+    ratio: float,
+    mass: float,
+) -> np.ndarray:
     """Return the force [N] of each step of an impact.
 
     Args:
@@ -168,7 +179,13 @@ def spectrum(force: np.ndarray, turn: np.ndarray) -> np.ndarray:
 
 
 def response(modes: Modes, row: np.ndarray, steps: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return what a unit force over one step does to the relative displacement and velocity n steps later."""
+    """Return the relative displacement and velocity after a unit force over one step, each of shape (steps + 1,).
+
+    Args:
+        modes: Modes of the frames.
+        row: Relative displacement of the two floors for a unit of each mode, shape (modes,).
+        steps: For how many steps of `STEP_S`.
+    """
     at = np.arange(steps + 1) * STEP_S
     decay = np.exp(-np.outer(at, modes.omega * modes.ratio))
     swing = modes.omega * np.sqrt(1 - np.minimum(modes.ratio, 0.95) ** 2)
@@ -180,12 +197,24 @@ def response(modes: Modes, row: np.ndarray, steps: int) -> tuple[np.ndarray, np.
 
 
 def groups(force: np.ndarray, noise: float, step: float) -> list[tuple[int, int]]:
-    """Return first and last plain sample of each impact."""
+    """Return first and last plain sample of each impact.
+
+    Args:
+        force: Contact force of a run [N], shape (samples,).
+        noise: Standard deviation of its noise [N].
+        step: Sampling step [s].
+    """
     return above(force, max(PLAIN * noise, PLAIN_SHARE * float(force.max(initial=0.0))), step)
 
 
 def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]:
-    """Return first and last sample of each time that two floors touch with more than a force [N]."""
+    """Return first and last sample of each contact event with more than a force.
+
+    Args:
+        force: Contact force of a run [N], shape (samples,).
+        least: The force that counts [N].
+        step: Sampling step [s].
+    """
     plain = np.flatnonzero(force > least)
     if not len(plain):
         return []

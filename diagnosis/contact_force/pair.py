@@ -1,4 +1,4 @@
-"""A pair from its believed contact to what is said of it: forces known or found, impacts, and the contact's effects.
+"""A pair from its baseline contact to what is said of it: forces known or found, impacts, and the contact's effects.
 
 Given the contact forces, the frames' motion does not depend on why there were forces, and given the motion the forces do
 not depend on the rest of the frames. So frames and contact are judged apart, and what is found of both is said.
@@ -48,7 +48,7 @@ must like it better that a cell is put right; how far a touch reaches beyond its
 
 @dataclass(frozen=True)
 class ContactFindings:
-    """What the impacts say: the believed contact, and each other hypothesis with its nats against it, best first."""
+    """What the impacts say: the baseline contact, and each other with its ln Bayes factor against it, best first."""
 
     null: Fitted | None
     ranked: tuple[tuple[float, Fitted], ...] = ()
@@ -65,10 +65,10 @@ class Foretold:
 
     Attributes:
         impacts: How many impacts.
-        model: With the contact as believed.
+        model: With the contact of the baseline model.
         likeliest: With the likeliest other contact, as fitted to the training runs.
-        gained: What the second says for itself against the believed contact with its ordinary scatter, as fitted to the
-            training runs too [nats].
+        gained: Gain of log likelihood of the likeliest over the contact of the baseline model with its scatter, as fitted to
+            the training runs too.
     """
 
     impacts: int
@@ -81,7 +81,8 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
     """Return a pair with the forces of its contacts filled in where no cell, or no good one, measured them.
 
     Args:
-        case: The case. model: The baseline model.
+        case: The case.
+        model: The baseline model.
         against_motion: Whether a force cell's gain and delay are judged by what the frames' sensors say.
     """
     contact = case.contacts[0]
@@ -122,13 +123,15 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
 
 
 def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[int]) -> Pair:
-    """Return a pair whose force cell is put right only if calibrated frames like that better than the cell's own word.
+    """Return a pair whose force cell is corrected only if calibrated frames are likelier with the correction than without.
 
-    Its gain and delay were told by frames as believed, which may be wrong by more than the cell.
+    The cell's gain and delay were estimated with the baseline frames, which may be wrong by more than the cell.
 
     Args:
-        case: The case. model: The baseline model. pair: The pair, as `prepare` gives it.
-        training: The runs that the frames are calibrated to.
+        case: The case.
+        model: The baseline model.
+        pair: The pair, as `prepare` gives it.
+        training: Numbers of the runs that the frames are calibrated to.
     """
     if pair.cell is None or not pair.cell.corrected:
         return pair
@@ -138,7 +141,7 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
 
 
 def _likely(model: Model, training: Sequence[int]) -> float:
-    """Return the log posterior of calibrated frames [nats]."""
+    """Return the log posterior of calibrated frames."""
     filtered = calibrated(model, training)
     return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
 
@@ -146,7 +149,7 @@ def _likely(model: Model, training: Sequence[int]) -> float:
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:
     """Return a pair with the forces that no cell measured found anew, by frames calibrated with those found before.
 
-    Weak touches show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
+    Weak contact events show only in frames that are calibrated; a force that is missed looks like an effect of a frame.
     """
     if not pair.blind:
         return pair
@@ -172,7 +175,7 @@ def _slow(pair: Pair) -> Model:
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
     """Return column, least force in each run [N] and relative uncertainty of each contact's force.
 
-    However weak, a touch moves the frames: what was found is all taken, and of a cell's readings what is no noise.
+    However weak, a contact event moves the frames: what was found is all taken, and of a cell's readings what is no noise.
     """
     nothing = [0.0] * len(pair.full.observed.runs)
     plain = [impacts.PLAIN * noise for noise in pair.noise]
@@ -193,9 +196,9 @@ def _found_by(
 def _with_contact_events(
     observed: Observations, contacts: Sequence[tuple[int, Sequence[float], float]]
 ) -> Observations:
-    """Return the observations with their touches: what a cell reads between them is noise and shakes no frame.
+    """Return the observations with their contact events: what a cell reads between them is noise and shakes no frame.
 
-    The sizes of the largest touches are as well known as their source lets them.
+    The forces of the largest events are as well known as their source lets them.
     """
     contact_events: list[tuple[float, ContactEvent]] = []
     runs = []
@@ -218,7 +221,7 @@ def _with_contact_events(
 
 
 def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int, int]]:
-    """Return first and last sample of touches, those joined that are too near to be told apart at the lower rate."""
+    """Return first and last sample of contact events, those joined that are too near to be told apart at the lower rate."""
     merged: list[tuple[int, int]] = []
     for first, last in groups:
         if merged and (first - merged[-1][1]) * step_s < 2 * AROUND_S:
@@ -234,7 +237,13 @@ def found_noise(force: np.ndarray) -> float:
 
 
 def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tuple[Model, list[float]]:
-    """Return the model with a contact's force as the motion shows it, and the standard deviation of that [N]."""
+    """Return the model with a contact's force as the motion shows it, and the standard deviation of that in each run [N].
+
+    Args:
+        model: The baseline model.
+        floors: Left and right floor among all.
+        filtered: The filtered model.
+    """
     pushed = pairs.pushes(model, filtered, floors)
     forces = {run: one.force for run, one in zip(filtered.runs, pushed, strict=True)}
     noise = [found_noise(one.force) for one in pushed]
@@ -243,7 +252,13 @@ def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tu
 
 
 def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
-    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them."""
+    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        verdict: The verdict on the frames.
+    """
     assert found.pair is not None
     filtered = _frames(found, verdict)
     return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
@@ -261,7 +276,15 @@ def contact_findings(
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
 ) -> ContactFindings:
-    """Return what the impacts of `runs` say of the contact, the frames having these parameters and effects."""
+    """Return what the impacts of some runs say of the contact.
+
+    Args:
+        case: The case.
+        pair: The pair.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+        runs: Numbers of the runs.
+    """
     full, start, met = _met(pair, values, effects, runs)
     left, right = full.observed.contact_floors[pair.column]
     nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
@@ -282,7 +305,7 @@ def contact_findings(
 def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
     """Return impacts with errors as large as they are seen to be, by what evidence on them is divided, and all fits.
 
-    The first fit is that of the believed contact.
+    The first fit is that of the contact of the baseline model.
     """
     tried = [null(law), *hypotheses(law, speed)]
     fits = contacts.warmed(met, [contacts.best_fit(met, one) for one in tried])
@@ -308,7 +331,7 @@ def _met(
     # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
     values = values[: len(full.std)]
     if pair.cell is None and pair.second is None:
-        # The force was found with the frames as believed; once more with the frames as they are.
+        # The force was found with the baseline frames; once more with the frames as they are.
         full, noise = _found_by(pair, values, effects, runs)
     start = run_filter(full, values, starting_noise(full, runs, LEVEL), runs, effects)
     left, right = full.observed.contact_floors[pair.column]
@@ -318,10 +341,16 @@ def _met(
 
 
 def foretold(case: Case, found: Findings, verdict: str, contact_findings: ContactFindings) -> Foretold | None:
-    """Return how well the believed contact and the likeliest one foretell the held-out impacts; None without any.
+    """Return how well the contact of the baseline model and the likeliest one predict held-out impacts; None without any.
 
-    Impact by impact from the measured motion before each: a run through several impacts departs from the measured one
-    after the first few whatever the contact.
+    Each impact is predicted from the measured motion before it: a run through several impacts departs from the measured
+    one after the first few whatever the contact.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        verdict: The verdict on the frames.
+        contact_findings: What the impacts of the training runs say of the contact.
     """
     if found.pair is None or contact_findings.null is None or not found.held_out:
         return None

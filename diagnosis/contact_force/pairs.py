@@ -129,7 +129,13 @@ def without_forces(model: Model) -> Model:
 def with_force(
     observed: Observations, floors: tuple[int, int], forces: dict[int, np.ndarray]
 ) -> Observations:
-    """Return the observations with a contact's force beside the measured ones; runs without one have none."""
+    """Return the observations with a contact's force beside the measured ones; runs without one have none.
+
+    Args:
+        observed: The observations.
+        floors: Left and right floor among all.
+        forces: Force of each run that has one [N], shape (samples,).
+    """
     runs = []
     for number, run in enumerate(observed.runs):
         column = forces.get(number, np.zeros(len(run.table)))

@@ -32,7 +32,20 @@ def second_contact(
     noise: Sequence[float],
     runs: Sequence[int],
 ) -> tuple[Model, tuple[int, float, int] | None]:
-    """Look for pushes at another floor while the stated contact is open."""
+    """Look for pushes at another floor while the stated contact is open.
+
+    Args:
+        full: The baseline model at the rate of the logger.
+        floors: Left and right floor among all of every place at which the frames can touch.
+        touching: Those of the stated contact.
+        column: Column of the stated contact's force.
+        noise: Standard deviation of that force in each run [N].
+        runs: Numbers of the runs.
+
+    Returns:
+        The model, with the force of a second contact if there is one, and this one's floor (from 1), ln Bayes factor and
+        column; None without one.
+    """
     filtered = pairs.quick_filter(full, runs)
     closed = [
         _closed(run.contact[:, column], level, run.step_s)
@@ -55,7 +68,13 @@ def second_contact(
 
 
 def with_pushes(full: Model, filtered: Filtered, floors: tuple[int, int]) -> Model:
-    """Return the model with the force between two floors that a baseline's innovations show, beside the forces it has."""
+    """Return the model with the force between two floors that the innovations show, beside the forces it has.
+
+    Args:
+        full: The baseline model at the rate of the logger.
+        filtered: The filtered model.
+        floors: Left and right floor among all.
+    """
     found = pairs.pushes(full, filtered, floors)
     forces = {run: one.force for run, one in zip(filtered.runs, found, strict=True)}
     return Model(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
@@ -121,7 +140,14 @@ def _opposed(
 
 
 def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fitted | None:
-    """Return the unlisted contact with everything about it free."""
+    """Return the fit of a contact that the case does not list, all its numbers free; None without impacts.
+
+    Args:
+        full: The baseline model at the rate of the logger.
+        filtered: The filtered model.
+        column: Column of its force.
+        mass: Reduced mass of the two floors [kg].
+    """
     noise = []
     for run in filtered.runs:
         force = full.observed.runs[run].contact[:, column]

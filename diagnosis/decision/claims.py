@@ -116,7 +116,14 @@ class Parameter(Struct, frozen=True, kw_only=True):
 
 
 def parameter(name: str, value: float | str, std: float | None, unit: str) -> Parameter:
-    """Return a parameter; numbers that are not finite become None."""
+    """Return a parameter; numbers that are not finite become None.
+
+    Args:
+        name: Its name.
+        value: Its value in `unit`, or the name of a law.
+        std: Its standard error in `unit`; None for a law.
+        unit: Its unit as reported.
+    """
     number = value if isinstance(value, str) else finite(value)
     return Parameter(name=name, value=number, std=None if std is None else finite(std), unit=unit)
 
@@ -125,7 +132,7 @@ class Candidate(Place, frozen=True, kw_only=True):
     """An effect that was tried.
 
     Attributes:
-        log_evidence: Logarithm of the Bayes factor against 'nothing missing' [nats].
+        log_evidence: The ln Bayes factor against 'nothing missing'.
     """
 
     log_evidence: float
@@ -156,7 +163,14 @@ def candidate(place: Place, log_evidence: float) -> Candidate:
 def claim(
     place: Place, parameters: list[Parameter], log_evidence: float, members: list[Place] | None = None
 ) -> Claim:
-    """Return a claim at a place; alone in its class where no members are given."""
+    """Return a claim at a place; alone in its class where no members are given.
+
+    Args:
+        place: The effect and its place.
+        parameters: How large it is.
+        log_evidence: Its ln Bayes factor against 'nothing missing'.
+        members: Effects that the data cannot tell from it, itself first.
+    """
     alike = tuple(members or [place])
     return Claim(
         **fields(place), parameters=tuple(parameters), log_evidence=float(log_evidence), members=alike

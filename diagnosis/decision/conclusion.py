@@ -30,7 +30,7 @@ class ContactMisfit(Struct, frozen=True, kw_only=True):
 
     Attributes:
         impacts: How many they are.
-        before: Root mean square of what the believed contact leaves of their forces [standard deviations of these].
+        before: Root mean square error of their forces with the contact of the baseline model [standard deviations of these].
         after: The same with the contact that is claimed.
     """
 
@@ -63,7 +63,13 @@ class Conclusion:
 
 
 def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
-    """Return what a decision on frames concludes, what is between them left aside."""
+    """Return what a decision on frames concludes, without what is between them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        decision: The decision.
+    """
     given = features(found, decision)
     return Conclusion(
         verdict=decision.verdict,

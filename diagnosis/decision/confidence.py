@@ -69,7 +69,7 @@ class Features:
     Attributes:
         verdict: Its kind.
         ln_bayes: Logarithm of the Bayes factor of the best candidate against 'nothing missing'.
-        margin: How far the best of another type or place lies behind [nats].
+        margin: How far the best of another type or place lies behind, as an ln Bayes factor.
         signal_to_noise: What the effect takes out of the channel where it shows most, in units of its noise.
         explained: Share of the explainable misfit that the effects explain.
         effects: How many effects are claimed.
@@ -83,7 +83,7 @@ class Features:
     effects: int
 
     def terms(self) -> np.ndarray:
-        """Return the terms that the coefficients multiply, in the order of `TERMS`."""
+        """Return the terms that the coefficients multiply, shape (terms,), in the order of `TERMS`."""
         return np.array(
             [
                 1.0,

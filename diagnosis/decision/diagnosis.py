@@ -37,6 +37,11 @@ def conclude(case: Case, found: Findings, decision: Decision) -> Diagnosis:
 
     Where something between the frames is missing, effects of the frames need more evidence, and the findings are decided
     again.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        decision: The decision on the frames.
     """
     pair = found.pair
     if pair is None:

@@ -1,4 +1,4 @@
-"""Short pushes on a floor that nothing in a model makes: knocks, or a part that strikes.
+"""Short pushes on a floor that nothing in a model makes: blows, or a part that strikes.
 
 They show in the innovations as the response to a push of one sample, wherever a matched filter answers far more strongly
 than at other times. Noise and slow model errors do not: a filter forgets them from one sample to the next.
@@ -54,7 +54,7 @@ class Impulses:
         frame, floor = self.place
         return (
             f"{run}: short pushes at floor {floor} of {frame} or near it, at {', '.join(here[:MOST])} s from the start, "
-            "which nothing in the model makes; was the frame knocked, or does a part strike it?"
+            "which nothing in the model makes; was the frame struck, or does a part of it hit another?"
         )
 
 
@@ -87,7 +87,7 @@ def _answers(
     Args:
         model, filtered: The model and its filter.
         floor: The floor among all.
-        contact_events: The answers to pushes on both floors of each contact, which are told apart from knocks.
+        contact_events: The answers to pushes on both floors of each contact, which are told apart from blows.
     """
     for number, (matched, own) in enumerate(answers(model, filtered, filtered.modes.floors[floor])):
         run = model.observed.runs[filtered.runs[number]]

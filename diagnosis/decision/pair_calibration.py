@@ -37,7 +37,7 @@ from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.pair import Pair
-from pounding.diagnosis.model.twin import Between, simulate_touching
+from pounding.diagnosis.model.twin import Between, simulate_pair
 
 RIVALS = 2
 """Candidates of the frames, and as many of the contact, that take turns at being the truth."""
@@ -98,7 +98,13 @@ def right(conclusion: Conclusion, truth: Truth) -> bool:
 
 
 def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generator) -> Case:
-    """Return the case with data that the pair as modelled makes itself, something being hidden in it.
+    """Return the case with simulated data of the pair, an effect being hidden in them.
+
+    Args:
+        case: The case.
+        found: What the search found.
+        truth: What is hidden.
+        rng: Random numbers for nuisance parameters, sizes and noise.
 
     Raises:
         CaseError: The contact's law and damping make no law that the engine knows.
@@ -168,7 +174,7 @@ def _run(
 ) -> Run:
     """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were."""
     run, measured = bare.observed.runs[number], case.runs[number]
-    clean, force = simulate_touching(bare, *model, number, between)
+    clean, force = simulate_pair(bare, *model, number, between)
     channel, table = noise_shares(found)
     # White noise loses so much of its power where a run is slowed.
     more = float(np.sqrt(found.model.observed.slower))

@@ -7,9 +7,9 @@ from dataclasses import replace
 import msgspec
 import numpy as np
 
+from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.impacts import DAMPED
 from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold
 from pounding.diagnosis.decision.claims import Claim, Parameter, Place, candidate, claim, finite, parameter
 from pounding.diagnosis.decision.conclusion import Conclusion, ContactMisfit
@@ -226,7 +226,7 @@ def _odd(case: Case, contact_findings: ContactFindings) -> list[str]:
         return []
     left = 1e3 * (case.contacts[0].gap_m - contact_findings.nearest_m)
     return [
-        f"contact 1 never closes in these runs: by the believed gap the floors stay {left:.2f} mm apart; "
+        f"contact 1 never closes in these runs: with the gap of the baseline model the floors stay {left:.2f} mm apart; "
         "stiffness, loss and law cannot be judged"
     ]
 
@@ -237,6 +237,6 @@ def _two_loggers(frames: Conclusion) -> list[str]:
     if frames.verdict != "unknown_effect" or first is None or first.effect != "sensor_delay":
         return []
     return [
-        f"a delay of {first.channel} explains most of what is left, not all: if the two frames or the force cell were "
-        "recorded by different loggers, put them on one time base by a signal that both recorded, and diagnose again"
+        f"a delay of {first.channel} explains most of the remaining misfit, not all: if the two frames or the force cell "
+        "were recorded by different loggers, put them on one time base by a signal that both recorded, and diagnose again"
     ]

@@ -185,7 +185,13 @@ def name_of(judged: Judged) -> str:
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:
-    """Return the rig with data that it makes itself, parameters drawn, noise as estimated, dropouts where they were."""
+    """Return the rig with simulated data: parameters drawn, noise as estimated, dropouts where they were measured.
+
+    Args:
+        found: What the search found.
+        truth: The effects that are in the data.
+        rng: Random numbers for nuisance parameters, sizes and noise.
+    """
     model = found.model
     nuisance = drawn(model, rng)
     acting = scattered(truth, rng)
@@ -215,12 +221,12 @@ def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
 
 
 def drawn(model: Model, rng: np.random.Generator) -> np.ndarray:
-    """Return nuisance parameters drawn from their priors."""
+    """Return nuisance parameters drawn from their priors, in their own units, shape (nuisance,)."""
     return np.asarray(model.std * np.clip(rng.standard_normal(len(model.std)), -WITHIN, WITHIN))
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:
-    """Return effects of about their fitted size."""
+    """Return effects of about their fitted size, each with its SI parameters, shape (parameters,)."""
     acting = []
     for effect, values in zip(truth.effects, truth.fit.values, strict=True):
         changed = np.array(values, float)

@@ -78,7 +78,7 @@ def _listed(single: list[Judged]) -> Judged:
 def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
     filtered = judged.fit.filtered
     said = model_checks(found.model, filtered)
-    # A contact's push that was missed is no knock.
+    # A contact's push that was missed is no blow.
     pushed = None if _blind(found) else impulses(found.model, filtered)
     return tuple(said) if pushed is None else (*said, pushed.sentence())
 
@@ -150,7 +150,7 @@ def _moved(found: Findings, judged: Judged) -> np.ndarray:
     model, frames = found.model, {effect.frame for effect in judged.effects}
     if None in frames:
         return np.ones(len(model.observed.names), bool)
-    return np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0)
+    return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
 
 
 def explained(found: Findings, judged: Judged, nothing: float = LEFT) -> float:

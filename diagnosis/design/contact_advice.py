@@ -27,7 +27,7 @@ FINER = (1.0, 2.0, 4.0)
 """Further tests: in words, by how much finer the sampling is, by how much faster the floors meet, and whether these impacts
 come to those that are there; shares of the finest frequencies that are compared."""
 NAMES = {
-    "": "the contact as believed",
+    "": "the contact of the baseline model",
     "gap_offset": "another gap of the contact",
     "contact_stiffness": "another stiffness of the contact",
     "contact_damping": "another loss of the contact",
@@ -88,7 +88,14 @@ def expected(bodies: Bodies, true: Fitted, other: Fitted) -> list[Gain]:
 
 
 def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:
-    """Return the strongest impacts as a law makes them, sampled so much finer and met so much faster."""
+    """Return the strongest impacts as a law makes them, sampled more finely and met at a higher velocity.
+
+    Args:
+        bodies: The two floors and their impacts.
+        law: The contact law.
+        finer: Sampling rate over that of the measurement.
+        faster: Velocity of the impacts over the measured one.
+    """
     impacts = []
     for impact in bodies.impacts[:USED]:
         onset = impact.free[min(impact.onset, len(impact.free) - 1)]

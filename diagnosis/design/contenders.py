@@ -34,7 +34,7 @@ def contenders(
     Args:
         first: The best explanation, with its ln Bayes factor against `null`.
         others: Explanations of another kind, the likeliest first.
-        null: What was believed.
+        null: The baseline model.
         claimed: Whether the best is claimed; if not, the question is whether it is there at all.
     """
     ln_bayes, best = first

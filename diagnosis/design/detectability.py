@@ -67,7 +67,7 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectabil
     """Return for each effect of the catalogue how small it may be and still be found, at its best and worst place.
 
     Two things must be reached (see `decision.verdict.decide`): the evidence, which grows with the square of the
-    amplitude over its standard error, and the share of a channel's noise that the effect makes up after the ordinary
+    amplitude over its standard error, and the share of a channel's noise that the effect makes up after the nuisance
     parameters have imitated what they can.
 
     Args:
@@ -84,9 +84,13 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectabil
 
 
 def threshold(information: np.ndarray, ln_bayes: float) -> np.ndarray:
-    """Return the amplitude, in prior standard deviations, whose expected ln Bayes factor is `ln_bayes`.
+    """Return the amplitude whose expected ln Bayes factor has a value [prior standard deviations], shape of `information`.
 
     The evidence of a pull I z is (I z)^2 / (2 (1 + I)) - log(1 + I) / 2 (see `pounding.diagnosis.inference.evidence.score`).
+
+    Args:
+        information: Information I of the data on the amplitude in prior standard deviations, shape (shapes,).
+        ln_bayes: The ln Bayes factor.
     """
     needed = ln_bayes + 0.5 * np.log1p(information)
     with np.errstate(divide="ignore"):

@@ -243,6 +243,6 @@ def _sum(one: Normal, other: Normal) -> Normal:
 
 
 def _unexplained(normal: Normal) -> float:
-    """Return half the squares that remain when the imitator has bent all it may [nats]."""
+    """Return half the squares that remain when the imitator has bent all it may."""
     gram, slope, squares = normal
     return 0.5 * float(squares - slope @ np.linalg.solve(gram + np.eye(len(gram)), slope))

@@ -128,7 +128,13 @@ class Effect:
         return []
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return the prior standard deviation of the amplitude in SI."""
+        """Return the prior standard deviation of the amplitude in SI.
+
+        Args:
+            model: The baseline model.
+            scales: Typical sizes of the motion.
+            shape: Values of what is not an amplitude, one of `grid`.
+        """
         raise NotImplementedError
 
     def largest(self, model: Model) -> float:
@@ -137,16 +143,34 @@ class Effect:
         return float("inf")
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return what a unit amplitude adds."""
+        """Return the terms that a unit amplitude adds to the innovations.
+
+        Args:
+            model: The baseline model.
+            modes: Modes of the filtered model.
+            motion: Motion of a run of the filtered model.
+            shape: Values of what is not an amplitude, one of `grid`.
+        """
         raise NotImplementedError
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the SI parameters, in the order of `quantities`, of an amplitude."""
+        """Return the SI parameters of an amplitude in the order of `quantities`, shape (parameters,).
+
+        Args:
+            amplitude: The amplitude in SI.
+            shape: Values of what is not an amplitude, one of `grid`.
+        """
         del shape
         return np.array([amplitude])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Put the effect with SI parameter `values` on an assembly."""
+        """Put the effect on an assembly.
+
+        Args:
+            assembly: The assembly, which is changed in place.
+            values: SI parameters in the order of `quantities`, shape (parameters,).
+            model: The baseline model.
+        """
         raise NotImplementedError
 
     def logarithmic(self) -> tuple[bool, ...]:

@@ -53,13 +53,28 @@ class Description:
 
 
 def relation(mark: str, across: str, up: str, baseline: Function, true: Function) -> Sketch:
-    """Return the sketch of one quantity over another, both from -1 to 1."""
+    """Return the sketch of one quantity over another, both from -1 to 1.
+
+    Args:
+        mark: Place that is in colour on the frame (see `Sketch`).
+        across, up: Names of the axes.
+        baseline: The curve of the baseline model.
+        true: The curve of a frame that has the effect.
+    """
     x = np.linspace(-1.0, 1.0, 101)
     return Sketch(mark, across, up, lambda: (x, baseline(x), true(x)))
 
 
 def history(mark: str, up: str, baseline: Function, true: Function, across: str = "time") -> Sketch:
-    """Return the sketch of a quantity over time from 0 to 1."""
+    """Return the sketch of a quantity over time from 0 to 1.
+
+    Args:
+        mark: Place that is in colour on the frame (see `Sketch`).
+        up: Name of the upright axis.
+        baseline: The curve of the baseline model.
+        true: The curve of a frame that has the effect.
+        across: Name of the other axis.
+    """
     t = np.linspace(0.0, 1.0, 800)
     return Sketch(mark, across, up, lambda: (t, baseline(t), true(t)))
 
@@ -76,15 +91,15 @@ def loop(law: Law, *parameters: float) -> Sketch:
 
 
 def sine(time: np.ndarray) -> np.ndarray:
-    """Return the motion that sketches show, at times between 0 and 1."""
+    """Return the motion that sketches show, shape (samples,), at times (samples,) between 0 and 1."""
     return np.asarray(np.sin(2 * np.pi * CYCLES * time))
 
 
 def nothing(x: np.ndarray) -> np.ndarray:
-    """Return zeros: what a baseline model has of an effect that it lacks."""
+    """Return zeros, shape (samples,): what a baseline model has of an effect that it lacks."""
     return np.zeros_like(x)
 
 
 def same(x: np.ndarray) -> np.ndarray:
-    """Return x itself."""
+    """Return x itself, shape (samples,)."""
     return x

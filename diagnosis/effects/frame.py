@@ -59,7 +59,7 @@ class JointFlexibility(FrameEffect):
         return matrix_terms(motion, derivative, modes.floors, self.span(model))
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the joints' stiffness as a factor on the believed one."""
+        """Return the joints' stiffness as a factor on that of the baseline model, shape (1,)."""
         return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
@@ -161,7 +161,7 @@ class PDelta(FrameEffect):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class AddedMass(FrameEffect):
-    """Mass on a floor beyond the believed."""
+    """Mass on a floor beyond that of the baseline model."""
 
     name = "added_mass"
     linear = True
@@ -302,13 +302,13 @@ class TorsionalEccentricity(FrameEffect):
     def like_appendage(
         self, model: Model, values: np.ndarray, floor: int, appendage: np.ndarray
     ) -> np.ndarray:
-        """Return the parameters with which the first mode meets what an appendage on a floor makes it meet.
+        """Return the SI parameters, (3,), with which the first mode meets what an appendage on a floor makes it meet.
 
         Args:
             model: The baseline model.
-            values: Nuisance parameters of the fit with the appendage in it.
-            floor: The appendage's floor among all.
-            appendage: Its mass [kg], frequency [Hz] and damping ratio.
+            values: Nuisance parameters of the fit with the appendage in their own units, shape (nuisance,).
+            floor: Floor of the appendage among all floors.
+            appendage: Its mass [kg], frequency [Hz] and damping ratio, shape (3,).
         """
         plain = model.plain_modes(model.assemble(values))
         first = self.span(model).start
@@ -351,7 +351,14 @@ class TorsionalEccentricity(FrameEffect):
 
 
 def oscillator(driving: np.ndarray, omega: float, ratio: float, step_s: float) -> np.ndarray:
-    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,)."""
+    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,).
+
+    Args:
+        driving: Acceleration that drives it [m/s^2], linear between samples, shape (samples,).
+        omega: Angular frequency [rad/s].
+        ratio: Damping ratio.
+        step_s: Sampling step [s].
+    """
     numerator, denominator, _ = cont2discrete(
         ([1.0], [1.0, 2 * ratio * omega, omega**2]), step_s, method="foh"
     )

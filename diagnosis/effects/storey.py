@@ -36,7 +36,12 @@ class StoreyEffect(Effect):
     law: ClassVar[Law]
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return the law's parameters [SI] for the effect's SI parameters."""
+        """Return the law's parameters [SI].
+
+        Args:
+            model: The baseline model.
+            values: SI parameters of the effect in the order of `quantities`, shape (parameters,).
+        """
         raise NotImplementedError
 
     def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
@@ -44,7 +49,13 @@ class StoreyEffect(Effect):
         return self.numbers(model, self.values(1.0, shape))
 
     def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the force that opposes the drift, for a unit amplitude, shape (samples,)."""
+        """Return the force that opposes the drift [N] for a unit amplitude, shape (samples,).
+
+        Args:
+            model: The baseline model.
+            motion: Motion of a run of the filtered model.
+            shape: Values of what is not an amplitude, one of `grid`.
+        """
         drift, rate = self.along(motion.drift), self.along(motion.drift_rate)
         return self.law.along(self.unit(model, shape), drift, rate, np.arange(len(drift)) * motion.run.step_s)
 
@@ -65,7 +76,7 @@ class StoreyEffect(Effect):
         assembly.laws.append(PlacedLaw(self.law, self.row(model), self.numbers(model, values)))
 
     def stiffness(self, model: Model) -> float:
-        """Return the believed stiffness of the storey [N/m]."""
+        """Return the stiffness of the storey in the baseline model [N/m]."""
         return storey_stiffness(model.structure, self.index)
 
 
@@ -113,7 +124,7 @@ def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Number
 @CATALOGUE.add
 @dataclass(frozen=True)
 class DampingChange(StoreyEffect):
-    """A viscous damper: c v, negative where the frame has less than believed."""
+    """A viscous damper: c v, negative where the frame has less than the baseline model."""
 
     name = "damping_change"
     law = damper

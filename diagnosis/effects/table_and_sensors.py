@@ -57,7 +57,7 @@ class TableDelay(Effect):
         "a delay of all other sensors",
         history("table", "table", sine, lambda t: sine(t - 0.06)),
         ", positive where the frame was shaken later than the channel says",
-        told_by="Table and floor on one logger, or a knock on the table that both record.",
+        told_by="Table and floor on one logger, or a hammer blow on the table that both record.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -157,7 +157,7 @@ class SensorDelay(ChannelEffect):
         "`table_delay`",
         history("sensor", "reading", sine, lambda t: sine(t - 0.06)),
         "; channels of one kind or of one frame may be late together, as a logger of their own",
-        told_by="A knock that all loggers record, or the sensor moved to the logger of its neighbours.",
+        told_by="A hammer blow that all loggers record, or the sensor moved to the logger of its neighbours.",
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

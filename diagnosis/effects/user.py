@@ -43,9 +43,9 @@ class UserEffect(Effect):
         return float(np.max(np.abs(self.source.parameters[0].sizes)))
 
     def row(self, model: Model) -> np.ndarray:
-        """Return the floors' displacements that make the drift or displacement on which the force acts."""
+        """Return the row of floors that makes the drift or displacement on which the force acts, shape (floors,)."""
         if self.where == "floor":
-            return np.eye(model.structure.floors)[self.index]
+            return np.asarray(np.eye(model.structure.floors)[self.index])
         return np.asarray(model.structure.drift[self.index])
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:

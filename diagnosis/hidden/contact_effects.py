@@ -24,14 +24,14 @@ def _changed(setting: Setting, **fields: float | str | None) -> Scenario:
 
 
 def gap_offset(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Set the frames nearer or further apart than they are believed to stand."""
+    """Set the frames nearer or further apart than in the baseline model."""
     baseline = _stated(setting)
     offset = size * baseline.gap_m
     return _changed(setting, gap_m=baseline.gap_m + offset), {"offset": (1e3 * offset, "mm")}
 
 
 def contact_stiffness(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Make the contact stiffer or softer than believed."""
+    """Make the contact stiffer or softer than in the baseline model."""
     touch = _stated(setting)
     stiffness = touch.stiffness * float(np.exp(2 * size))
     unit = "N/m" if touch.law.startswith("linear") else "N/m^1.5"
@@ -39,7 +39,7 @@ def contact_stiffness(setting: Setting, size: float, rng: np.random.Generator) -
 
 
 def contact_damping(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Let the contact lose more or less than believed."""
+    """Let the contact lose more or less than in the baseline model."""
     touch = _stated(setting)
     if touch.damping is not None:
         damping = touch.damping * float(np.exp(2 * size))

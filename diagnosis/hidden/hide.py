@@ -139,7 +139,7 @@ def _eye(rig: Rig) -> Eye:
 
 
 def _raw(rig: Rig, scenario: Scenario) -> tuple[float, float]:
-    """Return how far a contact's effect stands above the noise, twice: nothing ordinary is refitted."""
+    """Return how far a contact's effect stands above the noise, twice: no nuisance parameter is refitted."""
     bare, seen = rig.clean(rig.bare, 0), rig.clean(scenario, 0)
     noise = rig.log.noise_of(rig.channels, bare)
     largest = float(np.sqrt(np.mean(((seen - bare) / np.where(noise > 0, noise, np.inf)) ** 2, axis=0)).max())

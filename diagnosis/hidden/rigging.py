@@ -51,7 +51,7 @@ class Rig:
         return truth if coarsely else truth[::finer]
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
-        """Return what the real sensors and the logger make of it, still without noise."""
+        """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""
         return sampled(observed(scenario, happen(scenario, self.shakings[run], run), self.channels), self.log)
 
 

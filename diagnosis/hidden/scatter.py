@@ -1,4 +1,4 @@
-"""What differs between a frame as believed and as built: ordinary scatter, well inside the default priors."""
+"""What differs between the baseline frame and the one as built: nuisance parameters well inside the default priors."""
 
 from __future__ import annotations
 

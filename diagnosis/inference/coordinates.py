@@ -48,7 +48,15 @@ class Coordinates:
         widths: Sequence[np.ndarray],
         fixed: Sequence[tuple[Acting, np.ndarray]] = (),
     ) -> Coordinates:
-        """Return coordinates about effects' SI parameters `values` with prior standard deviations `widths`."""
+        """Return the coordinates of nuisance parameters and effects.
+
+        Args:
+            model: The baseline model.
+            effects: The effects that are fitted.
+            values: SI parameters of each effect about which logarithms are centred, each of shape (parameters,).
+            widths: Prior standard deviations of these [SI], each of shape (parameters,); those of logarithms are not used.
+            fixed: Other effects that act, each with its SI parameters, shape (parameters,), which stay.
+        """
         logarithmic = np.concatenate(
             [np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)]
         )
@@ -58,17 +66,17 @@ class Coordinates:
         return cls(model.std, tuple(effects), start, wide, logarithmic, tuple(fixed))
 
     def theta(self, nuisance: np.ndarray) -> np.ndarray:
-        """Return theta at nuisance parameters in their own units and the effects' start."""
+        """Return theta at nuisance parameters in their own units, shape (nuisance,), and the effects' start."""
         return np.concatenate(
             [nuisance / self.scale, np.where(self.logarithmic, 0.0, self.start / self.width)]
         )
 
     def nuisance(self, theta: np.ndarray) -> np.ndarray:
-        """Return the nuisance parameters in their own units, shape (nuisance,)."""
+        """Return the nuisance parameters at theta in their own units, shape (nuisance,)."""
         return np.asarray(theta[: len(self.scale)] * self.scale)
 
     def values(self, theta: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return the SI parameters of each effect."""
+        """Return the SI parameters of each effect at theta, shape (nuisance + effects' parameters,)."""
         own = theta[len(self.scale) :]
         moved = np.where(
             self.logarithmic, self.start * np.exp(np.clip(own * self.width, -6, 6)), own * self.width
@@ -77,16 +85,21 @@ class Coordinates:
         return tuple(np.split(moved, ends[:-1])) if self.effects else ()
 
     def acting(self, theta: np.ndarray) -> tuple[tuple[Acting, np.ndarray], ...]:
-        """Return all effects that act, with their SI parameters."""
+        """Return all effects that act, with their SI parameters at theta, shape (nuisance + effects' parameters,)."""
         return (*self.fixed, *zip(self.effects, self.values(theta), strict=True))
 
     def slopes(self, theta: np.ndarray) -> np.ndarray:
-        """Return the derivative of each SI parameter of the effects with respect to its coordinate."""
+        """Return the derivative of each of the effects' SI parameters by its coordinate at theta, shape (parameters,)."""
         flat = np.concatenate(self.values(theta)) if self.effects else np.zeros(0)
         return np.where(self.logarithmic, flat * self.width, self.width)
 
     def nudge(self, theta: np.ndarray, number: int) -> float:
-        """Return the change of an effect's coordinate (counted after the nuisance) by which slopes are taken."""
+        """Return the change of an effect's coordinate by which slopes are taken.
+
+        Args:
+            theta: Nuisance parameters and effects in units of their priors, shape (nuisance + effects' parameters,).
+            number: Number of the coordinate among those of the effects.
+        """
         size = abs(float(theta[len(self.scale) + number]))
         return 1e-3 if self.logarithmic[number] else 1e-3 * max(1.0, size)
 

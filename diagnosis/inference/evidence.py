@@ -1,4 +1,4 @@
-"""Evidence of every candidate about a calibrated predictor, in nats, with the nuisance parameters always free."""
+"""Evidence of every candidate about a filtered model, as ln Bayes factors, with the nuisance parameters always free."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Score:
 
 @dataclass(frozen=True)
 class Scores:
-    """Scores of all candidates, best first, and the Gram matrix of their signatures without the ordinary ones."""
+    """Scores of all candidates, best first, and the Gram matrix of their signatures, nuisance parameters projected out."""
 
     ranked: list[Score]
     projected: np.ndarray
@@ -95,11 +95,11 @@ def score(
 
     Args:
         model: The baseline model.
-        filtered: The predictor about which to linearise.
+        filtered: The filtered model about which to linearise.
         effects: The candidates.
-        sizes: Typical sizes of motion.
-        present: For each run whitened and prior-scaled columns of effects that the baseline already has; they stay
-            free as the nuisance parameters do.
+        sizes: Typical sizes of the motion.
+        present: For each run whitened and prior-scaled columns of effects that the filtered model already has, shape
+            (samples * channels, columns); they stay free as the nuisance parameters do.
     """
     columns = [(effect, shape) for effect in effects for shape in effect.grid(sizes)]
     width = np.array([effect.size(model, sizes, shape) for effect, shape in columns])
@@ -121,7 +121,7 @@ def score(
         groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
         signature = grouped_signatures(model, one, [groups])[0]
-        # Candidates are often nearly ordinary: what is left of them is a small difference, and needs double precision.
+        # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
         signature = signature.astype(float) * np.concatenate([model.std, width])
         if present:
             nuisance = len(model.std)

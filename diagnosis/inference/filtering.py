@@ -27,7 +27,7 @@ class Filtered:
         noise: Noise of each training run.
         filters: Steady filter of each training run.
         prediction: Innovations and states of each training run.
-        log_likelihood: Of the innovations [nats].
+        log_likelihood: Log likelihood of the innovations.
         runs: Numbers of the runs used.
     """
 
@@ -48,7 +48,15 @@ def run_filter(
     runs: Sequence[int],
     effects: Sequence[tuple[Acting, np.ndarray]] = (),
 ) -> Filtered:
-    """Return the predictor at `values` with its steady filters and innovations."""
+    """Return the filtered model with its steady filters and innovations.
+
+    Args:
+        model: The baseline model.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        noise: Noise of each run.
+        runs: Numbers of the runs.
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+    """
     modes = model.modes(model.assemble(values, effects))
     filters = design(model, modes, noise, runs)
     prediction = model.predict(values, [f.gain for f in filters], effects, runs)
@@ -67,7 +75,14 @@ def run_filter(
 def design(
     model: Model, modes: Modes, noise: Sequence[Noise], runs: Sequence[int]
 ) -> tuple[SteadyFilter, ...]:
-    """Return the steady filter of each run."""
+    """Return the steady filter of each run.
+
+    Args:
+        model: The baseline model.
+        modes: Its modes.
+        noise: Noise of each run.
+        runs: Numbers of the runs.
+    """
     rows = model.structure.drift @ modes.floors
     system = linear_system(modes, rows, model.observed.quantity, model.observed.floor)
     return tuple(
@@ -82,7 +97,14 @@ def log_likelihood(
     filters: Sequence[SteadyFilter],
     runs: Sequence[int],
 ) -> float:
-    """Return the Gaussian log likelihood of the innovations [nats], missing samples left out."""
+    """Return the Gaussian log likelihood of the innovations, missing samples left out.
+
+    Args:
+        model: The baseline model.
+        innovations: Innovations of each run in SI, shape (samples, channels).
+        filters: Steady filter of each run.
+        runs: Numbers of the runs.
+    """
     total = 0.0
     for series, steady, run in zip(innovations, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
@@ -92,7 +114,13 @@ def log_likelihood(
 
 
 def whitened(series: np.ndarray, steady: SteadyFilter, good: np.ndarray | None = None) -> np.ndarray:
-    """Return a series (samples, channels[, terms]) with the innovations' covariance divided out."""
+    """Return a series with the innovations' covariance divided out, of the same shape.
+
+    Args:
+        series: Innovations or their derivatives in SI, shape (samples, channels) or (samples, channels, terms).
+        steady: The filter, with the covariance.
+        good: Which samples were measured, shape (samples, channels); the others become zero.
+    """
     factor = np.linalg.inv(_factor(steady)).astype(series.dtype)
     if good is not None and not good.all():
         series = np.where(good if series.ndim == 2 else good[..., None], series, 0.0)
@@ -159,7 +187,13 @@ def _output_rate(model: Model, modes: Modes, states: np.ndarray, run: RunData) -
 def grouped_signatures(
     model: Model, filtered: Filtered, groups: Sequence[Sequence[list[Term]]]
 ) -> list[np.ndarray]:
-    """Return whitened signatures of each run, (samples * channels, columns); `groups[run][column]` lists terms."""
+    """Return whitened signatures of each run, each of shape (samples * channels, columns).
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        groups: For each run and each column the terms whose signatures are summed.
+    """
     found = []
     for number, run in enumerate(filtered.runs):
         steady = filtered.filters[number]
@@ -173,7 +207,7 @@ def grouped_signatures(
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
-    """Return the whitened innovations of each run, flat."""
+    """Return the whitened innovations of each run, shape (samples * channels,)."""
     return [
         whitened(series, steady, np.isfinite(model.observed.runs[run].measured)).ravel()
         for series, steady, run in zip(

@@ -99,7 +99,7 @@ class Findings:
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 
     def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
-        """Return the evidence [nats] and the size, in units of a channel's noise, that an effect needs to be named.
+        """Return the ln Bayes factor and the size, in units of a channel's noise, that an effect needs to be named.
 
         Args:
             absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).
@@ -162,7 +162,14 @@ def _beside(judged: Judged, floor: int | None) -> bool:
 
 
 def judge(model: Model, fit: Fit, null: Fit, training: tuple[int, ...], held_out: tuple[int, ...]) -> Judged:
-    """Return a fit with its evidence and its misfits."""
+    """Return a fit with its evidence and its misfits.
+
+    Args:
+        model: The baseline model.
+        fit: The fit.
+        null: The fit of the null model, against which its ln Bayes factor is.
+        training, held_out: Numbers of the runs.
+    """
     each = [fit_misfits(model, fit.filtered, runs) for runs in (training, held_out)]
     return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
@@ -186,7 +193,13 @@ def _medians(each: Sequence[np.ndarray]) -> tuple[float, float]:
 
 
 def fit_misfits(model: Model, filtered: Filtered, runs: tuple[int, ...]) -> np.ndarray:
-    """Return the misfit of each channel that a fit leaves over some runs, NaN without any."""
+    """Return the misfit of each channel that a fit leaves over some runs, shape (channels,), NaN without any.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        runs: Numbers of the runs.
+    """
     if not runs:
         return np.full(len(model.observed.names), np.nan)
     return channel_misfits(model, simulate(model, filtered.values, filtered.effects, runs), runs)
@@ -214,6 +227,13 @@ def unexplained(found: Findings, judged: Judged) -> bool:
 
 
 def leaves_much(model: Model, misfits: np.ndarray, filtered: Filtered, runs: tuple[int, ...]) -> bool:
-    """Return whether misfits (channels,) that a baseline leaves over some runs are much more than noise in a frame."""
+    """Return whether misfits are much more than noise in a frame.
+
+    Args:
+        model: The baseline model.
+        misfits: Misfit of each channel over the runs, shape (channels,).
+        filtered: The filtered model, with the noise.
+        runs: Numbers of the runs.
+    """
     over = over_floor(model, misfits, floors(model, filtered, runs))
     return bool(np.nanmax(by_frame(model, over)) > UNEXPLAINED)

@@ -15,6 +15,7 @@ from pounding.diagnosis.inference.filtering import (
     whitened,
     whitened_innovations,
 )
+from pounding.diagnosis.inference.posterior import Likelihood
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.terms import nuisance_terms
 
@@ -25,7 +26,7 @@ LARGEST_SLOPE = 1e12
 """Whitened derivative from which on the simulation has blown up."""
 
 
-class Histories:
+class Histories(Likelihood):
     """The runs' innovations about a filtered model, whose gains stay while a step is judged.
 
     Were gain and innovation covariance to follow the parameters, a likelihood with too large a latent force would be
@@ -43,9 +44,10 @@ class Histories:
 
         Args:
             model: The baseline model.
-            filtered: The filter.
+            filtered: The filtered model.
             coordinates: Nuisance parameters and effects.
-            nuisance_columns: Signatures of the nuisance parameters of a filter near this one, which are good enough.
+            nuisance_columns: For each run whitened signatures of the nuisance parameters, shape (samples * channels,
+                nuisance), from a filter near this one, which are good enough.
         """
         self.model, self.filtered, self.coordinates = model, filtered, coordinates
         self._fresh = nuisance_columns is None
@@ -119,7 +121,11 @@ class Histories:
         return self._columns
 
     def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
-        """Return for each run whitened signatures of the effects' coordinates, (samples * channels, coordinates)."""
+        """Return for each run whitened signatures of the effects' coordinates, (samples * channels, coordinates).
+
+        Args:
+            theta: Nuisance parameters and effects in units of their priors, shape (parameters,).
+        """
         key = theta[len(self.coordinates.scale) :].tobytes()
         if self._effects is None or self._effects[0] != key:
             self._effects = key, self._effect_columns(theta)

@@ -22,7 +22,13 @@ SLOW = 0.3
 
 
 def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> np.ndarray:
-    """Return rms(simulated - measured) / rms(measured) of each channel over pooled runs, NaN where not measured."""
+    """Return rms(simulated - measured) / rms(measured) of each channel, (channels,), over pooled runs.
+
+    Args:
+        model: The baseline model.
+        outputs: Simulated channels of each run in SI, shape (samples, channels).
+        runs: Numbers of the runs.
+    """
     measured = np.concatenate([model.observed.runs[run].measured for run in runs])
     difference = np.concatenate(
         [
@@ -31,11 +37,14 @@ def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[
         ]
     )
     rms = root_mean_square(measured)
-    return np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+    ratio = np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
+    return np.asarray(ratio)
 
 
 def levelled(model: Model, difference: np.ndarray, step_s: float) -> np.ndarray:
-    """Take what is slow against the frames off absolute displacements: integrated twice, a table's noise drifts.
+    """Return differences, (samples, channels), without what is slow against the frames in absolute displacements.
+
+    Integrated twice, a table's noise drifts.
 
     Args:
         model: The baseline model.
@@ -66,17 +75,28 @@ def _slow(samples: int, step_s: float, below_hz: float) -> np.ndarray:
 def differences(
     model: Model, filtered: Filtered, runs: Sequence[int]
 ) -> Iterator[tuple[RunData, np.ndarray]]:
-    """Yield each run with what a fit's simulation differs by from its channels in SI, (samples, channels), levelled."""
+    """Yield each run with simulated less measured channels in SI, shape (samples, channels), levelled.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model, whose parameters are simulated.
+        runs: Numbers of the runs.
+    """
     for run, output in zip(runs, simulate(model, filtered.values, filtered.effects, runs), strict=True):
         data = model.observed.runs[run]
         yield data, levelled(model, output - data.measured, data.step_s)
 
 
 def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Return misfits over the noise floor as they would be at the rate of the logger.
+    """Return misfits over the noise floor, shape (..., channels), as they would be at the rate of the logger.
 
     Where samples were made fewer their noise fell, and a model's error would stand out of it as it never does in what
     was recorded.
+
+    Args:
+        model: The baseline model.
+        misfits: Misfits, shape (..., channels).
+        floor: Misfits that a perfect model would leave, shape (..., channels).
     """
     slower = model.observed.slower
     with np.errstate(invalid="ignore"):
@@ -100,21 +120,34 @@ def median(misfits: np.ndarray) -> np.ndarray:
 
 
 def misfit(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
-    """Return the median of the channels' misfits."""
+    """Return the median of the channels' misfits.
+
+    Args:
+        model: The baseline model.
+        outputs: Simulated channels of each run in SI, shape (samples, channels).
+        runs: Numbers of the runs.
+    """
     return float(median(channel_misfits(model, outputs, runs)))
 
 
 def simulate(
     model: Model, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
 ) -> list[np.ndarray]:
-    """Return the channels as simulated in each run, nothing corrected by measurements."""
+    """Return the simulated channels of each run in SI, shape (samples, channels), nothing corrected by measurements.
+
+    Args:
+        model: The baseline model.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+        runs: Numbers of the runs.
+    """
     return model.predict(values, None, effects, runs).outputs
 
 
 def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
-    """Return the misfit that a perfect model would leave in each channel: its noise, and what the inputs' noise does.
+    """Return the misfit that a perfect model would leave in each channel, (channels,): its and the inputs' noise.
 
-    Contact forces are as uncertain as their touches say in runs that were not fitted.
+    Contact forces are as uncertain as their contact events say in runs that were not fitted.
 
     Args:
         model: The baseline model.
@@ -127,18 +160,22 @@ def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
         rms = np.nan_to_num(model.observed.rms(run))
         own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
         carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * noise.table
-        pushed = 0.0 if number in filtered.runs else touch_response(model, filtered.modes, number)
+        pushed = 0.0 if number in filtered.runs else contact_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
-    return np.sqrt(
-        np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
-    )
+    ratio = np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
+    return np.asarray(np.sqrt(ratio))
 
 
 def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:
     """Return the noise of runs, fitted or not, as the same share of table and channels as in those of a fit.
 
     What a channel never showed in a fit is infinite.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model, with the noise of its runs.
+        runs: Numbers of the runs.
     """
     shares, table = _shares(model, filtered)
     found = []
@@ -165,7 +202,14 @@ def _shares(model: Model, filtered: Filtered) -> tuple[np.ndarray, float]:
 
 
 def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> np.ndarray:
-    """Return the rms of each channel for table noise of unit standard deviation, over a run from rest."""
+    """Return the rms of each channel in SI, shape (channels,), for table noise of unit standard deviation, from rest.
+
+    Args:
+        model: The baseline model.
+        modes: Its modes.
+        step_s: Sampling step [s].
+        samples: Length of the run.
+    """
     storeys = model.structure.floors
     system = linear_system(
         modes, model.structure.drift @ modes.floors, model.observed.quantity, model.observed.floor
@@ -180,11 +224,17 @@ def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> n
     output = system.output.copy()
     output[:, -2:] = 0.0
     variance = np.einsum("ci,ij,cj->c", output, covariance, output)
-    return np.sqrt(np.maximum(variance, 0.0))
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
-def touch_response(model: Model, modes: Modes, number: int) -> np.ndarray:
-    """Return the mean square of each channel in SI, (channels,), that the uncertain sizes of a run's contact forces make."""
+def contact_response(model: Model, modes: Modes, number: int) -> np.ndarray:
+    """Return the mean square of each channel in SI, shape (channels,), that the uncertain contact forces of a run make.
+
+    Args:
+        model: The baseline model.
+        modes: Its modes.
+        number: Number of the run.
+    """
     run, observed = model.observed.runs[number], model.observed
     total = np.zeros(len(observed.names))
     contact_events = [event for event in observed.contact_events if event.run == number]

@@ -78,7 +78,14 @@ def band_edges(filtered: Filtered) -> np.ndarray:
 
 
 def band(series: np.ndarray, low: float, high: float, step_s: float) -> np.ndarray:
-    """Return the part of series (samples, channels) between two frequencies [Hz]; from 0 on, below the upper one."""
+    """Return the part of series between two frequencies, shape (samples, channels).
+
+    Args:
+        series: The series, shape (samples, channels).
+        low: Lower frequency [Hz]; at zero only the upper one cuts.
+        high: Upper frequency [Hz].
+        step_s: Sampling step [s].
+    """
     kind, edge = ("lowpass", high) if low <= 0 else ("bandpass", (low, high))
     sections = butter(3, edge, kind, fs=1 / step_s, output="sos")
     return np.asarray(sosfiltfilt(sections, series, axis=0))

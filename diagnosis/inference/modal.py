@@ -50,7 +50,7 @@ class ModalFindings:
 
     @cached_property
     def foretold(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Each datum as foretold from the others, SI, and its surprise, by the baseline model and the best explanation."""
+        """Each datum as predicted from the others, SI, and how far it lies off [standard deviations], each (data,)."""
         chosen = {"null": self.null, "best": self.best}
         return {key: foretold_from_others(self.model, self.data, one.acting) for key, one in chosen.items()}
 
@@ -87,7 +87,14 @@ def examine(
     data: Sequence[ModalDatum],
     told: Callable[[str], None] = lambda what: None,
 ) -> ModalFindings:
-    """Return what modal data of one frame say of single effects and of pairs with the best one."""
+    """Return what modal data of one frame say of single effects and of pairs with the best one.
+
+    Args:
+        model: The baseline model.
+        flexible: Its joints as an effect, or None for a frame without any.
+        data: Modal data of the frame.
+        told: Called with what is being tried.
+    """
     candidates = modal_candidates(model, flexible, data)
     null = weigh(model, data)
     singles = []

@@ -19,7 +19,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales, place
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.modal_model import Joints
-from pounding.diagnosis.inference.posterior import Posterior, descend
+from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.numbers_shown import modal_numbers
@@ -89,7 +89,13 @@ class Weighed:
 
 
 def modal_candidates(model: Model, joints: Joints | None, data: Sequence[ModalDatum]) -> list[Acting]:
-    """Return the effects of the catalogue that a frame's modal data can show, everywhere and in single tests."""
+    """Return the effects of the catalogue that a frame's modal data can show, everywhere and in single tests.
+
+    Args:
+        model: The baseline model.
+        joints: Joints of the frame as an effect, or None for a frame without any.
+        data: Modal data of the frame.
+    """
     frame = model.structure.frames[0].name
     whole: list[Effect] = [joints] if joints is not None else []
     whole += [BaseRocking(frame=frame), PDelta(frame=frame)]
@@ -106,7 +112,7 @@ def modal_candidates(model: Model, joints: Joints | None, data: Sequence[ModalDa
     return found
 
 
-class ModalTerm:
+class ModalTerm(Likelihood):
     """Modal data as a likelihood of nuisance parameters and sizes of effects.
 
     Args:
@@ -140,7 +146,7 @@ class ModalTerm:
         return nuisance_slopes(self.model, self.data)
 
     def values(self, theta: np.ndarray) -> list[np.ndarray]:
-        """Return the SI parameters of each effect."""
+        """Return the SI parameters of each effect at theta, shape (nuisance + effects,)."""
         amplitudes = theta[self.nuisance.shape[1] :] * self.sizes
         return [one.effect.values(float(a), ()) for one, a in zip(self.acting, amplitudes, strict=True)]
 
@@ -193,7 +199,7 @@ class ModalTerm:
         )
 
     def likeliest(self) -> tuple[Posterior, np.ndarray]:
-        """Return the posterior and its maximum, from several sizes."""
+        """Return the posterior and its maximum, shape (nuisance + effects,), from several sizes."""
         posterior = self.posterior()
         axes = []
         for one in self.acting:
@@ -223,7 +229,13 @@ def nuisance_slopes(model: Model, data: Sequence[ModalDatum]) -> np.ndarray:
 
 
 def weigh(model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting] = ()) -> Weighed:
-    """Return what data say of effects that act together (none for the baseline model)."""
+    """Return what data say of effects that act together (none for the baseline model).
+
+    Args:
+        model: The baseline model.
+        data: Modal data of the frame.
+        acting: Effects, each in all tests or in one; none for the baseline model.
+    """
     term = ModalTerm(model, data, acting)
     posterior, theta = term.likeliest()
     gram, slope = posterior.normal_equations(theta)
@@ -248,7 +260,14 @@ def weigh(model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting] = (
 def foretell(
     model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting], known: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return all data, SI, as foretold from the `known` ones alone, and how far each lies off in standard deviations."""
+    """Return all data in SI as predicted from some of them, and how far each lies off [standard deviations], each (data,).
+
+    Args:
+        model: The baseline model.
+        data: Modal data of the frame.
+        acting: Effects, each in all tests or in one.
+        known: Numbers of the data from which all are predicted.
+    """
     term = ModalTerm(model, data, acting, known)
     posterior, theta = term.likeliest()
     gram, _ = posterior.normal_equations(theta)
@@ -260,7 +279,13 @@ def foretell(
 def foretold_from_others(
     model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return each datum, SI, as foretold from all others, and its surprise in standard deviations, each (data,)."""
+    """Return each datum in SI as predicted from all others, and how far it lies off [standard deviations], each (data,).
+
+    Args:
+        model: The baseline model.
+        data: Modal data of the frame.
+        acting: Effects, each in all tests or in one.
+    """
     numbers = range(len(data))
     each = [foretell(model, data, acting, [i for i in numbers if i != j]) for j in numbers]
     return (
@@ -272,7 +297,14 @@ def foretold_from_others(
 def shows(
     model: Model, data: Sequence[ModalDatum], acting: Sequence[Acting], values: Sequence[np.ndarray]
 ) -> np.ndarray:
-    """Return the data as the baseline model with effects shows them, each test with the effects that act in it."""
+    """Return the data in SI as the baseline model with effects shows them, shape (data,).
+
+    Args:
+        model: The baseline model.
+        data: Modal data of the frame.
+        acting: Effects, each in all tests or in one.
+        values: SI parameters of each effect, each of shape (parameters,).
+    """
     found = np.zeros(len(data))
     nuisance = np.zeros(len(model.std))
     # A test in which nothing acts alone shows what all the others show.

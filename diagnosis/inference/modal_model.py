@@ -28,7 +28,7 @@ COMPLIANCES = (0.0, 1 / 8000, 1 / 3000, 1 / 1500, 1 / 900, 1 / 500, 1 / 250)
 
 @dataclass(frozen=True)
 class Joints(FrameEffect):
-    """Joints whose rotational stiffness differs from the believed, from rigid to soft."""
+    """Joints whose rotational stiffness differs from that of the baseline model, from rigid to soft."""
 
     name = "joint_flexibility"
     quantities = (Quantity("joint_stiffness", "N m/rad"),)
@@ -47,7 +47,7 @@ class Joints(FrameEffect):
         return np.array([1 / max(amplitude, 1e-9)])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Put joints of this stiffness in the believed ones' place."""
+        """Put joints of this stiffness in the place of the baseline model's."""
         assert self.flexibility is not None
         span = self.span(model)
         soft = self.flexibility(np.clip(1 / float(values[0]), 0.0, COMPLIANCES[-1]))
@@ -72,6 +72,6 @@ def joints(frame: CaseFrame) -> Joints | None:
 
 
 def alone(frame: StoreyFrame, prior: Prior) -> Model:
-    """Return a frame as believed, without any measured history."""
+    """Return the baseline model of a frame, without any measured history."""
     nothing = Observations((), np.zeros(0), np.zeros(0, int), np.zeros(0, int), ())
     return Model(Structure((frame,)), nothing, prior)

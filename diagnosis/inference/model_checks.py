@@ -38,7 +38,7 @@ def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
 
 
 def bent(model: Model, filtered: Filtered) -> bool:
-    """Return whether the frames' nuisance parameters are so far from the believed ones that one should start anew."""
+    """Return whether the frames' nuisance parameters are so far from the baseline model that one should start anew."""
     return bool(chi2.sf(*strain(model, filtered)) < BENT)
 
 

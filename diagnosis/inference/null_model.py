@@ -21,7 +21,7 @@ SWAPPED_GAP = 0.6
 
 
 def best_null(model: Model, null: Fit) -> Fit:
-    """Return the null model, calibrated also with small latent forces from the believed parameters if it seems stuck."""
+    """Return the null model, calibrated also with small latent forces from the baseline model if it seems stuck."""
     filtered, runs = null.filtered, null.filtered.runs
     left = fit_misfits(model, filtered, runs)
     if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
@@ -43,7 +43,13 @@ def null_again(found: Findings) -> Fit:
 
 
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:
-    """Return model and fit with two channels exchanged where that is plainly what was measured."""
+    """Return model and fit with two channels exchanged where that is plainly what was measured.
+
+    Args:
+        model: The baseline model.
+        null: Its fit without effects.
+        training: Numbers of the runs.
+    """
     pair = exchange(model, null.filtered)
     if pair is None:
         return model, null

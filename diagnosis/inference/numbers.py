@@ -15,6 +15,7 @@ import numpy as np
 
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.posterior import Likelihood
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.numbers_shown import modal_numbers
 from pounding.diagnosis.model.predictor import DISPLACEMENT
@@ -116,7 +117,7 @@ def numbers_of(model: Model, runs: Sequence[int]) -> Numbers:
     return known.setdefault(tuple(runs), Numbers(model, runs))
 
 
-class NumbersTerm:
+class NumbersTerm(Likelihood):
     """Numbers as a likelihood of nuisance parameters and effects."""
 
     log_normaliser = 0.0

@@ -34,13 +34,25 @@ class Likelihood(Protocol):
         """What the log likelihood has beside the sum of squares, up to a constant of the data."""
 
     def cost(self, theta: np.ndarray) -> float:
-        """Return half the sum of squares at `theta`, shape (parameters,); infinite where the model blows up."""
+        """Return half the sum of squares; infinite where the model blows up.
+
+        Args:
+            theta: The parameters in units of their priors, shape (parameters,).
+        """
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """Yield whitened residuals, measured less predicted, (n,), and the prediction's whitened slopes, (n, parameters)."""
+        """Yield whitened residuals, measured less predicted, (n,), and the prediction's whitened slopes, (n, parameters).
+
+        Args:
+            theta: The parameters in units of their priors, shape (parameters,).
+        """
 
     def settled(self, theta: np.ndarray) -> Self | None:
-        """Return the term as it is about `theta`, itself if it does not change, or None if it is much less likely there."""
+        """Return the term as it is about theta, itself if it does not change, None if it is much less likely there.
+
+        Args:
+            theta: The parameters in units of their priors, shape (parameters,).
+        """
 
 
 @dataclass(frozen=True)
@@ -64,7 +76,7 @@ class Posterior:
     truncated: tuple[int, ...] = ()
 
     def cost(self, theta: np.ndarray) -> float:
-        """Return minus the log posterior at `theta`, up to the normalisers."""
+        """Return minus the log posterior at `theta`, shape (parameters,), up to the normalisers."""
         total = 0.5 * float(theta @ theta) + sum(term.cost(theta) for term in self.terms)
         return total if np.isfinite(total) else float("inf")
 
@@ -79,7 +91,7 @@ class Posterior:
         return gram, slope
 
     def settled(self, theta: np.ndarray) -> Posterior | None:
-        """Return the posterior with its terms as they are about `theta`, None if one is much less likely there."""
+        """Return the posterior with its terms about `theta`, shape (parameters,), None if one is much less likely there."""
         terms = [term.settled(theta) for term in self.terms]
         kept = [term for term in terms if term is not None]
         return replace(self, terms=tuple(kept)) if len(kept) == len(terms) else None
@@ -89,8 +101,9 @@ class Posterior:
 
         Args:
             theta: The maximum, shape (parameters,).
-            gram, slope: `normal_equations` there; the slope is wanted where parameters are `truncated`, and may lie at
-                the end of their prior.
+            gram: Information there, shape (parameters, parameters), as of `normal_equations`.
+            slope: Slope of the data there, shape (parameters,); it is wanted where parameters are `truncated`, and may
+                lie at the end of their prior.
         """
         information = gram + np.eye(len(gram))
         found = sum(term.log_normaliser for term in self.terms) - self.cost(theta)
@@ -108,7 +121,14 @@ class Posterior:
         return found
 
     def step(self, gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, damping: float) -> np.ndarray:
-        """Return the damped Gauss-Newton step inside the bounds."""
+        """Return the damped Gauss-Newton step inside the bounds, shape (parameters,).
+
+        Args:
+            gram: Information of the data, shape (parameters, parameters).
+            slope: Slope of the data, shape (parameters,).
+            theta: Where the step begins, shape (parameters,).
+            damping: Damping as a share of the information's diagonal.
+        """
         precision = gram + np.eye(len(gram)) + damping * np.diag(np.diag(gram))
         lower = np.maximum(self.lower - theta, -self.reach)
         upper = np.minimum(self.upper - theta, self.reach)
@@ -122,7 +142,7 @@ def descend(
     dampings: Sequence[float] = DAMPINGS,
     enough: float = ENOUGH,
 ) -> tuple[Posterior, np.ndarray]:
-    """Return the posterior about the end of a descent, and the parameters there.
+    """Return the posterior about the end of a descent, and the parameters there, shape (parameters,).
 
     Args:
         posterior: Where to descend.
@@ -181,7 +201,7 @@ def _log_inside(lower: float, upper: float) -> float:
 
 
 def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return the least of s' precision s / 2 - pull' s between bounds (bounded least squares on its factor).
+    """Return the least of s' precision s / 2 - pull' s between bounds, shape (n,) (bounded least squares on its factor).
 
     Args:
         precision: Positive definite, shape (n, n).

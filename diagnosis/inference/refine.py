@@ -33,7 +33,7 @@ class Fit:
         effects: The effects. values: SI parameters of each.
         std: Standard errors of those.
         filtered: The predictor with them.
-        log_posterior: Log likelihood plus log prior less half the log determinant of the information [nats].
+        log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
     """
 
@@ -61,11 +61,11 @@ def refine(
         model: The baseline model.
         filtered: Where to start: nuisance parameters, noise and runs are taken from it.
         effects: Effects to put in; may be none.
-        values: Their SI parameters to start from.
-        widths: Prior standard deviations of those that are not logarithmic.
+        values: SI parameters of each effect to start from, each of shape (parameters,).
+        widths: Prior standard deviations of those that are not logarithmic [SI], each of shape (parameters,).
         iterations: Gauss-Newton steps for each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
-        nuisance: Other nuisance parameters from which it may start.
+        nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
     """
     coordinates = Coordinates.of(model, effects, values, widths)
     theta = _start(model, filtered, coordinates, nuisance)
@@ -91,7 +91,13 @@ def refine(
 
 
 def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Filtered:
-    """Return the filter after up to so many steps of its nuisance parameters, noise and effects staying as they are."""
+    """Return the filtered model with its nuisance parameters calibrated further; noise and effects stay as they are.
+
+    Args:
+        model: The baseline model.
+        filtered: Where to start.
+        iterations: Largest number of Gauss-Newton steps.
+    """
     fixed = Coordinates.of(model, (), (), (), filtered.effects)
     return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations)[0]
 
@@ -147,7 +153,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
 
 
 def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
-    """Return a baseline with the likelier noise in each run: what a collision leaves is no noise of a run without one."""
+    """Return a baseline with the likelier noise in each run: what an impact adds is no noise of a run without one."""
     likely = [
         [
             log_likelihood(model, [series], [steady], [run])

@@ -48,7 +48,7 @@ class ResidualForce:
 
 
 def residual_forces(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[ResidualForce]:
-    """Return the leftover force of every storey in each run, from all of the run's measurements.
+    """Return the residual force of every storey in each run, from all of the run's measurements.
 
     Args:
         model: The baseline model.
@@ -92,6 +92,12 @@ def smoothed(
     """Return the states of a run given all its samples (samples, states), and their standard deviations (states,).
 
     The backward pass of Rauch, Tung and Striebel (1965) with the filter's steady covariance.
+
+    Args:
+        system: The linear system of the model.
+        filtered: The filtered model of one run.
+        noise: Noise of the run.
+        step_s: Sampling step [s].
     """
     steady, prediction = filtered.filters[0], filtered.prediction
     before, after = prediction.before[0], prediction.after[0]

@@ -60,7 +60,16 @@ def search(
     progress: Progress,
     start: Filtered | None = None,
 ) -> Findings:
-    """Return what speaks for each effect; `start` is the null model as calibrated, where that is known already."""
+    """Return what the search finds of each effect.
+
+    Args:
+        model: The baseline model.
+        effects: The candidates.
+        training: Numbers of the runs that are fitted.
+        held_out: Numbers of the runs that are only predicted.
+        progress: Called with what is being done and the share that is done.
+        start: The null model as calibrated, where that is known already.
+    """
     progress("calibrating the baseline model", 0.05)
     start = start or calibrated(model, training)
     null = best_null(model, refine(model, start, (), (), ()))
@@ -133,7 +142,7 @@ def _chosen(scores: Scores) -> list[Score]:
     for one in scores.ranked:
         if one.ln_bayes < WORTH or len(chosen) >= REFINED:
             break
-        # A foil acts alike on neighbouring floors, and two of them say enough.
+        # A rival outside the catalogue acts alike on neighbouring floors, and two of them say enough.
         rivals += one.effect.rival
         if not one.effect.rival or rivals <= FOILS:
             chosen.append(one)
@@ -141,10 +150,17 @@ def _chosen(scores: Scores) -> list[Score]:
 
 
 def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:
-    """Return prior standard deviations of an effect's parameters; those refined as logarithms ignore them."""
+    """Return prior standard deviations of an effect's parameters [SI], (parameters,); those of logarithms are not used.
+
+    Args:
+        model: The baseline model.
+        effect: The effect.
+        sizes: Typical sizes of the motion.
+        shape: Values of what is not an amplitude, one of the effect's `grid`.
+    """
     size = effect.size(model, sizes, shape)
     start = effect.values(size, shape)
-    return np.maximum(np.abs(start), 1e-12)
+    return np.asarray(np.maximum(np.abs(start), 1e-12))
 
 
 def _refined(
@@ -252,7 +268,7 @@ def _faded(found: Findings) -> None:
 
 
 def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
-    """Start anew from the nuisance parameters as believed, with small latent forces: what scores best, and what is strong.
+    """Start anew from the baseline model, with small latent forces: what scores best, and what is strong.
 
     A strong effect is not near the null model, and a null model that imitates one may hold its refinement back.
     """

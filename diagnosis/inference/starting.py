@@ -26,7 +26,13 @@ LEAST_NOISE = 0.003
 
 
 def starting_noise(model: Model, runs: Sequence[int], level: float = FIRST_LEVEL) -> list[Noise]:
-    """Return noise to start from: channels by their spectral floor, latent forces by the storeys' shear."""
+    """Return noise to start from: channels by their spectral floor, latent forces by the storeys' shear.
+
+    Args:
+        model: The baseline model.
+        runs: Numbers of the runs.
+        level: Standard deviation of the latent forces as a share of the storeys' shear.
+    """
     found = []
     mass = np.concatenate([frame.floor_mass for frame in model.structure.frames])
     for number in runs:

@@ -1,4 +1,4 @@
-"""What the effects of a fit do in one storey, along a motion: to be laid over the leftover force."""
+"""What the effects of a fit do in one storey, along a motion: to be laid over the residual force."""
 
 from __future__ import annotations
 

@@ -36,7 +36,12 @@ def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
 
 
 def exchanged(observed: Observations, one: int, other: int) -> Observations:
-    """Return the observations with two channels' columns exchanged."""
+    """Return the observations with two channels' columns exchanged.
+
+    Args:
+        observed: The observations.
+        one, other: Numbers of the channels.
+    """
     order = np.arange(len(observed.names))
     order[[one, other]] = other, one
     return replace(

@@ -33,7 +33,7 @@ def frequency_warnings(model: Model) -> list[str]:
         if found is None or abs(np.log(found[0] / first)) < UNLIKELY * spread + found[1] / first:
             continue
         said.append(
-            f"{frame.name}: the first frequency in the data is {found[0]:.2f} Hz and the believed one {first:.2f} Hz, "
+            f"{frame.name}: the first frequency in the data is {found[0]:.2f} Hz and in the baseline model {first:.2f} Hz, "
             f"{abs(np.log(found[0] / first)) / spread:.1f} prior standard deviations apart; if nothing was changed on "
             "purpose, check that this is the frame that case.toml names"
         )
@@ -49,7 +49,7 @@ def measured_frequency(model: Model, frame: int, first_hz: float) -> tuple[float
     Args:
         model: The baseline model.
         frame: Number of the frame.
-        first_hz: Its believed first frequency [Hz].
+        first_hz: Its first frequency in the baseline model [Hz].
     """
     floor = model.observed.floor
     inside = np.flatnonzero(model.at_frame(frame))

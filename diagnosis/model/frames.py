@@ -22,7 +22,7 @@ def definition(frame: CaseFrame) -> frames.Frame:
     Raises:
         CaseError: The frame is not known, or its file cannot be used.
     """
-    if frame.kind == "believed":
+    if frame.kind == "modal":
         return frames.StickFrame(
             name=frame.name,
             storeys=frame.storeys,
@@ -72,7 +72,7 @@ def _plates(encoded: bytes, name: str, rigid: bool = False, p_delta: bool = True
 
     def change(**fields: object) -> np.ndarray:
         changed = from_reduced(frames.build(frames.changed(plain, **fields), **options), name)
-        return (changed.stiffness - base.stiffness) / np.log1p(SMALL)
+        return np.asarray((changed.stiffness - base.stiffness) / np.log1p(SMALL))
 
     # Rigid joints have no stiffness that could differ by a factor.
     joints = None if rigid else change(joint_factor=plain.joint_factor * (1 + SMALL))

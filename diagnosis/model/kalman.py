@@ -73,7 +73,14 @@ class SteadyFilter:
 def linear_system(
     modes: Modes, latent_rows: np.ndarray, quantities: np.ndarray, floor: np.ndarray
 ) -> LinearSystem:
-    """Return the system of `modes` with latent forces on the drifts `latent_rows` (storeys, modes)."""
+    """Return the linear system of a model with latent forces in its storeys.
+
+    Args:
+        modes: Modes of the frames.
+        latent_rows: Drift of each storey for a unit of each mode, shape (storeys, modes); a latent force acts along each.
+        quantities: Kind of each channel (see `pounding.diagnosis.model.predictor`), shape (channels,).
+        floor: Floor of each channel among all floors, shape (channels,).
+    """
     n, storeys = len(modes.omega), len(latent_rows)
     states = 2 * n + storeys + 3
     latent, noise, displacement, velocity = slice(2 * n, 2 * n + storeys), states - 3, states - 2, states - 1
@@ -108,7 +115,13 @@ def linear_system(
 
 
 def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFilter:
-    """Return the steady Kalman filter of a system sampled at `step_s` [s]."""
+    """Return the steady Kalman filter of a sampled system.
+
+    Args:
+        system: The system.
+        noise: Latent forces and noise of table and channels.
+        step_s: Sampling step [s].
+    """
     states = len(system.rate)
     density = noise_density(states, noise)
     step, covariance = discretise(system.rate, density, step_s)
@@ -140,7 +153,13 @@ def noise_density(states: int, noise: Noise) -> np.ndarray:
 
 
 def discretise(rate: np.ndarray, density: np.ndarray, step_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return transition and noise covariance over a step (Van Loan 1978)."""
+    """Return transition and noise covariance over a step, each (states, states) (Van Loan 1978).
+
+    Args:
+        rate: Rate matrix A of the states [1/s], shape (states, states).
+        density: Spectral density of the white noise that drives each state, shape (states,).
+        step_s: The step [s].
+    """
     n = len(rate)
     # Halved until the matrix is small, then doubled: exp of a stiff, lightly damped system stays accurate.
     block = np.zeros((2 * n, 2 * n))
@@ -180,7 +199,7 @@ def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np
         )
     except (LinAlgError, ValueError):
         solution = _doubling(scaled_step, scaled_output, scaled_covariance)
-    return np.asarray(solution) * np.outer(size, size)
+    return np.asarray(solution * np.outer(size, size))
 
 
 def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -193,13 +212,19 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
         g = g + a @ inverse @ g @ a.T
         a = a @ inverse @ a
         if np.abs(new_h - h).max() <= 1e-12 * np.abs(new_h).max():
-            return new_h
+            return np.asarray(new_h)
         h = new_h
     return h
 
 
 def filtered_covariance(system: LinearSystem, noise: Noise, step_s: float) -> np.ndarray:
-    """Return the steady covariance of the state after each sample, shape (states, states)."""
+    """Return the steady covariance of the state after each sample, shape (states, states).
+
+    Args:
+        system: The system.
+        noise: Latent forces and noise of table and channels.
+        step_s: Sampling step [s].
+    """
     step, covariance = discretise(system.rate, noise_density(len(system.rate), noise), step_s)
     measured = np.isfinite(noise.channel)
     output = system.output[measured] / noise.channel[measured, None]

@@ -1,9 +1,8 @@
 """Laws: forces that oppose a drift, each one compiled definition for prediction, scoring and the exudyn twin.
 
-A law is a function ``force(p, state, d, v, t, new)`` of its parameters `p` in SI, what it remembers `state`, the drift
-d [m], its rate v [m/s] and the time t [s] since the run began. It returns the force [N] that opposes the drift, and
-writes to `new` what it will remember if the motion really goes to d; it never changes `state`, so that a solver may
-try a step and take it back. A law without memory leaves both alone.
+A law is a function of its parameters, its memory, the drift, its rate and the time (see `Law`). It never changes its
+memory but writes the new one elsewhere, so that a solver may try a step and take it back; a law without memory leaves
+both alone.
 """
 
 from __future__ import annotations
@@ -28,14 +27,18 @@ class Numbers(Protocol):
 
 
 Force = Callable[[Numbers, Numbers, float, float, float, Numbers], float]
-"""What a law is made of; see the head of this module."""
+"""What a law is made of; see `Law`."""
 
 
 class Law:
-    """A force, compiled when it is first used.
+    """A force that opposes a drift, compiled when it is first used.
+
+    The function is ``force(p, state, d, v, t, new)`` of the law's parameters `p` in SI, what it remembers `state`, the drift
+    `d` [m], its rate `v` [m/s] and the time `t` [s] since the run began. It returns the force [N] and writes to `new` what
+    it remembers if the motion really goes to `d`.
 
     Args:
-        function: ``force(p, state, d, v, t, new)``, written for numba.
+        function: The force, written for numba.
         remembers: Whether it has a memory.
         cache: Whether the compiled function is kept on disk, which needs a function of a module.
     """

@@ -25,7 +25,13 @@ class Acting(Protocol):
     """An effect that can be put on an assembly."""
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Change the assembly by the effect with SI parameter `values`."""
+        """Change an assembly by the effect.
+
+        Args:
+            assembly: The assembly, which is changed in place.
+            values: SI parameters of the effect, shape (parameters,).
+            model: The baseline model.
+        """
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,13 @@ class Prediction:
 
 
 class Model:
-    """A structure, what was measured on it, and the priors of its nuisance parameters."""
+    """A structure, what was measured on it, and the priors of its nuisance parameters.
+
+    Args:
+        structure: The frames.
+        observed: What was measured.
+        prior: Prior standard deviations that the case states.
+    """
 
     def __init__(self, structure: Structure, observed: Observations, prior: Prior) -> None:
         self.structure = structure
@@ -64,7 +76,12 @@ class Model:
         return np.asarray(self._splines[number](np.arange(len(run.table)) * run.step_s, 1))
 
     def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
-        """Return the believed system with parameter `values` (in units of their own) and effects."""
+        """Return the system of the baseline model with nuisance parameters and effects.
+
+        Args:
+            values: Nuisance parameters in their own units, shape (nuisance,).
+            effects: Effects that act, each with its SI parameters, shape (parameters,).
+        """
         structure = self.structure
         floors = structure.floors
         channels = len(self.observed.names)
@@ -114,10 +131,10 @@ class Model:
         if self._own is None:
             assembly = self.assemble(np.zeros(len(self.std)))
             self._own = self.plain_modes(assembly).floors.T @ assembly.mass
-        return np.square(self._own @ modes.floors)
+        return np.asarray(np.square(self._own @ modes.floors))
 
     def carried(self, other: Model, values: np.ndarray) -> np.ndarray:
-        """Return another model's nuisance parameters of the same frames for this one, whose own sensors' are zero.
+        """Return another model's nuisance parameters for this one, (nuisance,), those of its own sensors being zero.
 
         Args:
             other: A model with other sensors.
@@ -137,7 +154,14 @@ class Model:
         effects: Sequence[tuple[Acting, np.ndarray]] = (),
         runs: Sequence[int] | None = None,
     ) -> Prediction:
-        """Run the predictor over `runs` (all by default) with a filter gain for each; without gains it simulates."""
+        """Return the prediction of runs: filtered where gains are given, simulated without them.
+
+        Args:
+            values: Nuisance parameters in their own units, shape (nuisance,).
+            gains: Filter gain of each run, shape (states, channels); none for a simulation.
+            effects: Effects that act, each with its SI parameters, shape (parameters,).
+            runs: Numbers of the runs, all by default.
+        """
         assembly = self.assemble(values, effects)
         modes = self.modes(assembly)
         result = Prediction([], [], [], [])
@@ -211,7 +235,14 @@ class Model:
         return known_mid, known_at, table_mid, added
 
     def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
-        """Return a contact force [N] of a run at times [s] from its start, as large in each touch as the assembly says."""
+        """Return a contact force [N] of a run, scaled in each contact event as the assembly says, shape of `times_s`.
+
+        Args:
+            assembly: The assembly.
+            number: Number of the run.
+            column: Column of the contact force.
+            times_s: Times from the start of the run [s], any shape.
+        """
         force = self.observed.runs[number].contact_at(times_s, column)
         for event, gain in zip(self.observed.contact_events, assembly.event_gain, strict=True):
             if gain and (event.run, event.column) == (number, column):
@@ -228,7 +259,7 @@ class Model:
                 measured[:, channel] = self._shift(
                     number, int(channel), float(assembly.channel_delay_s[channel])
                 )
-        return (measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added
+        return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added)
 
     def _shift(self, number: int, channel: int, delay_s: float) -> np.ndarray:
         key = (number, channel, round(delay_s, 8))
@@ -245,6 +276,11 @@ def shift(series: np.ndarray, step_s: float, delay_s: float) -> np.ndarray:
 
     The shift is a phase and nothing else: an interpolation between samples would average their noise away, and a
     likelihood would pay for that.
+
+    Args:
+        series: Samples, NaN where missing, shape (samples,).
+        step_s: Sampling step [s].
+        delay_s: The delay [s].
     """
     good = np.isfinite(series)
     if good.sum() < 4:

@@ -1,4 +1,4 @@
-"""The nuisance parameters: what may vary inside the priors, how wide, and what each changes in the believed system."""
+"""The nuisance parameters: what may vary inside the priors, how wide, and what each changes in the baseline model."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ models that agree in all frequencies differ in both."""
 
 @dataclass(frozen=True)
 class Parameter:
-    """An nuisance parameter: what it is, of which place (an index), and its prior standard deviation."""
+    """A nuisance parameter: what it is, of which place (an index), and its prior standard deviation."""
 
     kind: str
     place: int
@@ -51,7 +51,7 @@ class Assembly:
     channel_delay_s: np.ndarray
     channel_offset: np.ndarray
     event_gain: np.ndarray
-    """Relative change of the contact force in each of the observations' touches."""
+    """Relative change of the contact force in each of the observations' contact events."""
     laws: list[PlacedLaw] = field(default_factory=list)
     """Forces of the effects."""
     extensions: list[
@@ -63,7 +63,13 @@ class Assembly:
 
 
 def nuisance_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:
-    """Return the nuisance parameters of a structure and of what was measured on it."""
+    """Return the nuisance parameters of a structure and of what was measured on it.
+
+    Args:
+        structure: The frames.
+        observed: What was measured: sensors and contact events have nuisance parameters, too.
+        prior: Prior standard deviations that the case states.
+    """
     floors = structure.floors
     frames = range(len(structure.frames))
     first = {structure.first(frame) for frame in frames}
@@ -101,7 +107,14 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
 
 
 def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: float) -> None:
-    """Change an assembly by a parameter's `value`, in units of its own."""
+    """Change an assembly by a nuisance parameter.
+
+    Args:
+        assembly: The assembly, which is changed in place.
+        structure: The frames.
+        parameter: The nuisance parameter.
+        value: Its value in units of its own.
+    """
     place = parameter.place
     if parameter.kind == "frame_stiffness":
         span = structure.span(place)

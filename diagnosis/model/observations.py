@@ -95,7 +95,7 @@ class Observations:
         contact_floors: Left and right floor of each contact force, measured or found.
         touching: Whether frames may touch: contact forces, measured or found, have a clock of their own.
         slower: How many samples of the logger one of these stands for, if they were made fewer.
-        touches: Times in which floors touch; the size of the force in each is an ordinary unknown.
+        contact_events: Times in which floors touch; the size of the force in each is a nuisance parameter.
         modal, peaks: Numbers that stand beside the runs.
         warnings: What was odd.
     """
@@ -119,10 +119,15 @@ class Observations:
 
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:
-    """Return the rms over the first axis of what is not NaN; NaN where there is nothing."""
+    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing.
+
+    Args:
+        values: Series, shape (samples, ...).
+    """
     count = np.isfinite(values).sum(axis=0)
     total = np.nansum(np.square(values), axis=0)
-    return np.sqrt(np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0))
+    mean = np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
+    return np.asarray(np.sqrt(mean))
 
 
 def observe(case: Case, structure: Structure) -> Observations:
@@ -210,4 +215,4 @@ def _filled(series: np.ndarray, where: str, warnings: list[str]) -> np.ndarray:
         return np.array(series, float)
     warnings.append(f"{where}: {missing.sum()} dropouts of the table's motion were interpolated")
     index = np.arange(len(series))
-    return np.interp(index, index[~missing], series[~missing])
+    return np.asarray(np.interp(index, index[~missing], series[~missing]))

@@ -15,8 +15,8 @@ class Pair:
         full: The baseline model with observations at the logger's rate, all contact forces filled in.
         slow: The same for the frames, below `pairs.RATE_HZ`.
         column: Column of the stated contact's force. noise: Its standard deviation in each run [N].
-        cell: What the force cell itself does wrong, or None where there is none that can be used.
-        second: Floor (from 1) of a contact that nobody listed, its nats, and its column; or None.
+        cell: The errors of the force cell, or None where there is none that can be used.
+        second: Floor (from 1) of a contact that the case does not list, its ln Bayes factor, and its column; or None.
         warnings: What was odd.
         contact_claimed: Whether something between the frames is known to be missing.
     """
@@ -42,7 +42,7 @@ TURNED_ROUND = -2.0
 
 @dataclass(frozen=True)
 class Cell:
-    """A force channel and its faults: name of the effect, value in SI, standard error, nats."""
+    """A force channel and its errors: name of the effect, value in SI, standard error, ln Bayes factor."""
 
     channel: str
     column: int

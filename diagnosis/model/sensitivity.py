@@ -80,7 +80,18 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
 
 
 @njit(cache=True)
-def _filter(closed, output, start, back, end, direct, series, at_end, column, result):
+def _filter(
+    closed: np.ndarray,
+    output: np.ndarray,
+    start: np.ndarray,
+    back: np.ndarray,
+    end: np.ndarray,
+    direct: np.ndarray,
+    series: np.ndarray,
+    at_end: np.ndarray,
+    column: np.ndarray,
+    result: np.ndarray,
+) -> None:
     samples, terms = series.shape
     states = closed.shape[0]
     channels = output.shape[0]

@@ -88,7 +88,7 @@ def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
     bad = np.zeros(len(series), bool)
     good = np.isfinite(series)
     if not good.any() or np.nanmax(np.abs(series)) == 0:
-        return good
+        return np.asarray(good)
     least = max(8, int(DEAD_S / step_s))
     edges = np.flatnonzero(np.diff(series) != 0) + 1
     for start, stop in zip(np.r_[0, edges], np.r_[edges, len(series)], strict=True):

@@ -28,7 +28,7 @@ class StoreyFrame:
         damping_ratio: Damping ratio of each mode, shape (n,).
         height_m: Height of each floor above the base, shape (n,).
         joint_derivative: d stiffness / d log(joint stiffness) [N/m], shape (n, n), or None where a frame has no joints.
-        joint_stiffness: The believed joint stiffness [N m/rad], or NaN.
+        joint_stiffness: Joint stiffness of the baseline model [N m/rad], or NaN.
         patterns: Change of the stiffness for a unit relative change of each storey's, (storeys, n, n), where the
             frame is more than a chain of storeys.
         gyration_m: Radius of gyration of a floor about the vertical [m].
@@ -58,7 +58,7 @@ class StoreyFrame:
     def storey_stiffness(self) -> np.ndarray:
         """Shear for a unit drift in one storey alone [N/m], shape (storeys,)."""
         above = np.tril(np.ones((self.floors, self.floors)))
-        return np.einsum("is,ij,js->s", above, self.stiffness, above)
+        return np.asarray(np.einsum("is,ij,js->s", above, self.stiffness, above))
 
     def storey_pattern(self, storey: int) -> np.ndarray:
         """Return the change of the stiffness for a unit relative change of a storey's (from 0) [N/m]."""
@@ -70,14 +70,14 @@ class StoreyFrame:
     @property
     def floor_mass(self) -> np.ndarray:
         """Row sums of the mass matrix [kg], shape (floors,)."""
-        return self.mass.sum(axis=1)
+        return np.asarray(self.mass.sum(axis=1))
 
     @property
     def geometric(self) -> np.ndarray:
         """Stiffness that the frame's own weight takes away, shape (floors, floors) [N/m]."""
         weight = STANDARD_GRAVITY * np.cumsum(self.floor_mass[::-1])[::-1]
         storey_height = np.diff(self.height_m, prepend=0.0)
-        return self.drift.T @ np.diag(weight / storey_height) @ self.drift
+        return np.asarray(self.drift.T @ np.diag(weight / storey_height) @ self.drift)
 
 
 def from_reduced(reduced: ReducedFrame, name: str | None = None) -> StoreyFrame:

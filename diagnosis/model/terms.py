@@ -39,18 +39,28 @@ class Motion:
 
 
 def force_term(motion: Motion, series: Callable[[Motion], np.ndarray], force: np.ndarray) -> Term:
-    """Return the term of a force that is a function of the motion."""
+    """Return the term of a force that is a function of the motion.
+
+    Args:
+        motion: Motion of a run.
+        series: Gives the force of a unit amplitude [N] from a motion, shape (samples,).
+        force: Modal force of a unit of it, shape (modes,).
+    """
     return Term(series(motion.start or motion), force, end=series(motion))
 
 
 def nuisance_terms(model: Model, modes: Modes, motion: Motion) -> list[list[Term]]:
-    """Return for each nuisance parameter the terms that a unit of it adds."""
-    return [
-        _ordinary(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters
-    ]
+    """Return for each nuisance parameter the terms that a unit of it adds.
+
+    Args:
+        model: The baseline model.
+        modes: Modes of the filtered model.
+        motion: Motion of a run.
+    """
+    return [_terms(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters]
 
 
-def _ordinary(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+def _terms(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
     shapes = modes.floors
     structure = model.structure
     if kind in ("storey_stiffness", "base_stiffness"):
@@ -82,7 +92,7 @@ def _ordinary(model: Model, modes: Modes, motion: Motion, kind: str, place: int)
 
 
 def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:
-    """Return the contact force in one touch, nothing in other runs."""
+    """Return the contact force in one contact event, nothing in other runs."""
     event, run = model.observed.contact_events[place], motion.run
     if model.observed.runs[event.run] is not run:
         return []
@@ -93,7 +103,14 @@ def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list
 
 
 def matrix_terms(motion: Motion, stiffness: np.ndarray, shapes: np.ndarray, span: slice) -> list[Term]:
-    """Return the terms of a stiffness matrix added to the floors in `span`."""
+    """Return the terms of a stiffness matrix added to the floors in `span`.
+
+    Args:
+        motion: Motion of a run.
+        stiffness: The added stiffness [N/m], shape (floors in span, floors in span).
+        shapes: Displacement of each floor for a unit of each mode, shape (floors, modes).
+        span: The floors among all.
+    """
     return [
         force_term(motion, lambda m, row=row: -(m.floor[:, span] @ row), shapes[span.start + floor])  # type: ignore[misc]
         for floor, row in enumerate(stiffness)
@@ -101,7 +118,13 @@ def matrix_terms(motion: Motion, stiffness: np.ndarray, shapes: np.ndarray, span
 
 
 def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> list[Term]:
-    """Return the terms of a symmetric stiffness of low rank: one for each of its eigenvectors that matters."""
+    """Return the terms of a symmetric stiffness of low rank: one for each of its eigenvectors that matters.
+
+    Args:
+        motion: Motion of a run.
+        pattern: The added stiffness of all floors [N/m], shape (floors, floors).
+        shapes: Displacement of each floor for a unit of each mode, shape (floors, modes).
+    """
     values, vectors = np.linalg.eigh(pattern)
     large = np.flatnonzero(np.abs(values) > 1e-3 * np.abs(values).max())
     return [
@@ -131,10 +154,21 @@ def _damper(modes: Modes, mode: int, share: float) -> Callable[[Motion], np.ndar
 
 
 def table_term(modes: Modes, series: np.ndarray) -> Term:
-    """Return what a change of the table's acceleration by `series` adds."""
+    """Return what a change of the table's acceleration by `series` adds.
+
+    Args:
+        modes: Modes of the filtered model.
+        series: Change of the table's acceleration [m/s^2], shape (samples,).
+    """
     return Term(series, -modes.participation, inertial=True, table=1.0)
 
 
 def channel_term(model: Model, channel: int, series: np.ndarray) -> Term:
-    """Return what a change of a channel by `series` adds."""
+    """Return what a change of a channel by `series` adds.
+
+    Args:
+        model: The baseline model.
+        channel: Number of the channel.
+        series: Change of what it shows in SI, shape (samples,).
+    """
     return Term(series, output=np.eye(len(model.observed.names))[channel])

@@ -30,6 +30,11 @@ def smooth_derivatives(table: np.ndarray, step_s: float) -> tuple[np.ndarray, np
 def tilt_series(model: Any, modes: Modes, run: RunData) -> tuple[np.ndarray, ...]:
     """Return pitch and pitching of a unit tilt, their modal directions, and what the channels see of both.
 
+    Args:
+        model: The baseline model.
+        modes: Modes of its assembly.
+        run: The run.
+
     Returns:
         Pitch [rad] and its second derivative [rad/s^2] for a tilt of one, each (samples,); modal direction of the
         pitching floors' inertia (modes,) and of the leaning weight (modes,); what each channel sees of the pitch: a
@@ -59,10 +64,21 @@ def tilt_inputs(
     known_at: np.ndarray,
     added: np.ndarray,
 ) -> None:
-    """Add an assembly's tilt to the known modal forces at midpoints and to what the channels see.
+    """Add an assembly's tilt to known modal forces and to what the channels see, in place.
 
     The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
     through the floors' own motion, not at once.
+
+    Args:
+        model: The baseline model.
+        assembly: The assembly, with its tilt [rad s^2/m].
+        modes: Its modes.
+        number: Number of the run.
+        middle: Midpoints of the substeps [s], shape (samples, substeps).
+        at: Times of the samples [s], shape (samples,).
+        known_mid: Known modal forces at the midpoints, shape (samples, substeps, modes).
+        known_at: Known modal forces at the samples, shape (samples, modes).
+        added: What is added to the channels in SI, shape (samples, channels).
     """
     run = model.observed.runs[number]
     pitch, pitching, inertia, weight, seen = tilt_series(model, modes, run)

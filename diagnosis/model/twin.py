@@ -61,8 +61,8 @@ def simulate_engine(
 
     Args:
         model: The baseline model.
-        values: Its nuisance parameters.
-        effects: Effects with their SI parameters.
+        values: Its nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
 
     Raises:
@@ -81,7 +81,7 @@ def simulate_engine(
     return found
 
 
-def simulate_touching(
+def simulate_pair(
     model: Model,
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
@@ -94,8 +94,8 @@ def simulate_touching(
 
     Args:
         model: The baseline model, without contact forces.
-        values: Its nuisance parameters.
-        effects: Effects with their SI parameters.
+        values: Its nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
         number: Number of the run.
         between: The contact.
 

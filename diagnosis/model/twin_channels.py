@@ -29,13 +29,15 @@ def channels(
     effects: Sequence[tuple[Acting, np.ndarray]],
     mean_s: float = 0.0,
 ) -> np.ndarray:
-    """Return what the channels show of the engine's motion in SI, shape (samples, channels), sensors' faults included.
+    """Return what the channels show of the engine's motion in SI, shape (samples, channels), sensors' errors included.
 
     Args:
-        model: The baseline model. assembly: What was put together of it and the effects.
+        model: The baseline model.
+        assembly: The assembly of nuisance parameters and effects.
         number: Number of the run.
         motion: Motion of all frames as one body.
-        values, effects: Nuisance parameters; effects with their SI parameters.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
         mean_s: Time over which accelerations are averaged [s]; at zero they are those of the moment.
     """
     run, observed = model.observed.runs[number], model.observed

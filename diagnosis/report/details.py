@@ -64,7 +64,13 @@ def channels(diagnosis: Diagnosis, outputs: Outputs) -> tuple[ChannelMisfit, ...
 
 
 def after_runs(diagnosis: Diagnosis, outputs: Outputs, runs: tuple[int, ...]) -> list[np.ndarray]:
-    """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model."""
+    """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model.
+
+    Args:
+        diagnosis: The diagnosis.
+        outputs: Channels of runs by the exudyn model, by number of the run.
+        runs: Numbers of the runs.
+    """
     if all(run in outputs for run in runs):
         return [outputs[run] for run in runs]
     fit = diagnosis.decision.judged.fit.filtered

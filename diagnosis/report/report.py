@@ -74,7 +74,7 @@ class ChannelMisfit(Struct, frozen=True, kw_only=True):
 
 
 class Threshold(Struct, frozen=True, kw_only=True):
-    """What an effect needs for a verdict: log evidence [nats], and a share of some channel's noise."""
+    """What an effect needs for a verdict: an ln Bayes factor, and a share of some channel's noise."""
 
     log_evidence: float
     share_of_noise: float
@@ -125,7 +125,7 @@ class ModalRow(Struct, frozen=True, kw_only=True):
 
 
 class Remainder(Struct, frozen=True, kw_only=True):
-    """What is left when everything claimed is in the model.
+    """The misfit that remains when everything claimed is in the model.
 
     Attributes:
         p_value: Probability of so much by chance.
@@ -163,7 +163,7 @@ class Report(Struct, frozen=True, kw_only=True):
         misfit: How far the model is from the measurements before and after.
         where: Where the baseline model disagrees most.
         candidates: Every effect that was tried, the likeliest first.
-        remainder: What is left with the effects in the model; None where it was not looked at.
+        remainder: The misfit that remains with the effects in the model; None where it was not looked at.
         calibration: What became of the baseline model's parameters; None where it was not looked at.
         warnings: Sentences.
         modal: Every modal datum; of cases with modal data alone.

@@ -38,7 +38,7 @@ def _of_modal_data(report: Report) -> Iterator[RenderableType]:
 def _of_runs(report: Report) -> Iterator[RenderableType]:
     yield _misfits(report)
     if contact := report.misfit.contact:
-        left = f"{number(contact.before)} with the believed contact"
+        left = f"{number(contact.before)} with the contact of the baseline model"
         if contact.after != contact.before:
             left += f", {number(contact.after)} with the contact as found"
         yield Text(

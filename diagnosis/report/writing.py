@@ -36,6 +36,11 @@ Pictures = Mapping[str, bytes]
 def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
     """Write the files of the report on runs, `report.json` last; each appears whole or not at all.
 
+    Args:
+        diagnosis: The diagnosis.
+        made: The report and what was simulated for it.
+        folder: The folder; it is made if it is missing.
+
     Returns:
         The report as written: with what `pounding.diagnosis.report.details.detailed` adds.
 
@@ -61,6 +66,11 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
 
 def write_modal_report(case: Case, report: Report, folder: Path) -> None:
     """Write the files of the report on modal data, `report.json` last; each appears whole or not at all.
+
+    Args:
+        case: The case.
+        report: The report.
+        folder: The folder; it is made if it is missing.
 
     Raises:
         CaseError: The folder cannot be made or written.

@@ -265,7 +265,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     yield _pooled_table("1. Rigid joints, no P-Delta; the sweep's f1 left out", result["single_pooled"], True)
     yield table(
         "2. P-Delta beside flexible joints",
-        ["frame", "joints [N m/rad]", "with gravity", "gravity [nats]", "free factor [nats]", "factor"],
+        ["frame", "joints [N m/rad]", "with gravity", "gravity, ln BF", "free factor, ln BF", "factor"],
         [
             [
                 row["frame"],
@@ -295,7 +295,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     law = result["amplitude_law"]
     yield table(
         "4. One law for all frames: fall of f1 [%] as a power of the storey drift at the sweep's resonance",
-        ["law", "nats", *law["frames"]],
+        ["law", "ln BF", *law["frames"]],
         [
             ["measured", "", *(f"{100 * f:.1f}" for f in law["fall"])],
             ["relative drift", "", *(f"{d:.2f}" for d in law["drift"])],
@@ -343,7 +343,7 @@ def _bars(axes: Any, rows: Sequence[dict[str, Any]], title: str) -> None:
         axes.barh([row["effect"] for row in shown], width, left=left, label=name, color=f"C{number}")
         left += width
     axes.set_title(title, loc="left", fontsize=10)
-    axes.set_xlabel("log evidence [nats]", fontsize=9)
+    axes.set_xlabel("ln Bayes factor", fontsize=9)
     axes.tick_params(labelsize=8)
     axes.legend(fontsize=8, frameon=False)
     axes.spines[["top", "right"]].set_visible(False)

@@ -70,13 +70,13 @@ def thesis_peaks(frame: str) -> list[Peak]:
 
 
 def peak_model(name: str, runs: Sequence[RunData]) -> PeakModel:
-    """Return a frame of the thesis as believed, with its peaks."""
+    """Return the baseline model of a frame of the thesis, with its peaks."""
     case = Case(name, Path(), (CaseFrame(name, FRAMES[name]),), (), ())
     return PeakModel(baseline_frames(case)[0], runs, thesis_peaks(name), Prior())
 
 
 def split_of(peaks: Sequence[Peak], records: Sequence[str]) -> np.ndarray:
-    """Return which peaks belong to records."""
+    """Return which peaks belong to records, shape (peaks,)."""
     return np.array([peak.run in records for peak in peaks])
 
 
@@ -109,7 +109,7 @@ def judge(predicted: dict[str, np.ndarray], peaks: dict[str, tuple[Peak, ...]], 
         foretold.append(gain)
     return {
         "held_out": float(np.mean(held)),
-        "believed": float(np.mean(model)),
+        "baseline": float(np.mean(model)),
         "closed": float(1 - np.mean(held) / np.mean(model)),
         "worse_in": int(np.sum(np.array(held) > np.array(model))),
         "foretold_nats": float(np.mean(foretold)),
@@ -136,7 +136,13 @@ def _likelihood(
 def row(
     effect: WholeFrame, predicted: dict[str, np.ndarray], peaks: dict[str, tuple[Peak, ...]]
 ) -> dict[str, Any]:
-    """Return what the peaks say of an effect, with one size for all frames and with one a frame."""
+    """Return what the peaks say of an effect, with one size for all frames and with one a frame.
+
+    Args:
+        effect: The effect.
+        predicted: Peaks of each frame [m], shape (sizes, peaks).
+        peaks: Measured peaks of each frame.
+    """
     common, each = judge(predicted, peaks, False), judge(predicted, peaks, True)
     everything = _likelihood(predicted, peaks, list(peaks), RECORDS)
     sizes = np.array(effect.sizes)
@@ -184,7 +190,7 @@ def main(
 def show(result: dict[str, Any]) -> Iterable[Any]:
     """Return the study as tables for a reader."""
     rows = result["effects"]
-    unchanged = rows[0]["common"]["believed"]
+    unchanged = rows[0]["common"]["baseline"]
     lines = []
     for one in rows:
         common, each = one["common"], one["each"]
@@ -211,10 +217,10 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
             "all",
             "closed %",
             "worse in",
-            "nats",
+            "ln BF",
             "sizes in six splits",
             "each",
-            "nats",
+            "ln BF",
             "evidence, all four",
         ],
         lines,
@@ -244,7 +250,7 @@ def picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
         for place, one in zip(y, rows, strict=True):
             dots = 100 * np.array(one[key]["by_split"])
             axes.plot(dots, np.full(len(dots), place + shift), "k.", ms=3)
-    axes.axvline(100 * rows[0]["common"]["believed"], color="#c0392b", lw=1, label="baseline model")
+    axes.axvline(100 * rows[0]["common"]["baseline"], color="#c0392b", lw=1, label="baseline model")
     axes.set_yticks(y, [one["effect"].replace("_", " ") for one in rows])
     axes.set_xlim(0, 60)
     axes.set_xlabel(

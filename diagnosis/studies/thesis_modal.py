@@ -59,7 +59,7 @@ def thesis_data(name: str) -> list[ModalDatum]:
 
 
 def thesis_belief(name: str, *, p_delta: bool) -> tuple[Model, Joints]:
-    """Return a frame of the thesis as believed with rigid joints, and its joints as an effect."""
+    """Return the baseline model of a frame of the thesis with rigid joints, and its joints as an effect."""
     frame = CaseFrame(name, FRAMES[name], joints="rigid", p_delta=p_delta)
     case = Case(name, Path(), (frame,), (), ())
     flexible = joints(frame)

@@ -176,7 +176,14 @@ class PeakModel:
     def __init__(
         self, frame: StoreyFrame, runs: Sequence[RunData], peaks: Sequence[Peak], prior: Prior
     ) -> None:
-        """Take a frame, the shakings (their `measured` is not looked at), the peaks on it and the priors."""
+        """Take a frame, the shakings (their `measured` is not looked at), the peaks on it and the priors.
+
+        Args:
+            frame: The frame.
+            runs: The shakings; their `measured` is not looked at.
+            peaks: Peaks measured on the frame.
+            prior: Prior standard deviations of its nuisance parameters.
+        """
         self.peaks = tuple(peaks)
         self.names = [run.name for run in runs]
         floors = sorted({peak.floor for peak in peaks})
@@ -210,7 +217,7 @@ class PeakModel:
 
 
 def log_likelihood(predicted: np.ndarray, peaks: Sequence[Peak]) -> np.ndarray:
-    """Return the log likelihood [nats] of peaks for each unexplained scatter, (sizes, scatters).
+    """Return the log likelihood of peaks for each unexplained scatter, (sizes, scatters).
 
     Args:
         predicted: Peaks for each size of an effect [m], shape (sizes, peaks).
@@ -228,5 +235,5 @@ def log_likelihood(predicted: np.ndarray, peaks: Sequence[Peak]) -> np.ndarray:
 
 
 def evidence(likelihood: np.ndarray) -> float:
-    """Return the log evidence [nats] over sizes and scatters that are equally likely; `likelihood` is their logarithm."""
+    """Return the log evidence of a log likelihood, shape (sizes, scatters), all of these being equally likely."""
     return float(logsumexp(likelihood) - np.log(likelihood.size))

@@ -164,7 +164,7 @@ class ContactHistory:
         )
 
     def pulse(self, first_s: float, last_s: float) -> tuple[Real, Real, Real, Real]:
-        """Return times, deformation, rate and force of a touch, each of the engine's steps cut in eight."""
+        """Return times [s], deformation [m], rate [m/s] and force [N] of a contact, each step of the engine cut in eight."""
         first, last = np.searchsorted(self.time_s, [first_s, last_s], side="right")
         inner = self.time_s[first:last]
         ends = np.concatenate([[first_s], inner[inner < last_s], [last_s]])

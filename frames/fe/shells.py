@@ -79,7 +79,7 @@ def assemble(nodes: Real, quads: Index, sections: Sections) -> tuple[csr_matrix,
 
 
 def same_shape(nodes: Real, quads: Index, thickness: Real) -> list[Index]:
-    """Return the elements in groups of equal corners (but for their place) and thickness.
+    """Return the numbers of the elements, each (members,), in groups of equal corners (but for their place) and thickness.
 
     Args:
         nodes: Coordinates (nodes, 3) [m].

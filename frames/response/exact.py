@@ -145,7 +145,7 @@ def linear_response(
 def forced(
     frame: Poles, acceleration: ArrayLike, dt_s: float, *, outputs: ArrayLike | None = None
 ) -> tuple[Real, Real]:
-    """Return displacement and velocity as `linear_response` does, of poles that are at hand already.
+    """Return displacement [m] and velocity [m/s] as `linear_response` does, of poles that are at hand already.
 
     Args:
         frame: Poles of the frame.
@@ -209,7 +209,7 @@ class Peaks(NamedTuple):
 
     @property
     def absolute(self) -> Real:
-        """The larger of the two magnitudes."""
+        """The larger of the two magnitudes, one a case, of their shape."""
         return np.maximum(self.maximum, -self.minimum)
 
 
@@ -252,7 +252,7 @@ def oscillator_peaks(
 
 
 def refine(acceleration: Real, factor: int) -> Real:
-    """Return a piecewise linear history at ``factor`` times as many steps; the history is the same.
+    """Return a piecewise linear history at ``factor`` times as many steps [m/s^2]; the history is the same.
 
     Args:
         acceleration: Samples (m,) [m/s^2].
@@ -286,7 +286,7 @@ def run(rates: Complex, history: Real, dt_s: float) -> Complex:
 
 
 def checked(acceleration: ArrayLike, dt_s: float) -> Real:
-    """Return an acceleration history as an array.
+    """Return an acceleration history as an array (m,) [m/s^2].
 
     Args:
         acceleration: Acceleration (m,) [m/s^2].

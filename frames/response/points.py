@@ -28,7 +28,7 @@ def coupled(mass: Real, influence: Real) -> Real:
 
 
 def bordered(matrix: Real) -> Real:
-    """Return a matrix with a row and a column of zeros for the table.
+    """Return a matrix with a row and a column of zeros for the table, (n + 1, n + 1).
 
     Args:
         matrix: Any matrix (n, n).

@@ -1,4 +1,8 @@
-"""Public functions say what their arguments are: an Args section, with shapes and units for arrays."""
+"""Public functions say what their arguments are: an Args section, with shapes and units for arrays.
+
+Of an array that is returned the docstring says shape or unit, too. A method that overrides one of a base class does not
+repeat what the docstring of that one says.
+"""
 
 from __future__ import annotations
 
@@ -14,30 +18,22 @@ import pytest
 HOUSE = Path(__file__).parents[2]
 PACKAGES = ("frames", "contact", "experiments", "diagnosis")
 
-NOT_HELD_YET = (
-    "diagnosis/workflow.py",
-    "diagnosis/model/",
-    "diagnosis/effects/",
-    "diagnosis/inference/",
-    "diagnosis/contact_force/",
-    "diagnosis/decision/",
-    "diagnosis/design/",
-    "diagnosis/report/",
-    "diagnosis/benchmark/",
-    "diagnosis/studies/",
-)
-"""Rooms that do not keep these rules yet; the list only becomes shorter."""
-
 FEW = 2
 """A function of so many arguments may describe them in its sentence instead of in an Args section."""
 
 ARRAY = re.compile(r"\b(ndarray|NDArray|ArrayLike|Real|Index|Complex)\b")
 """Annotations of arrays: numpy's own, and the names that modules give them."""
 
-SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w' ]+)(?:, ?[\w' ]+)*,?\)")
+ARGS = re.compile(r"^Args:\n((?:[ \t]+.*(?:\n|$)|\n)*)", re.MULTILINE)
+"""The section of a docstring that describes arguments."""
+
+SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w'*+ ]+)(?:, ?[\w'*+ ]+)*,?\)")
 """`[m]`, `shape (n, 3)`, `(m,)`, `(..., 3)`, `(6 nodes, 6 nodes)`; a single word in brackets is no shape."""
 
-SHARED_SIGNATURES = {("setting", "size", "rng"): ("diagnosis/hidden/effects.py", "Effect")}
+SHARED_SIGNATURES = {
+    ("setting", "size", "rng"): ("diagnosis/hidden/effects.py", "Effect"),
+    ("p", "state", "d", "v", "t", "new"): ("diagnosis/model/laws.py", "Law"),
+}
 """Arguments of functions that stand in a table, and the class whose docstring describes them once."""
 
 
@@ -47,7 +43,6 @@ class Function(NamedTuple):
     name: str
     node: ast.FunctionDef
     docstring: str
-    bases: tuple[str, ...] = ()
 
 
 def place(path: Path) -> str:
@@ -55,7 +50,6 @@ def place(path: Path) -> str:
 
 
 ALL = [path for package in PACKAGES for path in sorted((HOUSE / package).rglob("*.py"))]
-SOURCES = [path for path in ALL if not place(path).startswith(NOT_HELD_YET)]
 
 
 @cache
@@ -69,7 +63,6 @@ def public_functions(path: Path) -> Iterator[Function]:
         if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
             yield Function(node.name, node, ast.get_docstring(node) or "")
         elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            bases = tuple(ast.unparse(base).rpartition(".")[2] for base in node.bases)
             for item in node.body:
                 if not isinstance(item, ast.FunctionDef):
                     continue
@@ -77,7 +70,7 @@ def public_functions(path: Path) -> Iterator[Function]:
                 if item.name == "__init__":
                     yield Function(node.name, item, said + "\n" + (ast.get_docstring(node) or ""))
                 elif not item.name.startswith("_"):
-                    yield Function(f"{node.name}.{item.name}", item, said, bases)
+                    yield Function(f"{node.name}.{item.name}", item, said)
 
 
 def arguments(function: ast.FunctionDef) -> list[ast.arg]:
@@ -90,7 +83,7 @@ def arguments(function: ast.FunctionDef) -> list[ast.arg]:
 def described(docstring: str) -> dict[str, str]:
     """What the Args section says of each argument: `name: text`, or `first, second: text` for several."""
     found: dict[str, str] = {}
-    for section in re.finditer(r"^Args:\n((?:[ \t]+.*(?:\n|$)|\n)*)", docstring, re.MULTILINE):
+    for section in ARGS.finditer(docstring):
         for entry in re.split(r"\n(?=    \S)", "\n" + section[1].rstrip()):
             names, _, text = entry.strip().partition(":")
             found |= {name.strip(): text for name in names.split(",")}
@@ -117,48 +110,70 @@ def is_option(argument: ast.arg) -> bool:
 
 
 @cache
-def methods() -> dict[str, tuple[tuple[str, ...], dict[str, Function]]]:
-    """Bases and public methods of every class by its name."""
-    found: dict[str, tuple[tuple[str, ...], dict[str, Function]]] = {}
-    for path in ALL:
-        for function in public_functions(path):
-            owner, _, name = function.name.rpartition(".")
-            if owner:
-                found.setdefault(owner, (function.bases, {}))[1][name] = function
+def base_names(path: Path, name: str) -> tuple[str, ...]:
+    """The bases of a class of a module, as they are named there; of its private classes, too."""
+    for node in parsed(path).body:
+        if isinstance(node, ast.ClassDef) and node.name == name:
+            return tuple(ast.unparse(base).rpartition(".")[2] for base in node.bases)
+    return ()
+
+
+@cache
+def origins(path: Path) -> dict[str, Path]:
+    """The modules of the four packages from which a module imports names, by name."""
+    return {
+        alias.asname or alias.name: HOUSE / (node.module.removeprefix("pounding.").replace(".", "/") + ".py")
+        for node in parsed(path).body
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("pounding.")
+        for alias in node.names
+    }
+
+
+def overridden(path: Path, owner: str, method: str) -> list[str]:
+    """The docstrings of the methods that a class' method overrides, the nearest base's first."""
+    found = []
+    for base in base_names(path, owner):
+        where = origins(path).get(base, path)
+        if where.is_file() and (where, base) != (path, owner):
+            own = [one for one in public_functions(where) if one.name == f"{base}.{method}"]
+            found += [one.docstring for one in own] + overridden(where, base, method)
     return found
-
-
-def inherited(function: Function) -> dict[str, str]:
-    """What the method that this one overrides says of the arguments."""
-    name = function.name.rpartition(".")[2]
-    for base in function.bases:
-        bases, known = methods().get(base, ((), {}))
-        if name in known:
-            return described(known[name].docstring) | inherited(known[name])
-        if found := inherited(function._replace(bases=bases)):
-            return found
-    return {}
 
 
 def offences(path: Path) -> list[str]:
     found = []
     for function in public_functions(path):
-        given = [one for one in arguments(function.node) if not is_option(one)]
-        said = inherited(function) | described(function.docstring)
+        owner, _, method = function.name.rpartition(".")
+        docstrings = [function.docstring, *overridden(path, owner, method)]
         where = f"{place(path)}:{function.node.lineno} {function.name}"
-        silent = [one.arg for one in given if one.arg not in said]
-        shared = tuple(one.arg for one in given) in SHARED_SIGNATURES
-        if len(arguments(function.node)) > FEW and silent and not shared:
-            found.append(f"{where}: Args does not say what {', '.join(silent)} is")
-        for one in given:
-            if one.annotation is None or not ARRAY.search(ast.unparse(one.annotation)):
-                continue
-            if not SHAPE_OR_UNIT.search(said.get(one.arg, function.docstring)):
-                found.append(f"{where}: neither shape nor unit of the array {one.arg}")
+        found += [f"{where}: {said}" for said in silent_arguments(function, docstrings)]
+        returned = ast.unparse(function.node.returns) if function.node.returns is not None else ""
+        silent = not any(SHAPE_OR_UNIT.search(ARGS.sub("", docstring)) for docstring in docstrings)
+        if ARRAY.search(returned) and "Callable" not in returned and silent:
+            found.append(f"{where}: neither shape nor unit of the returned array")
     return found
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=place)
+def silent_arguments(function: Function, docstrings: list[str]) -> list[str]:
+    """What the docstrings of a function, and of the methods that it overrides, do not say of its arguments."""
+    given = [one for one in arguments(function.node) if not is_option(one)]
+    said: dict[str, str] = {}
+    for docstring in docstrings:
+        said = described(docstring) | said
+    silent = [one.arg for one in given if one.arg not in said]
+    shared = tuple(one.arg for one in given) in SHARED_SIGNATURES
+    found = []
+    if len(arguments(function.node)) > FEW and silent and not shared:
+        found.append(f"Args does not say what {', '.join(silent)} is")
+    for one in given:
+        if one.annotation is None or not ARRAY.search(ast.unparse(one.annotation)):
+            continue
+        if not SHAPE_OR_UNIT.search(said.get(one.arg, function.docstring)):
+            found.append(f"neither shape nor unit of the array {one.arg}")
+    return found
+
+
+@pytest.mark.parametrize("path", ALL, ids=place)
 def test_arguments_are_described(path: Path) -> None:
     assert not offences(path)
 
@@ -172,10 +187,6 @@ def test_a_shared_signature_is_described_once(names: tuple[str, ...]) -> None:
         if isinstance(node, ast.ClassDef) and node.name == owner
     )
     assert not [name for name in names if f"`{name}`" not in docstring]
-
-
-def test_rooms_that_are_not_held_are_there() -> None:
-    assert not [room for room in NOT_HELD_YET if not any(place(path).startswith(room) for path in ALL)]
 
 
 SILENT = '''
@@ -209,3 +220,47 @@ def test_the_rule_finds_what_is_missing(
     path.write_text(SILENT.format(line))
     monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
     assert [one.partition(": ")[2] for one in offences(path)] == words
+
+
+OVERRIDING = '''
+class Base:
+    def act(self, first: float, second: Real, third: float):
+        """Act.
+
+        Args:
+            first, third: Numbers.
+            {}
+        """
+
+
+class _Between(Base):
+    pass
+
+
+class Heir(_Between):
+    def act(self, first: float, second: Real, third: float):
+        """Act otherwise."""
+'''
+
+
+@pytest.mark.parametrize(("line", "count"), [("second: Motion [m].", 0), ("", 4)])
+def test_an_overriding_method_repeats_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str, count: int
+) -> None:
+    path = tmp_path / "module.py"
+    path.write_text(OVERRIDING.format(line))
+    monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
+    assert len(offences(path)) == count
+
+
+@pytest.mark.parametrize(
+    ("said", "count"),
+    [("Return motion.", 1), ("Return motion [m].", 0), ("Return motion, (2 * n, 3).", 0), ("", 1)],
+)
+def test_a_returned_array_has_a_shape_or_a_unit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, count: int
+) -> None:
+    path = tmp_path / "module.py"
+    path.write_text(f'def f(x: float) -> Real:\n    """{said}\n\n    Args:\n        x: Time [s].\n    """\n')
+    monkeypatch.setitem(offences.__globals__, "HOUSE", tmp_path)
+    assert len(offences(path)) == count

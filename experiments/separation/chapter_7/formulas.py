@@ -71,7 +71,7 @@ def with_spectra(cases: pd.DataFrame, records: Mapping[str, Record]) -> pd.DataF
 
 
 def by_class(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return the thesis' form: a linear equation for each class (equations 7.5, 7.7, 7.9 refitted)."""
+    """Return gaps [mm] by the thesis' form: a linear equation for each class (equations 7.5, 7.7, 7.9 refitted)."""
     found = pd.Series(np.nan, index=predict.index)
     for level, group in predict.groupby("level"):
         known = learn[learn["level"] == level]
@@ -81,22 +81,22 @@ def by_class(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
 
 
 def linear(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return one linear equation for all classes."""
+    """Return gaps [mm] by one linear equation for all classes."""
     return fit(learn, WITHOUT_STIFFNESS_AND_MASS).predict(predict)
 
 
 def power(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return one product of powers of peak acceleration, frequencies, damping and heights."""
+    """Return gaps [mm] by one product of powers of peak acceleration, frequencies, damping and heights."""
     return np.asarray(np.exp(fit(learn, POWER_SYMBOLS, target="log_gap").predict(predict)))
 
 
 def spectral_power(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return a product of powers of both spectral displacements."""
+    """Return gaps [mm] by a product of powers of both spectral displacements."""
     return np.asarray(np.exp(fit(learn, SPECTRAL_SYMBOLS, target="log_gap").predict(predict)))
 
 
 def spectral_ddc(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return the double difference of the spectral displacements; nothing is fitted."""
+    """Return the double difference of the spectral displacements [mm]; nothing is fitted."""
     return np.array(
         [
             rules.double_difference(tall, short, rho)
@@ -108,7 +108,7 @@ def spectral_ddc(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
 
 
 def spectral_abs(learn: pd.DataFrame, predict: pd.DataFrame) -> Real:
-    """Return the sum of the spectral displacements; nothing is fitted."""
+    """Return the sum of the spectral displacements [mm]; nothing is fitted."""
     return np.asarray(predict["spectral_tall_mm"] + predict["spectral_short_mm"], float)
 
 
@@ -124,7 +124,7 @@ FORMULAS: dict[str, Formula] = {
 
 
 def held_out(cases: pd.DataFrame, formula: Formula, by: str) -> Real:
-    """Return the predicted gap of each case by a formula that has learnt from the other values of a column.
+    """Return the predicted gap [mm] of each case by a formula that has learnt from the other values of a column.
 
     NaN where nothing is left to learn from.
 

@@ -96,7 +96,7 @@ def test_units_become_si_and_rates_may_differ(folder: Path) -> None:
     assert case.prior.table_gain == 0.05
     assert case.prior.storey_stiffness == 0.03
     assert case.contacts[0].gap_m == pytest.approx(0.0095)
-    assert [frame.kind for frame in case.frames] == ["thesis", "believed"]
+    assert [frame.kind for frame in case.frames] == ["thesis", "modal"]
     assert case.frame("5B").storeys == 5
     assert case.warnings == ()
 

@@ -29,7 +29,7 @@ from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.workflow import find
-from tests.diagnosis.colliding_models import CONTACT, FLOORS, colliding, model_of
+from tests.diagnosis.pair_models import CONTACT, FLOORS, colliding, model_of
 
 TRAINING = (0,)
 

@@ -21,7 +21,7 @@ from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.decision.pair_decision import contact_claims
 from pounding.diagnosis.report.making import poor_forces
 from pounding.diagnosis.workflow import find
-from tests.diagnosis.colliding_models import (
+from tests.diagnosis.pair_models import (
     CONTACT,
     DRIFT,
     FLOORS,
@@ -146,8 +146,8 @@ def test_poor_forces_that_no_cell_measured_are_said() -> None:
     assert poor_forces(heard, 0.2, 0.02) == []
 
 
-def knocked(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspace(0.3, 2.2, 12))) -> Case:
-    """Return a case in which a floor of the frame on the right was knocked at some times [s], away from the other."""
+def struck(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspace(0.3, 2.2, 12))) -> Case:
+    """Return a case in which a floor of the frame on the right was struck at some times [s], away from the other."""
     stiffness = STIFFNESS["stiff"] * DRIFT.T @ DRIFT
     still = np.zeros((FLOORS, FLOORS))
     system = np.block([[still, np.eye(FLOORS)], [-stiffness / MASS, -damping(stiffness) / MASS]])
@@ -170,20 +170,20 @@ def knocked(case: Case, floor: int = 2, times: Sequence[float] = tuple(np.linspa
     return replace(case, runs=tuple(runs))
 
 
-def test_knocks_on_one_frame_are_no_second_contact() -> None:
-    pair, *_ = judged(knocked(colliding(CONTACT)))
+def test_blows_on_one_frame_are_no_second_contact() -> None:
+    pair, *_ = judged(struck(colliding(CONTACT)))
     assert pair.second is None
 
 
 @pytest.mark.parametrize("floor", [2, FLOORS])
-def test_knocks_on_one_frame_are_told_even_where_the_frames_meet(floor: int) -> None:
-    model = prepare(case := knocked(colliding(CONTACT), floor, (0.47, 0.82)), model_of(case)).slow
+def test_blows_on_one_frame_are_told_even_where_the_frames_meet(floor: int) -> None:
+    model = prepare(case := struck(colliding(CONTACT), floor, (0.47, 0.82)), model_of(case)).slow
     found = impulses(model, pairs.quick_filter(model, (0, 1)))
     assert found is not None
     assert found.place == ("stiff", floor)
 
 
-def test_touches_that_the_force_cell_did_not_show_are_no_knocks() -> None:
+def test_touches_that_the_force_cell_did_not_show_are_no_blows() -> None:
     case = colliding(CONTACT)
     runs = []
     for run in case.runs:

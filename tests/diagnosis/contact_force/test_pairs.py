@@ -19,10 +19,10 @@ from pounding.diagnosis.decision.pair_decision import CLAIM_NATS, joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
 from pounding.diagnosis.inference.findings import BLIND_FACTOR, Findings
-from pounding.diagnosis.inference.misfit import simulate, touch_response
+from pounding.diagnosis.inference.misfit import contact_response, simulate
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.terms import nuisance_terms
-from tests.diagnosis.colliding_models import (
+from tests.diagnosis.pair_models import (
     CONTACT,
     MASS,
     NOTHING,
@@ -281,7 +281,7 @@ def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
             values = start.values.copy()
             values[number] = parameter.std
             added += np.mean((simulate(model, values, (), [0])[0] - plain) ** 2, axis=0)
-    expected = touch_response(model, start.modes, 0)
+    expected = contact_response(model, start.modes, 0)
     displaced = np.array(["_d" in name for name in model.observed.names])
     assert expected[displaced] == pytest.approx(added[displaced], rel=0.15)
 
@@ -342,7 +342,7 @@ def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one()
     assert concluded.verdict == "nothing_missing"
     said = contact_advice.advice(found, CLAIM_NATS)
     assert said[0].startswith("The same shaking recorded at four times the sampling rate")
-    assert "another stiffness of the contact from the contact as believed" in said[0]
+    assert "another stiffness of the contact from the contact of the baseline model" in said[0]
     assert found.bodies is not None
     assert found.null is not None
     expected = contact_advice.expected(found.bodies, found.ranked[0][1], found.null)

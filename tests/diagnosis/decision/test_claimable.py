@@ -14,7 +14,7 @@ from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
-from tests.diagnosis.colliding_models import CONTACT, colliding, judged, model_of
+from tests.diagnosis.pair_models import CONTACT, colliding, judged, model_of
 
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:

@@ -36,8 +36,8 @@ def answered(force: np.ndarray, floor: int) -> np.ndarray:
     return np.column_stack([acceleration, states[:, [0, 2]]])
 
 
-def knocked(times: list[float], floor: int, momentum: float) -> Model:
-    """Return the bench, knocked on a floor at some times of its first run."""
+def struck(times: list[float], floor: int, momentum: float) -> Model:
+    """Return the bench, struck on a floor at some times of its first run."""
     model = measured()
     first, second = model.observed.runs
     at = STEP_S * np.arange(len(first.table))
@@ -49,8 +49,8 @@ def knocked(times: list[float], floor: int, momentum: float) -> Model:
     return Model(model.structure, replace(model.observed, runs=runs), model.prior)
 
 
-def test_knocks_are_told_with_their_floor_and_times() -> None:
-    model = knocked([1.3, 2.6], 2, 0.1)
+def test_blows_are_told_with_their_floor_and_times() -> None:
+    model = struck([1.3, 2.6], 2, 0.1)
     found = impulses(model, null_model(model))
     assert found is not None
     assert found.place == ("bench", 2)
@@ -60,27 +60,27 @@ def test_knocks_are_told_with_their_floor_and_times() -> None:
     assert "1.30, 2.60 s" in found.sentence()
 
 
-def test_a_good_model_and_one_knock_are_no_knocks() -> None:
+def test_a_good_model_and_one_blow_are_no_blows() -> None:
     assert impulses(measured(), null_model(measured())) is None
-    once = knocked([1.3], 2, 0.1)
+    once = struck([1.3], 2, 0.1)
     assert impulses(once, null_model(once)) is None
 
 
-def test_the_ends_of_a_run_are_no_knocks() -> None:
+def test_the_ends_of_a_run_are_no_blows() -> None:
     """A low-pass has no samples beyond them, and what it makes up answers like a push."""
     end = STEP_S * len(measured().observed.runs[0].table)
-    model = knocked([0.03, end - 0.04], 2, 0.1)
+    model = struck([0.03, end - 0.04], 2, 0.1)
     assert impulses(model, null_model(model)) is None
 
 
-def test_an_effect_that_acts_all_the_time_is_no_knock() -> None:
+def test_an_effect_that_acts_all_the_time_is_no_blow() -> None:
     spring = CubicStiffness(index=1, frame="bench", storey=2)
     model = measured([(spring, np.array([2e10]))])
     assert impulses(model, null_model(model)) is None
 
 
-def test_the_flank_of_a_touch_is_no_knock() -> None:
-    pushed = knocked([1.3, 2.6], 2, 0.1)
+def test_the_flank_of_a_touch_is_no_blow() -> None:
+    pushed = struck([1.3, 2.6], 2, 0.1)
     filtered = null_model(pushed)
     # The time about a touch in which no push is looked for ends with the largest answer, 1 ms after a push began.
     at = STEP_S * np.arange(len(pushed.observed.runs[0].table))

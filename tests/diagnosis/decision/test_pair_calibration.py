@@ -23,8 +23,8 @@ from pounding.diagnosis.decision.rig_calibration import turn
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.twin import Between, simulate_touching
-from tests.diagnosis.colliding_models import (
+from pounding.diagnosis.model.twin import Between, simulate_pair
+from tests.diagnosis.pair_models import (
     CONTACT,
     FLOORS,
     MASS,
@@ -48,7 +48,7 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
         contact.law, stiffness=contact.stiffness, restitution=contact.restitution, masses=(MASS, MASS)
     )
     between = Between(FLOORS - 1, 2 * FLOORS - 1, law, contact.gap_m)
-    channels, force = simulate_touching(alone, np.zeros(len(alone.std)), (), 0, between)
+    channels, force = simulate_pair(alone, np.zeros(len(alone.std)), (), 0, between)
     assert force.sum() * STEP_S == pytest.approx(wanted[:, -1].sum() * STEP_S, rel=0.02)
     for c, name in enumerate(alone.observed.names):
         column = [one.name for one in colliding(contact).channels].index(name)

@@ -9,8 +9,8 @@ import pytest
 
 from pounding.diagnosis.inference.misfit import by_frame, over_floor
 from pounding.diagnosis.model.model import Model
-from tests.diagnosis.colliding_models import CONTACT, colliding, model_of
 from tests.diagnosis.models import measured
+from tests.diagnosis.pair_models import CONTACT, colliding, model_of
 
 
 def slowed(model: Model, slower: int) -> Model:
