@@ -68,6 +68,11 @@ def called_at(address: int, p: int, state: int, d: float, v: float, t: float, ne
     """Return the same as `called`, where parameters, memory and new memory are given by their addresses.
 
     It spares the compiled loop the views of its rows, which cost more than most laws.
+
+    Args:
+        address: Where the law's compiled function is.
+        p, state, new: Addresses of its parameters, of what it remembers and of what it would remember from now on.
+        d, v, t: Drift [m], its rate [m/s], and the time since the run began [s].
     """
     force: float = _call(address, p, state, d, v, t, new)
     return force

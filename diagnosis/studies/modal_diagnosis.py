@@ -265,7 +265,14 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     yield _pooled_table("1. Rigid joints, no P-Delta; the sweep's f1 left out", result["single_pooled"], True)
     yield table(
         "2. P-Delta beside flexible joints",
-        ["frame", "joints [N m/rad]", "with gravity", "gravity, ln BF", "free factor, ln BF", "factor"],
+        [
+            "frame",
+            "joints [N m/rad]",
+            "with gravity",
+            "gravity, ln Bayes factor",
+            "free factor, ln BF",
+            "factor",
+        ],
         [
             [
                 row["frame"],
@@ -295,7 +302,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     law = result["amplitude_law"]
     yield table(
         "4. One law for all frames: fall of f1 [%] as a power of the storey drift at the sweep's resonance",
-        ["law", "ln BF", *law["frames"]],
+        ["law", "ln Bayes factor", *law["frames"]],
         [
             ["measured", "", *(f"{100 * f:.1f}" for f in law["fall"])],
             ["relative drift", "", *(f"{d:.2f}" for d in law["drift"])],
