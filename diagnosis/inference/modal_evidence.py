@@ -23,11 +23,10 @@ from pounding.diagnosis.inference.posterior import Posterior, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.numbers_shown import modal_numbers
+from pounding.diagnosis.settings import SETTINGS
 
 WIDEST = 4.0
 """Prior standard deviations that a size may reach."""
-STARTS = (0.3, 1.0, 2.5)
-"""Sizes in prior standard deviations from which a descent starts, of each sign that a size may have."""
 STEPS = 40
 LINEAR = ("frame_stiffness", "storey_stiffness", "floor_mass")
 """Nuisance parameters that a frequency depends on."""
@@ -198,7 +197,7 @@ class ModalTerm:
         axes = []
         for one in self.acting:
             sides = (1.0, -1.0) if one.effect.sign == 0 else (float(one.effect.sign),)
-            axes.append([side * start for side in sides for start in STARTS])
+            axes.append([side * start for side in sides for start in SETTINGS.modal.starts])
         ends = []
         for sizes in product(*axes):
             theta = np.concatenate([np.zeros(self.nuisance.shape[1]), sizes])

@@ -17,9 +17,7 @@ from pounding.diagnosis.inference.misfit_map import Spot, where
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
 from pounding.diagnosis.report.report import HeldOutMisfit, Misfit, Misfits, ModalRow, Report
-
-POORLY_KNOWN = 2.0
-"""Misfit over noise floor from which contact forces that no cell measured are said to be poor."""
+from pounding.diagnosis.settings import SETTINGS
 
 Outputs = dict[int, np.ndarray]
 """Channels in SI, shape (samples, channels), by the number of the run."""
@@ -90,7 +88,7 @@ def assembled(
 def poor_forces(pair: Pair, training: Misfit) -> list[str]:
     """Return a warning where forces that no cell measured leave much of the motion unexplained."""
     after, noise = training.after, training.noise_floor
-    if not pair.blind or after is None or noise is None or after < POORLY_KNOWN * noise:
+    if not pair.blind or after is None or noise is None or after < SETTINGS.report.poor_forces * noise:
         return []
     return [
         f"the contact forces were found from the motion and leave {after / noise:.1f} times the noise in the runs used: "
