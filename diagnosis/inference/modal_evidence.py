@@ -19,6 +19,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales, place
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.modal_model import Joints
+from pounding.diagnosis.inference.numbers import NONE
 from pounding.diagnosis.inference.posterior import Posterior, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -31,8 +32,6 @@ STEPS = 40
 LINEAR = ("frame_stiffness", "storey_stiffness", "floor_mass")
 """Nuisance parameters that a frequency depends on."""
 NUDGE = 1e-4
-GONE = -10.0
-"""Logarithm that stands for a number of a frame that has buckled, which nobody tested."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +146,7 @@ class ModalTerm:
         """Return the logarithms of all data as the model shows them, shape (data,)."""
         alone = shows(self.model, self.data, self.acting, self.values(theta))
         good = np.isfinite(alone) & (alone > 0)
-        logs = np.where(good, np.log(np.where(good, alone, 1.0)), GONE)
+        logs = np.where(good, np.log(np.where(good, alone, 1.0)), NONE)
         return np.asarray(logs + self.nuisance @ theta[: self.nuisance.shape[1]])
 
     def columns(self, theta: np.ndarray) -> np.ndarray:
