@@ -14,6 +14,7 @@ import numpy as np
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
+from pounding.diagnosis.settings import SETTINGS
 
 GAIN, DELAY_S = 0.01, 1.5e-4
 BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
@@ -21,22 +22,10 @@ BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 phase that grows with the cube [rad], at the highest frequency."""
 REACH = 30.0
 """Prior standard deviations that an unknown may move in one step."""
-ROBUST = 4.0
-"""Standard deviations from which an impact counts less (Huber)."""
-MOST_NATS = 12.0
-"""What one impact may say against a contact: floors that press on each other at a millimetre a second bounce as chance has
-it, and a single one of these decided between stiffnesses and laws where forty plain impacts had no opinion."""
-ITERATIONS, ENOUGH = 25, 0.02
 DAMPINGS = (0.0, 0.01, 0.1, 1.0, 10.0, 100.0)
-"""Steps of a descent, the gain at which it ends, and dampings of a step: far steps often fail, because an impact that misses
-makes no force."""
-LOST, ROUNDS = 4.0, 4
+"""Dampings of a step: far steps often fail, because an impact that misses makes no force."""
 REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
-"""Standard deviations from which an impact counts as lost, how often lost ones are looked for, and with which errors of
-displacement and velocity."""
-WARMED, PLAUSIBLE = 300.0, 2.0
-"""Evidence [nats] behind the best within which a fit is tried again from the best one's impacts, and from its contact as far
-as so many standard deviations reach."""
+"""Errors of displacement and velocity, in prior standard deviations, with which lost impacts are looked for."""
 
 
 @dataclass(frozen=True)
@@ -115,18 +104,18 @@ def fit(
         x[:FILTER], x[COMMON:] = others[:FILTER], others[COMMON:]
     impacts = Impacts(bodies, hypothesis)
     x = _descended(impacts, x)
-    for _ in range(ROUNDS):
+    for _ in range(SETTINGS.impacts.searches):
         regained = _regained(bodies, hypothesis, x)
         if regained is None:
             break
         x = _descended(impacts, regained)
-    counted = _robust(_residuals(bodies, hypothesis, x)[0]) < MOST_NATS
+    counted = _robust(_residuals(bodies, hypothesis, x)[0]) < SETTINGS.impacts.most
     if not counted.all():
         impacts = Impacts(bodies, hypothesis, counted)
         x = _descended(impacts, x)
     gram = impacts.posterior().normal_equations(x)[0] + np.eye(len(x))
     residual, _ = _residuals(bodies, hypothesis, x)
-    cost = float(np.minimum(_robust(residual), MOST_NATS).sum() + 0.5 * x @ x)
+    cost = float(np.minimum(_robust(residual), SETTINGS.impacts.most).sum() + 0.5 * x @ x)
     freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
     inverse = np.linalg.inv(gram)
     scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
@@ -183,7 +172,7 @@ class Impacts(Likelihood):
 
 def _descended(impacts: Impacts, x: np.ndarray) -> np.ndarray:
     """Return the unknowns at the end of a descent on the impacts that count."""
-    return descend(impacts.posterior(), x, ITERATIONS, DAMPINGS, ENOUGH)[1]
+    return descend(impacts.posterior(), x, SETTINGS.impacts.steps, DAMPINGS, SETTINGS.impacts.enough)[1]
 
 
 def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | None:
@@ -193,7 +182,7 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
     """
     law, found = at(hypothesis, x[FILTER:COMMON]), x.copy()
     size = np.sqrt(np.sum(_residuals(bodies, hypothesis, x)[0] ** 2, axis=1))
-    for i in np.flatnonzero(size > LOST):
+    for i in np.flatnonzero(size > SETTINGS.impacts.off):
         own = slice(COMMON + 2 * i, COMMON + 2 * i + 2)
         tried = [np.array(errors) for errors in REGAINED]
         left = [float(np.sum(_residual(bodies, int(i), law, x, one) ** 2)) for one in tried]
@@ -203,10 +192,11 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
 
 
 def _robust(residual: np.ndarray) -> np.ndarray:
-    """Return minus the log likelihood of each impact, shape (impacts,), growing slowly from `ROBUST` on (Huber)."""
+    """Return minus the log likelihood of each impact, shape (impacts,), growing slowly from `impacts.off` on (Huber)."""
     square = np.sum(residual**2, axis=1)
     size = np.sqrt(square)
-    return np.asarray(np.where(size <= ROBUST, 0.5 * square, ROBUST * size - 0.5 * ROBUST**2))
+    off = SETTINGS.impacts.off
+    return np.asarray(np.where(size <= off, 0.5 * square, off * size - 0.5 * off**2))
 
 
 def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -232,7 +222,8 @@ def _residuals(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[n
         ]
     ).reshape(-1, 7)
     size = np.sqrt(np.sum(found**2, axis=1))
-    return found, np.where(size > ROBUST, ROBUST / np.maximum(size, ROBUST), 1.0)
+    off = SETTINGS.impacts.off
+    return found, np.where(size > off, off / np.maximum(size, off), 1.0)
 
 
 def _slopes(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, residual: np.ndarray) -> np.ndarray:
@@ -314,13 +305,13 @@ def held(bodies: Bodies, law: Law) -> Fitted:
 def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:
     """Return fits that had their impacts fitted from where the best of them has its own: none is left in a bad corner."""
     found = list(fits)
-    best = max(found, key=lambda one: one.log_evidence)
+    best, reach = max(found, key=lambda one: one.log_evidence), SETTINGS.impacts.plausible
     for i, one in enumerate(found):
-        if one is not best and one.log_evidence > best.log_evidence - WARMED:
+        if one is not best and one.log_evidence > best.log_evidence - SETTINGS.impacts.warmed:
             tried = [one, again(bodies, one, best)]
             if one.law.name == best.law.name:
                 tried.append(
-                    fit(bodies, one.hypothesis, near(one.hypothesis, best.law, PLAUSIBLE), best.unknowns)
+                    fit(bodies, one.hypothesis, near(one.hypothesis, best.law, reach), best.unknowns)
                 )
             found[i] = max(tried, key=lambda each: each.log_evidence)
     return found

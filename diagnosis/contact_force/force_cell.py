@@ -16,16 +16,7 @@ from pounding.diagnosis.contact_force import impacts, pairs
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.pair import TURNED_ROUND, Cell
-
-CLIPPED_SAMPLES = 3
-CLIPPED_SHARE = 0.999
-"""Impacts with two samples within this share of the largest force before a cell is called clipped."""
-TURNED = 2.0
-"""A cell whose pull exceeds its push so many times is turned round."""
-GAIN_ERROR, DELAY_ERROR_S = 0.02, 1.5e-4
-"""What motion cannot say better of a cell: the relative gain, and the delay [s]."""
-CLAIM_NATS = 8.0
-LEAST = 4
+from pounding.diagnosis.settings import SETTINGS
 
 
 def checked(
@@ -61,25 +52,30 @@ def checked(
             None,
             [f"channel {name} is clipped at {top:g} N; the force is taken from the motion instead"],
         )
-    faults, warnings = [], []
+    faults, warnings, needs = [], [], SETTINGS.pair_decision
     level = float(np.median(np.concatenate(series)))
     noise = impacts.force_noise(np.concatenate(series))
-    quiet = np.concatenate([force[np.abs(force - level) < 5 * noise] for force in series])
+    quiet = np.concatenate(
+        [force[np.abs(force - level) < SETTINGS.force_cell.quiet * noise] for force in series]
+    )
     offset, spread = float(quiet.mean()), float(quiet.std() / np.sqrt(max(len(quiet), 1)))
-    ln_bayes = 0.5 * offset**2 / (spread**2 + (0.01 * noise) ** 2) - 0.5 * np.log(len(quiet))
-    if ln_bayes > CLAIM_NATS:
+    ln_bayes = 0.5 * offset**2 / (spread**2 + (SETTINGS.force_cell.offset_error * noise) ** 2) - 0.5 * np.log(
+        len(quiet)
+    )
+    if ln_bayes > needs.contact_evidence:
         faults.append(("sensor_offset", offset, spread, float(ln_bayes)))
         series = [force - offset for force in series]
-    if -min(f.min() for f in series) > TURNED * max(f.max() for f in series):
-        faults.append(("sensor_gain", TURNED_ROUND, GAIN_ERROR, 1000.0))
+    if -min(f.min() for f in series) > SETTINGS.force_cell.turned * max(f.max() for f in series):
+        told = SETTINGS.force_cell
+        faults.append(("sensor_gain", TURNED_ROUND, told.gain_error, told.turned_evidence))
         warnings.append(f"channel {name} pulls where floors push: its polarity is reversed")
         series = [-force for force in series]
     elif against_motion and (seen := _against_motion(model, touching, series)) is not None:
         (gain, gain_std), (delay, delay_std) = seen
-        if (ln_bayes := 0.5 * (gain / gain_std) ** 2 - 3.0) > CLAIM_NATS:
+        if (ln_bayes := 0.5 * (gain / gain_std) ** 2 - needs.parameter_cost) > needs.contact_evidence:
             faults.append(("sensor_gain", gain, gain_std, float(ln_bayes)))
             series = [force / (1 + gain) for force in series]
-        if (ln_bayes := 0.5 * (delay / delay_std) ** 2 - 3.0) > CLAIM_NATS:
+        if (ln_bayes := 0.5 * (delay / delay_std) ** 2 - needs.parameter_cost) > needs.contact_evidence:
             faults.append(("sensor_delay", delay, delay_std, float(ln_bayes)))
             series = [_earlier(f, run.step_s, delay) for f, run in zip(series, observed.runs, strict=True)]
     runs = []
@@ -91,13 +87,14 @@ def checked(
 
 
 def _clipped(series: list[np.ndarray]) -> bool:
+    clipped = SETTINGS.force_cell
     top = max(float(force.max()) for force in series)
     flat = sum(
-        int(np.sum((force[1:] >= CLIPPED_SHARE * top) & (force[:-1] >= CLIPPED_SHARE * top)))
+        int(np.sum((force[1:] >= clipped.clipped_from * top) & (force[:-1] >= clipped.clipped_from * top)))
         for force in series
     )
     exact = sum(int(np.sum(force == top)) for force in series)
-    return top > 0 and exact >= CLIPPED_SAMPLES and flat + exact > CLIPPED_SAMPLES
+    return top > 0 and exact >= clipped.clipped_samples and flat + exact > clipped.clipped_samples
 
 
 def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:
@@ -109,6 +106,7 @@ def _against_motion(
     model: Model, touching: tuple[int, int], series: list[np.ndarray]
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return the cell's relative gain and its delay [s] against the forces that the motion asks for, with errors."""
+    told = SETTINGS.force_cell
     observed, without = model.observed, pairs.without_forces(model)
     runs = range(len(observed.runs))
     filtered = pairs.quick_filter(without, runs)
@@ -118,16 +116,17 @@ def _against_motion(
     ):
         noise = impacts.force_noise(force)
         for first, last in impacts.groups(force, noise, run.step_s):
-            around = slice(max(0, first - int(0.006 / run.step_s)), last + int(0.007 / run.step_s))
+            before, after = (int(s / run.step_s) for s in (told.before_s, told.after_s))
+            around = slice(max(0, first - before), last + after)
             both = np.stack([force[around], pushed.force[around]])
             total = both.sum(axis=1)
             # Only what the motion shows plainly, and once.
-            if total[1] <= 0.3 * total[0] or total[0] <= 0:
+            if total[1] <= told.shown * total[0] or total[0] <= 0:
                 continue
             time = both @ np.arange(both.shape[1]) / total * run.step_s
             ratio.append(float(np.log(total[0] / total[1])))
             late.append(float(time[0] - time[1]))
-    if len(ratio) < LEAST:
+    if len(ratio) < told.least:
         return None
 
     def middle(values: list[float], least: float) -> tuple[float, float]:
@@ -137,5 +136,5 @@ def _against_motion(
         )
         return centre, float(np.hypot(spread, least))
 
-    gain, gain_std = middle(ratio, GAIN_ERROR)
-    return (float(np.expm1(gain)), gain_std), middle(late, DELAY_ERROR_S)
+    gain, gain_std = middle(ratio, told.gain_error)
+    return (float(np.expm1(gain)), gain_std), middle(late, told.delay_error_s)

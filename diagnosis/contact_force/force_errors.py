@@ -22,16 +22,7 @@ from pounding.diagnosis.inference.refine import calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
-
-SHARES = (0.003, 0.01, 0.03, 0.1)
-"""Shares of a contact force's size within which its samples may be known."""
-NEAR_SAMPLES = 2
-"""How far from a sample the size of a force is looked for: an error in time is one where the force has just ended too."""
-LEAST = 1e-3
-"""Share of a run's largest force below which it is taken as it is."""
-ROUNDS = 3
-"""How often errors, frames and noise are found in turn: what a wrong force leaves counts as noise of the struck floors at
-first."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -66,7 +57,7 @@ def put_right(model: Model, training: Sequence[int], measured: bool = True) -> t
     """Return the model with contact forces in all runs as the motion of calibrated frames corrects them, and these frames.
 
     Args:
-        model: The baseline model below `pairs.RATE_HZ`.
+        model: The baseline model below `forces.rate_hz`.
         training: The runs that the frames are calibrated to.
         measured: Whether cells measured the forces, none of which is missed then: what the motion tells of those in the
             other runs, to which nothing is fitted, is not uncertain any more.
@@ -78,7 +69,7 @@ def put_right(model: Model, training: Sequence[int], measured: bool = True) -> t
         contact_events = tuple(event for event in observed.contact_events if event.run in training)
         model = Model(model.structure, replace(observed, contact_events=contact_events), model.prior)
     filtered = calibrated(model, training)
-    better, filtered = _told(model, model, filtered, training, ROUNDS - 1)
+    better, filtered = _told(model, model, filtered, training, SETTINGS.forces.correction_rounds - 1)
     # What wrong forces needed to be explained holds a calibration back that begins with it.
     fits = [refine(better, start, (), (), ()) for start in (filtered, calibrated(better, training))]
     filtered = max(fits, key=lambda fit: fit.log_posterior).filtered
@@ -95,7 +86,7 @@ def put_right_by(model: Model, corrected: Model, filtered: Filtered) -> tuple[Mo
         corrected: The same with those about which the effects were fitted.
         filtered: The fit, with its effects.
     """
-    return _told(model, corrected, filtered, filtered.runs, ROUNDS)
+    return _told(model, corrected, filtered, filtered.runs, SETTINGS.forces.correction_rounds)
 
 
 def _told(
@@ -145,7 +136,9 @@ def _estimate(
         _touching(run.contact[:, column], error[:, column], *answer)
         for run, error, answer in zip(model.observed.runs, errors, told, strict=True)
     ]
-    ln_bayes = {share: sum(each[run].within(share)[1] for run in training) for share in SHARES}
+    ln_bayes = {
+        share: sum(each[run].within(share)[1] for run in training) for share in SETTINGS.forces.shares
+    }
     share = max(ln_bayes, key=lambda one: ln_bayes[one])
     for error, one in zip(errors, each, strict=True):
         error[:, column] = 0.0
@@ -154,8 +147,8 @@ def _estimate(
 
 
 def _touching(force: np.ndarray, error: np.ndarray, matched: np.ndarray, own: np.ndarray) -> _Touching:
-    size = maximum_filter1d(np.abs(force), 2 * NEAR_SAMPLES + 1, mode="constant")
-    samples = np.flatnonzero(size > LEAST * size.max())
+    size = maximum_filter1d(np.abs(force), 2 * SETTINGS.forces.near_samples + 1, mode="constant")
+    samples = np.flatnonzero(size > SETTINGS.forces.least_share * size.max())
     lag = np.abs(samples[:, None] - samples[None, :])
     curvature = np.where(lag < len(own), own[np.minimum(lag, len(own) - 1)], 0.0)
     return _Touching(samples, size[samples], matched[samples] + curvature @ error[samples], curvature)

@@ -22,33 +22,13 @@ from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.storeys import Modes
+from pounding.diagnosis.settings import SETTINGS
 
 LAWS = BUILT_IN
 STEP_S = 2e-5
 """Step of a simulated impact, of second order: a fiftieth of a short one."""
-LEAD_S = 1e-3
-TAIL_S = 3e-3
-APART_S = 3.5e-3
-"""Time before the first plain sample from which an impact is simulated, after the last one, and between two impacts."""
-PLAIN = 6.0
-PLAIN_SHARE = 0.03
-"""A force above so many standard deviations of its noise, and above this share of the run's largest, is an impact."""
 SLOWEST = 1e-3
 """[m/s] Least velocity at first touch to which Hertz-damp's dashpot refers."""
-SHARES = (0.0, 0.1, 0.2, 0.3)
-HIGHEST_HZ = 450.0
-"""Frequencies of comparison as shares of the sampling rate, and the largest of them at most."""
-FAINT = 0.25
-"""A pulse is not compared where its magnitude is below this share of its impulse."""
-MODEL = np.array([0.01, 0.01, 0.015, 0.02, 0.01, 0.02, 0.03])
-"""What frames and filter leave uncertain of the logarithmic magnitudes, then of the phases [rad]."""
-INFLATED = 2.0
-STATE_FLOOR = (5e-6, 0.01)
-"""The filter's uncertainty of relative displacement and velocity is taken so many times as large, and at least this:
-[m], and as a share of the velocity."""
-LONGEST_S = 0.03
-MOST = 40
-"""Contacts longer than this [s] are no impacts; impacts used at most, the strongest."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +184,8 @@ def groups(force: np.ndarray, noise: float, step: float) -> list[tuple[int, int]
         noise: Standard deviation of its noise [N].
         step: Sampling step [s].
     """
-    return above(force, max(PLAIN * noise, PLAIN_SHARE * float(force.max(initial=0.0))), step)
+    least = SETTINGS.impacts.plain_share * float(force.max(initial=0.0))
+    return above(force, max(SETTINGS.impacts.plain * noise, least), step)
 
 
 def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]:
@@ -218,7 +199,7 @@ def above(force: np.ndarray, least: float, step: float) -> list[tuple[int, int]]
     plain = np.flatnonzero(force > least)
     if not len(plain):
         return []
-    cuts = np.flatnonzero(np.diff(plain) * step > APART_S) + 1
+    cuts = np.flatnonzero(np.diff(plain) * step > SETTINGS.impacts.apart_s) + 1
     return [(int(part[0]), int(part[-1])) for part in np.split(plain, cuts)]
 
 
@@ -263,10 +244,11 @@ def bodies(
         spans = groups(series, noise[number], data.step_s)
         for index, (first, last) in enumerate(spans):
             following = spans[index + 1][0] if index + 1 < len(spans) else len(series)
-            lead = max(2, int(np.ceil(LEAD_S / data.step_s)))
+            lead = max(2, int(np.ceil(SETTINGS.impacts.lead_s / data.step_s)))
             begin = first - lead
-            end = min(last + int(np.ceil(TAIL_S / data.step_s)), following - lead, len(series) - 1)
-            if begin < 1 or end <= last or (end - begin) * data.step_s > LONGEST_S:
+            tail = int(np.ceil(SETTINGS.impacts.tail_s / data.step_s))
+            end = min(last + tail, following - lead, len(series) - 1)
+            if begin < 1 or end <= last or (end - begin) * data.step_s > SETTINGS.impacts.longest_s:
                 continue
             one = _impact(
                 model, filtered, number, data, row, spread, series, (begin, first, end), noise[number]
@@ -276,7 +258,7 @@ def bodies(
                 longest = max(longest, len(one.free))
     found.sort(key=lambda one: -one.impulse)
     held, held_rate = response(modes, row, longest)
-    return Bodies(held, held_rate, known_mass, tuple(found[:MOST]))
+    return Bodies(held, held_rate, known_mass, tuple(found[: SETTINGS.impacts.used]))
 
 
 def sharper(met: Bodies, share: float) -> Bodies:
@@ -300,7 +282,9 @@ def _impact(
     steps = round((end - begin) * step / STEP_S)
     free, rate = _free(model, filtered, number, data, row, begin, end, steps)
     force = series[begin : end + 1]
-    hertz = np.minimum(np.array(SHARES) / step, np.array(SHARES) / SHARES[-1] * HIGHEST_HZ)
+    ours = SETTINGS.impacts
+    shares = np.array(ours.frequencies)
+    hertz = np.minimum(shares / step, shares / shares[-1] * ours.highest_hz)
     coarse = step * np.exp(-2j * np.pi * np.outer(hertz, np.arange(len(force)) * step))
     fine = STEP_S * np.exp(-2j * np.pi * np.outer(hertz, (np.arange(steps) + 0.5) * STEP_S))
     values = coarse @ force
@@ -308,16 +292,16 @@ def _impact(
         return None
     slope = coarse / values[:, None]
     spreads = np.concatenate([slope.real, slope[1:].imag]) * noise
-    covariance = spreads @ spreads.T + np.diag(MODEL**2)
-    strong = np.abs(values) > FAINT * np.abs(values[0])
+    covariance = spreads @ spreads.T + np.diag(np.square(ours.model_error))
+    strong = np.abs(values) > ours.faint * np.abs(values[0])
     good = np.concatenate([strong, strong[1:]])
     whiten = np.zeros((7, 7))
     whiten[np.ix_(good, good)] = np.linalg.inv(np.linalg.cholesky(covariance[np.ix_(good, good)]))
     onset = round((first - begin) * step / STEP_S)
     speed = abs(float(rate[min(onset, steps - 1)]))
     prior = (
-        float(np.hypot(INFLATED * spread[0], STATE_FLOOR[0])),
-        float(np.hypot(INFLATED * spread[1], STATE_FLOOR[1] * speed)),
+        float(np.hypot(ours.inflated * spread[0], ours.least_state[0])),
+        float(np.hypot(ours.inflated * spread[1], ours.least_state[1] * speed)),
     )
     return Impact(
         run=filtered.runs[number],

@@ -30,20 +30,7 @@ from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import ContactEvent, Observations
 from pounding.diagnosis.model.pair import Pair
-
-LEVEL = 0.01
-"""Latent forces, as a share of the shear, while impacts are looked at in a calibrated model."""
-LEAST_IMPACTS = 2
-"""Impacts that a contact needs to be judged."""
-SHARPEST = 0.5
-"""The share of their expected errors that impacts are believed to have at least, however well they fit."""
-CELL_FORCE, FOUND_FORCE = 0.03, 0.1
-CELL_NATS = 8.0
-AROUND_S = 0.01
-MOST_TOUCHES = 60
-"""How well the size of a contact force is known, relative, from a cell and from the motion; by how much calibrated frames
-must like it better that a cell is put right; how far a touch reaches beyond its samples once it is below `pairs.RATE_HZ`
-[s]; how many are free."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -137,7 +124,7 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
         return pair
     plain = prepare(case, model, against_motion=False)
     gained = _likely(pair.slow, training) - _likely(plain.slow, training)
-    return pair if gained > CELL_NATS else plain
+    return pair if gained > SETTINGS.pair_decision.contact_evidence else plain
 
 
 def _likely(model: Model, training: Sequence[int]) -> float:
@@ -160,7 +147,7 @@ def found_again(pair: Pair, training: Sequence[int]) -> Pair:
         again = replace(pair, full=full, noise=noise)
     else:
         stated = without_last(pair.full)
-        filtered = run_filter(stated, values, starting_noise(stated, runs, LEVEL), runs)
+        filtered = run_filter(stated, values, starting_noise(stated, runs, SETTINGS.start.impact_level), runs)
         touching = pair.full.observed.contact_floors[pair.second[2]]
         again = replace(pair, full=with_pushes(stated, filtered, touching))
     return replace(again, slow=_slow(again))
@@ -178,9 +165,10 @@ def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
     However weak, a contact event moves the frames: what was found is all taken, and of a cell's readings what is no noise.
     """
     nothing = [0.0] * len(pair.full.observed.runs)
-    plain = [impacts.PLAIN * noise for noise in pair.noise]
-    stated = (pair.column, nothing, FOUND_FORCE) if pair.cell is None else (pair.column, plain, CELL_FORCE)
-    return [stated] if pair.second is None else [stated, (pair.second[2], nothing, FOUND_FORCE)]
+    plain = [SETTINGS.impacts.plain * noise for noise in pair.noise]
+    found, measured = SETTINGS.forces.found_size, SETTINGS.forces.cell_size
+    stated = (pair.column, nothing, found) if pair.cell is None else (pair.column, plain, measured)
+    return [stated] if pair.second is None else [stated, (pair.second[2], nothing, found)]
 
 
 def _found_by(
@@ -189,7 +177,9 @@ def _found_by(
     """Return the model with the force that frames with these parameters and effects ask for, and its noise [N]."""
     full = pair.full
     without = pairs.without_forces(full)
-    again = run_filter(without, values, starting_noise(full, runs, LEVEL), runs, effects)
+    again = run_filter(
+        without, values, starting_noise(full, runs, SETTINGS.start.impact_level), runs, effects
+    )
     return found_force(without, full.observed.contact_floors[pair.column], again)
 
 
@@ -200,6 +190,7 @@ def _with_contact_events(
 
     The forces of the largest events are as well known as their source lets them.
     """
+    around = SETTINGS.forces.around_s
     contact_events: list[tuple[float, ContactEvent]] = []
     runs = []
     for number, run in enumerate(observed.runs):
@@ -208,7 +199,7 @@ def _with_contact_events(
             force, closed = run.contact[:, column], np.zeros(len(times), bool)
             for first, last in _merged(impacts.above(force, least[number], run.step_s), run.step_s):
                 event = ContactEvent(
-                    number, column, first * run.step_s - AROUND_S, last * run.step_s + AROUND_S, std
+                    number, column, first * run.step_s - around, last * run.step_s + around, std
                 )
                 closed |= event.within(times)
                 contact_events.append((float(force[first : last + 1].sum()) * run.step_s, event))
@@ -216,7 +207,9 @@ def _with_contact_events(
         runs.append(replace(run, contact=contact))
     contact_events.sort(key=lambda one: -one[0])
     return replace(
-        observed, runs=tuple(runs), contact_events=tuple(event for _, event in contact_events[:MOST_TOUCHES])
+        observed,
+        runs=tuple(runs),
+        contact_events=tuple(event for _, event in contact_events[: SETTINGS.forces.free_events]),
     )
 
 
@@ -224,7 +217,7 @@ def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int,
     """Return first and last sample of contact events, those joined that are too near to be told apart at the lower rate."""
     merged: list[tuple[int, int]] = []
     for first, last in groups:
-        if merged and (first - merged[-1][1]) * step_s < 2 * AROUND_S:
+        if merged and (first - merged[-1][1]) * step_s < 2 * SETTINGS.forces.around_s:
             merged[-1] = (merged[-1][0], last)
         else:
             merged.append((first, last))
@@ -291,7 +284,7 @@ def contact_findings(
     second = None
     if pair.second is not None:
         second = second_fit(full, start, pair.second[2], met.mass)
-    if len(met.impacts) < LEAST_IMPACTS:
+    if len(met.impacts) < SETTINGS.impacts.least:
         return ContactFindings(None, (), second, len(met.impacts), nearest, spread)
     law = baseline_law(case.contacts[0], met.mass)
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
@@ -312,7 +305,7 @@ def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fi
     fits = contacts.warmed(met, fits)
     level = _level(met, fits)
     if level < 1.0:
-        met = impacts.sharper(met, max(float(np.sqrt(level)), SHARPEST))
+        met = impacts.sharper(met, max(float(np.sqrt(level)), SETTINGS.impacts.sharpest))
         fits = contacts.warmed(met, [contacts.again(met, one, one) for one in fits])
     return met, max(1.0, _level(met, fits)), fits
 
@@ -333,7 +326,7 @@ def _met(
     if pair.cell is None and pair.second is None:
         # The force was found with the baseline frames; once more with the frames as they are.
         full, noise = _found_by(pair, values, effects, runs)
-    start = run_filter(full, values, starting_noise(full, runs, LEVEL), runs, effects)
+    start = run_filter(full, values, starting_noise(full, runs, SETTINGS.start.impact_level), runs, effects)
     left, right = full.observed.contact_floors[pair.column]
     mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
     reduced = reduced_mass(float(mass[left]), float(mass[right]))
@@ -356,7 +349,7 @@ def foretold(case: Case, found: Findings, verdict: str, contact_findings: Contac
         return None
     filtered = _frames(found, verdict)
     _, _, met = _met(found.pair, filtered.values, filtered.effects, found.held_out)
-    if len(met.impacts) < LEAST_IMPACTS:
+    if len(met.impacts) < SETTINGS.impacts.least:
         return None
     model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
     nuisance, likeliest = (

@@ -1,8 +1,8 @@
 """Two frames that touch: what the frames themselves are judged on, and forces at floors where none was measured.
 
 An impact excites modes up to the sampling rate, of which a frame's model knows the lower ones. The frames are therefore
-judged on motions below `RATE_HZ`, all channels and forces filtered alike, which linear frames do not notice; a contact
-is judged on the samples as they were recorded (`pounding.diagnosis.contact_force.impacts`).
+judged on motions below `forces.rate_hz`, all channels and forces filtered alike, which linear frames do not notice; a
+contact is judged on the samples as they were recorded (`pounding.diagnosis.contact_force.impacts`).
 
 A contact force that no cell measured shows in the innovations of the filter as the response to a few short pushes. Their
 sizes follow by least squares; one impulse response of the filter is enough, since it is steady.
@@ -24,21 +24,13 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.floors import level_floors
 
-RATE_HZ = 250.0
-"""Least sampling rate [Hz] on which the frames of a pair are judged."""
-LEVEL = 0.03
-"""Latent forces, as a share of the shear, while pushes are looked for in a model that is not calibrated yet."""
 MEMORY_S = 0.25
 """Time [s] in which the filter forgets a push."""
-PLAIN = 8.0
-"""Standard deviations above which a push opens a window."""
-BEFORE_S, AFTER_S = 1e-3, 3e-3
-"""What a window holds before and after the plain sample [s]."""
 LARGEST_N = 2e4
 """Prior standard deviation of a force [N]."""
-ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -59,13 +51,13 @@ class Pushes:
 
 
 def slowed(observed: Observations) -> Observations:
-    """Return the observations low-passed without delay and sampled at `RATE_HZ` or a little more."""
+    """Return the observations low-passed without delay and sampled at `forces.rate_hz` or a little more."""
     slower = min(_every(run) for run in observed.runs)
     return replace(observed, runs=tuple(_slowed(run) for run in observed.runs), slower=slower)
 
 
 def _every(run: RunData) -> int:
-    return max(1, int(1.0 / (run.step_s * RATE_HZ) + 1e-6))
+    return max(1, int(1.0 / (run.step_s * SETTINGS.forces.rate_hz) + 1e-6))
 
 
 def _slowed(run: RunData) -> RunData:
@@ -116,7 +108,7 @@ def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int
 
 def quick_filter(model: Model, runs: Sequence[int]) -> Filtered:
     """Return the baseline model as it is, its latent forces large enough for what is not calibrated."""
-    noise = starting_noise(model, runs, LEVEL)
+    noise = starting_noise(model, runs, SETTINGS.start.quick_level)
     return run_filter(model, np.zeros(len(model.std)), noise, runs)
 
 
@@ -206,15 +198,16 @@ def _solved(matched: np.ndarray, own: np.ndarray, step: float, closed: np.ndarra
     samples = len(matched)
     # The response begins a sample after the impulse of the filter.
     free = np.ones(samples, bool) if closed is None else ~closed
-    before, after = int(np.ceil(BEFORE_S / step)) + 1, int(np.ceil(AFTER_S / step)) + 1
+    impact = SETTINGS.impacts
+    before, after = (int(np.ceil(s / step)) + 1 for s in (impact.lead_s, impact.tail_s))
     open_ = np.zeros(samples, bool)
     force, left = np.zeros(samples), matched.copy()
     size = np.sqrt(own[0])
     usual = max(1.0, STD_PER_MAD * float(np.median(np.abs(matched))) / size)
     gram = np.zeros((0, 0))
     active = np.zeros(0, int)
-    for _ in range(ROUNDS):
-        plain = np.flatnonzero((left / size > PLAIN * usual) & free & ~open_)
+    for _ in range(SETTINGS.forces.rounds):
+        plain = np.flatnonzero((left / size > SETTINGS.forces.plain * usual) & free & ~open_)
         if not len(plain):
             break
         for k in plain:
@@ -238,10 +231,10 @@ def _solved(matched: np.ndarray, own: np.ndarray, step: float, closed: np.ndarra
         own_covariance = covariance[np.ix_(group, group)]
         total = force[active[group]].sum()
         # A contact pushes: what pulls on the whole is something else.
-        if total < 4.0 * np.sqrt(own_covariance.sum()):
+        if total < SETTINGS.forces.pushing * np.sqrt(own_covariance.sum()):
             force[active[group]] = 0.0
             continue
         windows.append((int(active[group[0]]), int(active[group[-1]])))
         each.append(own_covariance)
     gained = 0.5 * float(force[active] @ matched[active]) / usual**2
-    return Pushes(force, tuple(windows), tuple(each), gained - 4.0 * len(active))
+    return Pushes(force, tuple(windows), tuple(each), gained - SETTINGS.forces.cost * len(active))

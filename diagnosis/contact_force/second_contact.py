@@ -12,16 +12,10 @@ from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.hypotheses import Hypothesis
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.settings import SETTINGS
 
-LONG_S = 8e-3
-SECOND_NATS = 300.0
-SECOND_PUSHES = 4
-SECOND_SHARE = 0.5
-SECOND_LEAST_SHARE, BOTH_NATS = 0.15, 15.0
 ONE_SIDED = ((1.0, 0.0), (0.0, 1.0))
-"""After an impact, for so long [s], no other contact is looked for; evidence and number of pushes that one needs, and
-the share of its approaches beyond its gap in which it has to push. A smaller share will do, because a rocking base or
-soft joints make distances wrong, where pushes on both frames are so much likelier than pushes on either alone."""
+"""Pushes on the left frame alone and on the right one alone."""
 
 
 def second_contact(
@@ -55,9 +49,9 @@ def second_contact(
     for pair in floors:
         if pair != touching:
             found = pairs.pushes(full, filtered, pair, closed)
-            if sum(len(one.windows) for one in found) >= SECOND_PUSHES:
+            if sum(len(one.windows) for one in found) >= SETTINGS.second_contact.pushes:
                 tried.append((sum(one.ln_bayes for one in found), pair))
-    if not tried or max(tried)[0] < SECOND_NATS:
+    if not tried or max(tried)[0] < SETTINGS.second_contact.evidence:
         return full, None
     ln_bayes, pair = max(tried)
     if not _of_a_contact(full, filtered, pair, closed):
@@ -89,9 +83,11 @@ def without_last(full: Model) -> Model:
 
 
 def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
+    needs = SETTINGS.second_contact
     closed = np.zeros(len(force), bool)
     for first, last in impacts.groups(force, noise, step):
-        closed[max(0, first - int(2e-3 / step)) : last + int(LONG_S / step)] = True
+        before, after = (int(s / step) for s in (needs.before_s, needs.after_s))
+        closed[max(0, first - before) : last + after] = True
     return closed
 
 
@@ -101,12 +97,12 @@ def _of_a_contact(
     """Return whether pushes come as the floors come near, or at least push both frames, which no part of one does."""
     pushed = pairs.pushes(full, filtered, pair, closed)
     share = _opposed(full, filtered, pair, pushed, closed)
-    if share >= SECOND_SHARE or share < SECOND_LEAST_SHARE:
-        return share >= SECOND_SHARE
+    if share >= SETTINGS.second_contact.share or share < SETTINGS.second_contact.least_share:
+        return share >= SETTINGS.second_contact.share
     alone = [
         sum(one.ln_bayes for one in pairs.pushes(full, filtered, pair, closed, sides)) for sides in ONE_SIDED
     ]
-    return sum(one.ln_bayes for one in pushed) > max(alone) + BOTH_NATS
+    return sum(one.ln_bayes for one in pushed) > max(alone) + SETTINGS.second_contact.both
 
 
 def _opposed(
@@ -127,10 +123,10 @@ def _opposed(
         distance = filtered.prediction.after[number][:, :n] @ row
         peaks = np.flatnonzero((distance[1:-1] > distance[:-2]) & (distance[1:-1] >= distance[2:])) + 1
         step = full.observed.runs[filtered.runs[number]].step_s
-        near = np.zeros(len(distance), bool)
+        near, reach = np.zeros(len(distance), bool), int(SETTINGS.second_contact.near_s / step)
         for first, last in one.windows:
             begun.append(float(distance[min(first + int(1e-3 / step), last)]))
-            near[max(0, first - int(0.01 / step)) : last + int(0.01 / step)] = True
+            near[max(0, first - reach) : last + reach] = True
         tops += [(float(distance[k]), bool(near[k])) for k in peaks if near[k] or not closed[number][k]]
     if not begun:
         return 0.0

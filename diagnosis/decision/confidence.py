@@ -26,6 +26,7 @@ from pounding.diagnosis.decision.decision import NAMED, Decision, Verdict
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.files import write_whole
 
 Kind = Literal[Verdict, "contact_named", "pair_nothing_missing"]
@@ -53,12 +54,6 @@ SIGNS = {
     PAIR_NOTHING: -1,
 }
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
-BASE, SHRINKAGE = 1.0, 0.3
-"""Prior standard deviation of the intercept and of the other coefficients: few wrong verdicts make no steep rule."""
-RIG = 2.0
-"""Prior standard deviation of the logarithm of the odds by which one rig differs from the cases of a calibration."""
-LIMITS = (0.01, 0.99)
-"""No figure beyond these is stated: no calibration here rests on enough cases for one."""
 FILE = Path(__file__).with_name("confidence.toml")
 
 
@@ -133,7 +128,7 @@ def read_calibration(path: Path) -> Calibration:
 def confidence(features: Features, calibration: Calibration | None = None) -> float:
     """Return the probability that a verdict with these features is right."""
     weights = np.asarray((calibration or shipped()).coefficients[features.verdict], float)
-    return float(np.clip(expit(weights @ features.terms()), *LIMITS))
+    return float(np.clip(expit(weights @ features.terms()), *SETTINGS.confidence.limits))
 
 
 def features_of(found: Findings, decision: Decision, signal_to_noise: float, explained: float) -> Features:
@@ -255,10 +250,10 @@ def fit(
     for verdict in VERDICTS:
         chosen = [(features, right) for features, right in known if features.verdict == verdict]
         prior = np.log(overall / (1 - overall)) * np.eye(len(TERMS))[0]
-        spread = np.array([BASE] + [SHRINKAGE] * (len(TERMS) - 1))
+        spread = np.array([SETTINGS.confidence.intercept] + [SETTINGS.confidence.slope] * (len(TERMS) - 1))
         if around is not None:
             # A rig's own rate may well be another one; how it depends on the features is the other cases' to say.
-            prior, spread[0] = np.asarray(around.coefficients[verdict], float), RIG
+            prior, spread[0] = np.asarray(around.coefficients[verdict], float), SETTINGS.confidence.rig
         found[verdict] = _regression(chosen, prior, spread, SIGNS[verdict])
     return Calibration(source, found)
 

@@ -15,22 +15,7 @@ from scipy.ndimage import maximum_filter1d
 from pounding.diagnosis.contact_force.pairs import answers
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.model import Model
-
-PLAIN = 10.0
-"""Answer, in its usual standard deviations, from which a push is plain; noise alone reaches five."""
-SHARE, DEVIATIONS = 0.97, 2.17
-"""Share of the time in which answers are usual, and the deviations that so much of the noise stays below: a law that is not
-quite right answers in every cycle, a knock seldom."""
-LEAST = 2
-"""Plain pushes that make it no accident of one sample."""
-ALONE_NATS = 10.0
-"""By how much a push on one floor must be likelier than one on both floors of a contact."""
-MOST = 6
-"""Times told."""
-APART_S = 0.1
-"""Two answers nearer than this are one push; so near an end of a run none is looked for."""
-BESIDE_TOUCH_S = 0.05
-"""So long about a touch of two floors no push is looked for."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -50,10 +35,10 @@ class Impulses:
     def sentence(self) -> str:
         """Return what to say of them."""
         run = self.times[0][0]
-        here = [f"{time:.2f}" for name, time in self.times if name == run]
+        here = [f"{time:.2f}" for name, time in self.times if name == run][: SETTINGS.pushes.listed]
         frame, floor = self.place
         return (
-            f"{run}: short pushes at floor {floor} of {frame} or near it, at {', '.join(here[:MOST])} s from the start, "
+            f"{run}: short pushes at floor {floor} of {frame} or near it, at {', '.join(here)} s from the start, "
             "which nothing in the model makes; was the frame struck, or does a part of it hit another?"
         )
 
@@ -68,10 +53,10 @@ def impulses(model: Model, filtered: Filtered) -> Impulses | None:
     for floor in range(model.structure.floors):
         times, strength = [], 0.0
         for name, step_s, answer in _answers(model, filtered, floor, contact_events):
-            for k in _peaks(answer, max(1, round(APART_S / step_s))):
+            for k in _peaks(answer, max(1, round(SETTINGS.pushes.apart_s / step_s))):
                 times.append((name, k * step_s))
                 strength += float(answer[k])
-        if len(times) >= LEAST and (best is None or strength > best.strength):
+        if len(times) >= SETTINGS.pushes.least and (best is None or strength > best.strength):
             best = Impulses(model.structure.place(floor), tuple(times), strength)
     return best
 
@@ -92,16 +77,17 @@ def _answers(
     for number, (matched, own) in enumerate(answers(model, filtered, filtered.modes.floors[floor])):
         run = model.observed.runs[filtered.runs[number]]
         answer = np.abs(matched) / np.sqrt(own[0])
-        apart = max(1, round(APART_S / run.step_s))
+        apart = max(1, round(SETTINGS.pushes.apart_s / run.step_s))
         highest = maximum_filter1d(answer, 2 * apart + 1)
         answer[_touching(run.contact, run.step_s)] = 0.0
         # A filter begins from rest, and a low-pass knows nothing beyond a run's ends.
         answer[:apart] = answer[-apart:] = 0.0
-        usual = max(1.0, float(np.quantile(answer, SHARE)) / DEVIATIONS)
+        below = float(np.quantile(answer, SETTINGS.pushes.usual_share))
+        usual = max(1.0, below / SETTINGS.pushes.usual_deviations)
         for event in contact_events:
             # What pushes both frames is a touch that the force cell did not show.
             other = event[number][0] / np.sqrt(event[number][1][0])
-            answer[answer**2 < other**2 + 2 * ALONE_NATS] = 0.0
+            answer[answer**2 < other**2 + 2 * SETTINGS.pushes.alone] = 0.0
         # The force of a touch is never quite right: what rises toward it is its flank.
         answer[answer < highest] = 0.0
         yield run.name, run.step_s, answer / usual
@@ -110,7 +96,7 @@ def _answers(
 def _peaks(answer: np.ndarray, apart: int) -> list[int]:
     """Return the samples of plain answers, the largest of those that are near each other."""
     left, peaks = answer.copy(), []
-    while (k := int(left.argmax())) >= 0 and left[k] > PLAIN:
+    while (k := int(left.argmax())) >= 0 and left[k] > SETTINGS.pushes.plain:
         peaks.append(k)
         left[max(0, k - apart) : k + apart + 1] = 0.0
     return sorted(peaks)
@@ -121,6 +107,6 @@ def _touching(contact: np.ndarray, step_s: float) -> np.ndarray:
     near = np.zeros(len(contact), bool)
     for force in contact.T:
         size = np.abs(force)
-        near |= size > 1e-3 * size.max(initial=0.0)
-    reach = max(1, round(BESIDE_TOUCH_S / step_s))
+        near |= size > SETTINGS.forces.least_share * size.max(initial=0.0)
+    reach = max(1, round(SETTINGS.pushes.beside_contact_s / step_s))
     return np.convolve(near, np.ones(2 * reach + 1), "same") > 0

@@ -14,8 +14,9 @@ from pounding.diagnosis.decision.claims import Candidate, Claim, Place, candidat
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Basis
 from pounding.diagnosis.decision.decision import Verdict
-from pounding.diagnosis.inference.modal import SECOND_NATS, ModalFindings
+from pounding.diagnosis.inference.modal import ModalFindings
 from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed
+from pounding.diagnosis.settings import SETTINGS
 
 CALIBRATION = "posterior probability among the candidates at equal prior odds; not calibrated on cases"
 
@@ -54,7 +55,7 @@ def _probability(found: ModalFindings, verdict: Verdict) -> float:
 
     # Two effects at once are less likely beforehand, by as much as a second one must bring.
     def odds(one: Weighed) -> float:
-        return one.log_evidence - SECOND_NATS * max(len(one.acting) - 1, 0)
+        return one.log_evidence - SETTINGS.modal.evidence * max(len(one.acting) - 1, 0)
 
     total = logsumexp([odds(one) for one in (found.null, *found.singles, *found.pairs)])
     return float(np.exp(logsumexp([odds(one) for one in claimed]) - total))

@@ -24,7 +24,6 @@ from pounding.diagnosis.decision.claims import Place, place_of
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.rig_calibration import (
-    SIZE_SCATTER,
     Outcome,
     drawn,
     name_of,
@@ -38,9 +37,8 @@ from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import Between, simulate_pair
+from pounding.diagnosis.settings import SETTINGS
 
-RIVALS = 2
-"""Candidates of the frames, and as many of the contact, that take turns at being the truth."""
 SEED = 20261122
 Diagnose = Callable[[Case], Conclusion]
 
@@ -58,11 +56,12 @@ class Truth:
 def truths(found: Findings, contact_findings: ContactFindings) -> list[Truth]:
     """Return nothing missing and the best single candidates of the frames and of the contact."""
     single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].rival]
-    rivals = [Truth(name_of(one), place_of(one.effects[0]), frames=one) for one in single[:RIVALS]]
+    most = SETTINGS.calibration.pair_rivals
+    rivals = [Truth(name_of(one), place_of(one.effects[0]), frames=one) for one in single[:most]]
     seen: set[str] = set()
     for _, fit in contact_findings.ranked:
         effect = fit.hypothesis.effect
-        if effect not in seen and len(seen) < RIVALS:
+        if effect not in seen and len(seen) < most:
             seen.add(effect)
             where = Place(effect=effect, contact=1)
             rivals.append(Truth(effect.replace("_", " "), where, contact=fit))
@@ -150,7 +149,7 @@ def _given(value: float) -> float | None:
 def _of_size(stated: Law, fitted: Fitted, rng: np.random.Generator) -> Law:
     """Return a contact whose departure from the stated one is about the fitted one's; another law is as fitted."""
     law, effect = fitted.law, fitted.hypothesis.effect
-    share = float(np.exp(SIZE_SCATTER * rng.standard_normal()))
+    share = float(np.exp(SETTINGS.calibration.size_scatter * rng.standard_normal()))
     if effect == "gap_offset":
         return replace(stated, gap_m=stated.gap_m + share * (law.gap_m - stated.gap_m))
     if effect == "contact_stiffness":

@@ -15,17 +15,8 @@ from pounding.diagnosis.decision.claims import Claim, Parameter, Place, candidat
 from pounding.diagnosis.decision.conclusion import Conclusion, ContactMisfit
 from pounding.diagnosis.decision.confidence import CONTACT, Features, confidence
 from pounding.diagnosis.decision.decision import NAMED, Verdict
-from pounding.diagnosis.decision.verdict import CLASS_NATS
-from pounding.diagnosis.inference.findings import BLIND_FACTOR
 from pounding.diagnosis.model.pair import Pair
-
-CLAIM_NATS = 8.0
-CLAIM_BESIDE_NATS = 16.0
-UNHEARD_FACTOR = 2.0
-FORETOLD, FORETOLD_MOST, FORETOLD_LEAST = 0.25, 10.0, 3.0
-"""Evidence that an effect of the contact needs alone, and beside an effect of a frame, whose law is never quite right; how
-many times as much where no cell measured the force and no held-out impacts are heard; the share of its evidence that as
-many held-out impacts have to say for it, so many nats at most and so many less that a few may lack by chance."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 def claims_of(
@@ -46,16 +37,18 @@ def claims_of(
     """
     claims = [*_cell(case, pair), *_second(case, pair, contact_findings)]
     found = contact_claims(case, contact_findings)
-    needed = CLAIM_BESIDE_NATS if frames in NAMED or claims else CLAIM_NATS
+    needed = SETTINGS.pair_decision.contact_evidence
+    if frames in NAMED or claims:
+        needed *= SETTINGS.decision.second_factor
     if pair.cell is None:
-        needed *= BLIND_FACTOR
+        needed *= SETTINGS.pair_decision.unmeasured_factor
     if (
         found
         and found[0].log_evidence > needed
         and _holds(pair, found[0], needed, contact_findings, foretold)
     ):
         best = found[0]
-        alike = [one for one in found[1:] if one.log_evidence > best.log_evidence - CLASS_NATS]
+        alike = [one for one in found[1:] if one.log_evidence > best.log_evidence - SETTINGS.decision.alike]
         members = tuple(one.place for one in (best, *alike))
         claims.append(msgspec.structs.replace(best, members=members))
     return claims
@@ -137,12 +130,13 @@ def _holds(
     Without any of them a force cell's word is taken, and that of forces which the motion asks for if it says much more than
     is needed.
     """
+    ours = SETTINGS.pair_decision
     if not contact_findings.ranked or best.effect != contact_findings.ranked[0][1].hypothesis.effect:
         return True
     if foretold is None:
-        return pair.cell is not None or best.log_evidence > UNHEARD_FACTOR * needed
-    asked = FORETOLD * best.log_evidence * foretold.impacts / contact_findings.impacts
-    return foretold.gained > min(asked, FORETOLD_MOST) - FORETOLD_LEAST
+        return pair.cell is not None or best.log_evidence > ours.unmeasured_factor * needed
+    asked = ours.foretold_share * best.log_evidence * foretold.impacts / contact_findings.impacts
+    return foretold.gained > min(asked, ours.foretold_most) - ours.foretold_chance
 
 
 def _contact_misfit(foretold: Foretold, claims: list[Claim]) -> ContactMisfit:
@@ -167,7 +161,7 @@ def contact_claims(case: Case, contact_findings: ContactFindings) -> list[Claim]
         else 0.0
     )
     if beyond > 0:
-        ln_bayes = float(0.5 * beyond**2 - 3.0)
+        ln_bayes = float(0.5 * beyond**2 - SETTINGS.pair_decision.parameter_cost)
         offset = 1e3 * (contact_findings.nearest_m - contact.gap_m)
         sizes = [parameter("offset", offset, 1e3 * contact_findings.spread_m, "mm")]
         found.append(claim(Place(effect="gap_offset", contact=1), sizes, ln_bayes))

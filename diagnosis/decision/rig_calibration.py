@@ -25,19 +25,10 @@ from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.results.provenance import software_version
 from pounding.extras import extra_module
 
-CASES = 36
-"""Cases that make a calibration."""
-MINUTES = 15.0
-"""After so many minutes it ends with what it has."""
-RIVALS = 4
-"""Candidates that take turns at being the truth, beside the null model in every third case."""
-WITHIN = 2.5
-"""Prior standard deviations within which nuisance parameters are drawn."""
-SIZE_SCATTER = 0.5
-"""Standard deviation of the logarithm of an effect's size over its fitted one."""
 WORKERS = 2
 
 Progress = Callable[[str, float], None]
@@ -58,8 +49,8 @@ def calibrate(
     path: Path,
     progress: Progress = lambda what, share: None,
     *,
-    cases: int = CASES,
-    minutes: float = MINUTES,
+    cases: int = SETTINGS.calibration.cases,
+    minutes: float = SETTINGS.calibration.minutes,
     workers: int = WORKERS,
 ) -> list[Outcome]:
     """Return the outcomes of simulated cases on the rig of a diagnosis, those kept in a file first.
@@ -151,7 +142,7 @@ def _outcome(line: bytes) -> Outcome | None:
 def hypotheses(found: Findings) -> list[Judged]:
     """Return the null model and the best single candidates of the catalogue."""
     single = [one for one in found.judged if len(one.effects) == 1 and not one.effects[0].rival]
-    return [found.null, *single[:RIVALS]]
+    return [found.null, *single[: SETTINGS.calibration.rivals]]
 
 
 def turn(number: int, rivals: int) -> int:
@@ -222,7 +213,8 @@ def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
 
 def drawn(model: Model, rng: np.random.Generator) -> np.ndarray:
     """Return nuisance parameters drawn from their priors, in their own units, shape (nuisance,)."""
-    return np.asarray(model.std * np.clip(rng.standard_normal(len(model.std)), -WITHIN, WITHIN))
+    within = SETTINGS.calibration.within
+    return np.asarray(model.std * np.clip(rng.standard_normal(len(model.std)), -within, within))
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:
@@ -230,7 +222,7 @@ def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.
     acting = []
     for effect, values in zip(truth.effects, truth.fit.values, strict=True):
         changed = np.array(values, float)
-        changed[_amplitude(effect)] *= np.exp(SIZE_SCATTER * rng.standard_normal())
+        changed[_amplitude(effect)] *= np.exp(SETTINGS.calibration.size_scatter * rng.standard_normal())
         acting.append((effect, changed))
     return acting
 

@@ -10,27 +10,7 @@ from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import by_frame, over_floor
 from pounding.diagnosis.inference.model_checks import model_checks
-
-CLASS_NATS = 12.0
-RIVAL_NATS = 5.0
-"""Refined candidates within this of the best cannot be told from it: two that are one and the same to a single channel, a
-late table and a late sensor, end ten apart. A rival outside the catalogue has to be better by the second."""
-EXPLAINED = 0.8
-MOSTLY_EXPLAINED = 0.85
-"""Share of the explainable misfit that effects must explain on the held-out run, or else something else is missing; the
-larger one where more than `PLAINLY_LEFT` is left."""
-UNEXPLAINED, BLIND_UNEXPLAINED = 1.15, 1.3
-PLAINLY_LEFT = 2.5
-"""Misfit over noise floor below which nothing is left to explain, the second where contact forces are those that the motion
-asks for; from which on something is missing whatever the candidates say, and plainly so."""
-SECOND_NATS, SECOND_SIZE = 2.0, 0.1
-SECOND_SHARE = 0.1
-"""What a second effect must add: evidence as a multiple of what a first one needs, size in units of a channel's noise; and a
-share of the first one's evidence too, because laws that are not quite the catalogue's leave that much of a strong effect."""
-SAME_STOREY = 0.8
-"""Share of what a single effect leaves unexplained that a second one in the same storey must explain."""
-LEFT = 1.6
-"""Misfit over noise floor below which a confidence sees nothing left to explain."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 def decide(found: Findings) -> Decision:
@@ -63,7 +43,7 @@ def decide(found: Findings) -> Decision:
         if len(chosen.effects) == 1
         and other is not chosen
         and not other.effects[0].rival
-        and other.ln_bayes > chosen.ln_bayes - CLASS_NATS
+        and other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike
     )
     return Decision("effect_class" if alike else "effect_named", chosen, alike)
 
@@ -71,7 +51,7 @@ def decide(found: Findings) -> Decision:
 def _listed(single: list[Judged]) -> Judged:
     """Return the best single effect; one of the catalogue where a rival is not told from it."""
     catalogue = [one for one in single if not one.effects[0].rival]
-    near = catalogue and catalogue[0].ln_bayes > single[0].ln_bayes - RIVAL_NATS
+    near = catalogue and catalogue[0].ln_bayes > single[0].ln_bayes - SETTINGS.decision.rival
     return catalogue[0] if near else single[0]
 
 
@@ -84,7 +64,7 @@ def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
 
 
 def _unexplained(found: Findings) -> float:
-    return BLIND_UNEXPLAINED if _blind(found) else UNEXPLAINED
+    return SETTINGS.pair_decision.blind_unexplained if _blind(found) else SETTINGS.decision.unexplained
 
 
 def _blind(found: Findings) -> bool:
@@ -96,7 +76,9 @@ def _explained(found: Findings, judged: Judged) -> bool:
     left = remaining(found, judged)
     if left < _unexplained(found):
         return True
-    return explained(found, judged, 1.0) >= (MOSTLY_EXPLAINED if left > PLAINLY_LEFT else EXPLAINED)
+    needs = SETTINGS.decision
+    least = needs.mostly_explained if left > needs.much_left else needs.explained
+    return explained(found, judged, 1.0) >= least
 
 
 def _spread(judged: Judged) -> bool:
@@ -153,7 +135,7 @@ def _moved(found: Findings, judged: Judged) -> np.ndarray:
     return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
 
 
-def explained(found: Findings, judged: Judged, nothing: float = LEFT) -> float:
+def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decision.confident_left) -> float:
     """Return the share of the explainable misfit that effects explain, on the held-out runs if there are any.
 
     Args:
@@ -174,15 +156,17 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     ln_bayes, _ = found.thresholds(
         any(effect.absorbing for effect in double.effects if effect not in single.effects)
     )
-    likely = double.ln_bayes > single.ln_bayes + SECOND_NATS * ln_bayes + SECOND_SHARE * single.ln_bayes
-    if not likely or signal_to_noise(found, double, single) < SECOND_SIZE:
+    needs = SETTINGS.decision
+    least = single.ln_bayes + needs.second_factor * ln_bayes + needs.second_share * single.ln_bayes
+    likely = double.ln_bayes > least
+    if not likely or signal_to_noise(found, double, single) < needs.second_size:
         return False
     if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
         return True
     # In the same storey it is more likely that the first one's law is not quite the catalogue's.
     which = 1 if found.held_out else 0
     left = [np.nansum(np.maximum(_over(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
-    return bool(left[1] < (1 - SAME_STOREY) * left[0])
+    return bool(left[1] < (1 - needs.same_storey) * left[0])
 
 
 def features(found: Findings, decision: Decision) -> Features:

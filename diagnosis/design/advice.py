@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
-from pounding.diagnosis.decision.pair_decision import CLAIM_NATS
 from pounding.diagnosis.design import contact_advice, frame_advice
+from pounding.diagnosis.settings import SETTINGS
 
 
 def advice(diagnosis: Diagnosis) -> list[str]:
@@ -13,5 +13,5 @@ def advice(diagnosis: Diagnosis) -> list[str]:
     Of frames that pound it is their impacts that are in question.
     """
     if diagnosis.contact is not None:
-        return contact_advice.advice(diagnosis.contact, CLAIM_NATS)
+        return contact_advice.advice(diagnosis.contact, SETTINGS.pair_decision.contact_evidence)
     return frame_advice.advice(diagnosis.found, diagnosis.decision)

@@ -11,12 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, compare
-from pounding.diagnosis.contact_force.impacts import FAINT, MODEL, STEP_S, Bodies, Impact, Law
+from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.design.contenders import Gain, advised, contenders
+from pounding.diagnosis.settings import SETTINGS
 
-USED = 12
-"""Impacts that are simulated at most, the strongest."""
 TESTS = (
     ("the same shaking recorded at twice the sampling rate, force cell included", 2.0, 1.0, False),
     ("the same shaking recorded at four times the sampling rate, force cell included", 4.0, 1.0, False),
@@ -97,7 +96,7 @@ def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:
         faster: Velocity of the impacts over the measured one.
     """
     impacts = []
-    for impact in bodies.impacts[:USED]:
+    for impact in bodies.impacts[: SETTINGS.design.impacts]:
         onset = impact.free[min(impact.onset, len(impact.free) - 1)]
         turn = _turn(impact, finer)
         one = replace(
@@ -108,8 +107,8 @@ def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:
             turn=turn,
         )
         seen = compare(bodies, one, law, np.zeros(2))
-        strong = np.exp(seen[:4] - seen[0]) > FAINT
-        whiten = np.diag(np.concatenate([strong, strong[1:]]) / MODEL)
+        strong = np.exp(seen[:4] - seen[0]) > SETTINGS.impacts.faint
+        whiten = np.diag(np.concatenate([strong, strong[1:]]) / SETTINGS.impacts.model_error)
         impacts.append(replace(one, seen=seen, whiten=whiten))
     return replace(bodies, impacts=tuple(impacts))
 

@@ -6,13 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-Explanation = TypeVar("Explanation")
+from pounding.diagnosis.settings import SETTINGS
 
-WEAK = 20.0
-"""ln Bayes factor of an explanation against the next below which it is weakly told from it."""
-ENOUGH = 5.0
-"""ln Bayes factor from which on two are told apart; advice that brings less is not given."""
-SHOWN = 4
+Explanation = TypeVar("Explanation")
 
 
 @dataclass(frozen=True)
@@ -40,7 +36,7 @@ def contenders(
     ln_bayes, best = first
     if not claimed:
         return (best, null) if ln_bayes > 0 else None
-    if not others or others[0][0] <= ln_bayes - WEAK:
+    if not others or others[0][0] <= ln_bayes - SETTINGS.design.weak:
         return None
     return best, others[0][1]
 
@@ -70,7 +66,7 @@ def sentences(gains: Sequence[Gain], names: tuple[str, str]) -> list[str]:
         gains: What each is expected to bring, most first.
         names: The two explanations in words.
     """
-    useful = [one for one in gains if one.ln_bayes >= ENOUGH][:SHOWN]
+    useful = [one for one in gains if one.ln_bayes >= SETTINGS.design.enough][: SETTINGS.design.listed]
     if not useful and gains:
         best = gains[0]
         return [

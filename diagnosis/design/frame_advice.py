@@ -30,15 +30,7 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.storeys import Structure
-
-SHARE = 0.02
-"""Noise of a channel that is not there yet, as a share of its rms, where no channel of its kind is."""
-LONGEST_S = 8.0
-"""Length of a simulated run [s]."""
-WEIGHT_SHARE = 0.1
-"""Known weight on the roof, as a share of its frame's mass."""
-SECONDS = 20.0
-"""[s] after which no further measurement is tried."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -101,7 +93,7 @@ def expected(found: Findings, true: Fit, other: Fit) -> list[Gain]:
     left = _unexplained(base)
     gains = []
     for one in measurements(found, now):
-        if perf_counter() - began > SECONDS:
+        if perf_counter() - began > SETTINGS.design.seconds:
             break
         normal = _normal(one, true, other, found)
         total = _unexplained(_sum(base, normal)) if one.more else _unexplained(normal)
@@ -119,7 +111,7 @@ def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
     structure = model.structure
     for number, frame in enumerate(structure.frames):
         mass = frame.mass.copy()
-        weight = WEIGHT_SHARE * float(frame.floor_mass.sum())
+        weight = SETTINGS.design.weight * float(frame.floor_mass.sum())
         mass[-1, -1] += weight
         heavier = Structure(
             tuple(replace(f, mass=mass) if i == number else f for i, f in enumerate(structure.frames))
@@ -155,7 +147,7 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
                 root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
             )
             alike = np.flatnonzero(seen.quantity == kind)
-            share = SHARE
+            share = SETTINGS.design.noise
             if len(alike):
                 shown = root_mean_square(simulated.outputs[0])[alike]
                 share = float(np.median(now.noise[alike] / np.maximum(shown, 1e-12)))
@@ -172,7 +164,7 @@ def as_it_was(found: Findings) -> Measurement:
     seen = found.model.observed
     number = found.null.fit.filtered.runs[0]
     run = seen.runs[number]
-    samples = min(len(run.table), int(LONGEST_S / run.step_s))
+    samples = min(len(run.table), int(SETTINGS.design.longest_s / run.step_s))
     noise = np.asarray(found.null.fit.filtered.noise[0].channel, float)
     kept = np.flatnonzero(np.isfinite(noise))
     cut = replace(

@@ -10,9 +10,8 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior
 from pounding.diagnosis.model.model import Acting, Model
+from pounding.diagnosis.settings import SETTINGS
 
-BOX = 3.0
-"""Prior standard deviations that a nuisance parameter may move: what lies beyond is not nuisance."""
 REACH = 1.0
 """Prior standard deviations that an effect's parameter may move in one step."""
 LOG_WIDTH = 1.5
@@ -107,7 +106,7 @@ class Coordinates:
         """Return the posterior of terms: nuisance parameters stay within `BOX`, effects move by `REACH` at most."""
         own = len(self.start)
         free = np.full(own, np.inf)
-        box = np.full(len(self.scale), BOX)
+        box = np.full(len(self.scale), SETTINGS.refinement.box)
         kinked = tuple(range(len(self.scale), len(self.scale) + own))
         return Posterior(
             tuple(terms),

@@ -21,12 +21,10 @@ from pounding.diagnosis.inference.misfit import (
 )
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.settings import SETTINGS
 
 if TYPE_CHECKING:
     from pounding.diagnosis.model.pair import Pair
-
-UNEXPLAINED = 1.5
-"""Misfit over noise floor above which the search goes on: larger amplitudes, second effects."""
 
 
 @dataclass(frozen=True)
@@ -51,24 +49,6 @@ class Judged:
         """The effects in the fit, without those that it is judged beside."""
         aside = () if self.beside is None else self.beside.fit.effects
         return tuple(effect for effect in self.fit.effects if effect not in aside)
-
-
-DETECTED_NATS, DETECTED_SIZE = 30.0, 0.2
-"""Something is missing from this evidence on, if it also takes this share of the noise out of some channel."""
-PAIR_NATS, PAIR_SIZE = 200.0, 0.2
-LOCAL_NATS, LOCAL_SIZE = 100.0, 0.1
-CERTAIN_NATS, CERTAIN_SIZE = 1000.0, 0.1
-"""The same for frames that collide. Impacts show how a baseline frame is off: effects that absorb some of that had up to 463
-nats, and up to 0.16 of the noise where nothing at all was hidden; others, whose thresholds are the second, up to 21. Where a
-force cell told of the impacts, what is slow beside them may also show by so much evidence in less of it."""
-BLIND_FACTOR = 2.0
-"""Times as much evidence as else is needed, of frames and contact, where the forces are those that the motion asks for: what
-these miss looks like an effect too."""
-BESIDE_FACTOR = 1.5
-"""Times as much that absorbing effects need where something is missing between the frames already; where evidence makes up
-for size, only of that."""
-FILTERED_S = 2.5e-4
-"""Delay [s] by which impacts show that sensors' filters differ: none of these is missing in a pair."""
 
 
 @dataclass
@@ -105,22 +85,25 @@ class Findings:
             absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).
         """
         if self.pair is None:
-            return DETECTED_NATS, DETECTED_SIZE
-        known = BLIND_FACTOR if self.pair.blind else 1.0
+            return SETTINGS.decision.evidence, SETTINGS.decision.size
+        needs = SETTINGS.pair_decision
+        known = needs.unmeasured_factor if self.pair.blind else 1.0
         if absorbing:
-            return self._beside() * known * PAIR_NATS, self._beside() * PAIR_SIZE
-        return known * LOCAL_NATS, LOCAL_SIZE
+            return self._beside() * known * needs.absorbing_evidence, self._beside() * needs.absorbing_size
+        return known * needs.local_evidence, needs.local_size
 
     def _beside(self) -> float:
-        return BESIDE_FACTOR if self.pair is not None and self.pair.contact_claimed else 1.0
+        claimed = self.pair is not None and self.pair.contact_claimed
+        return SETTINGS.pair_decision.beside_contact_factor if claimed else 1.0
 
     def plain(self, judged: Judged, size: float) -> bool:
         """Return whether effects are detected that have so much evidence and this size."""
         needed, least = self.thresholds(any(effect.absorbing for effect in judged.effects))
         certain = self.pair is not None and not self.pair.blind
-        return (judged.ln_bayes >= needed and size >= least) or (
-            certain and judged.ln_bayes >= self._beside() * CERTAIN_NATS and size >= CERTAIN_SIZE
-        )
+        if judged.ln_bayes >= needed and size >= least:
+            return True
+        sure = self._beside() * SETTINGS.pair_decision.certain_evidence
+        return certain and judged.ln_bayes >= sure and size >= SETTINGS.pair_decision.certain_size
 
     def claimable(self) -> list[Judged]:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
@@ -148,7 +131,7 @@ class Findings:
 def _of_filters(judged: Judged) -> bool:
     each = zip(judged.fit.effects, judged.fit.values, strict=True)
     return any(
-        effect.name == "sensor_delay" and abs(values[0]) < FILTERED_S
+        effect.name == "sensor_delay" and abs(values[0]) < SETTINGS.pair_decision.filtered_s
         for effect, values in each
         if effect in judged.effects
     )
@@ -236,4 +219,4 @@ def leaves_much(model: Model, misfits: np.ndarray, filtered: Filtered, runs: tup
         runs: Numbers of the runs.
     """
     over = over_floor(model, misfits, floors(model, filtered, runs))
-    return bool(np.nanmax(by_frame(model, over)) > UNEXPLAINED)
+    return bool(np.nanmax(by_frame(model, over)) > SETTINGS.search.unexplained)

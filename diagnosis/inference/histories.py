@@ -18,10 +18,8 @@ from pounding.diagnosis.inference.filtering import (
 from pounding.diagnosis.inference.posterior import Likelihood
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.terms import nuisance_terms
+from pounding.diagnosis.settings import SETTINGS
 
-WORSE = 5.0
-"""Loss of log likelihood at which a step is taken back: the gain that fits the new parameters likes them less than the old
-one did."""
 LARGEST_SLOPE = 1e12
 """Whitened derivative from which on the simulation has blown up."""
 
@@ -104,7 +102,7 @@ class Histories(Likelihood):
             self.filtered.runs,
             self.coordinates.acting(theta),
         )
-        if filtered.log_likelihood < self.filtered.log_likelihood - WORSE:
+        if filtered.log_likelihood < self.filtered.log_likelihood - SETTINGS.refinement.worse:
             return None
         # The nuisance parameters' signatures are good for one step more.
         return Histories(self.model, filtered, self.coordinates, self._columns if self._fresh else None)

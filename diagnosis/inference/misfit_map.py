@@ -12,12 +12,7 @@ from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.misfit import differences
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
-
-WINDOWS = 6
-BANDS = 6
-SHOWN = 8
-ABOVE = 1.5
-"""Windows of a run, bands up to beyond the modes, entries told, and how far above the noise one must be."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 class Spot(Struct, frozen=True, kw_only=True):
@@ -54,10 +49,10 @@ def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[in
         nyquist = 0.5 / data.step_s
         for low, high in zip(edges[:-1], np.minimum(edges[1:], 0.95 * nyquist), strict=True):
             part = band(difference, low, high, data.step_s)
-            for window in np.array_split(np.arange(len(part)), WINDOWS):
+            for window in np.array_split(np.arange(len(part)), SETTINGS.misfit_map.windows):
                 level = root_mean_square(part[window])
                 noise = floor * np.sqrt((high - low) / nyquist)
-                for channel in np.flatnonzero(level > ABOVE * noise * rms):
+                for channel in np.flatnonzero(level > SETTINGS.misfit_map.above * noise * rms):
                     found.append(
                         Spot(
                             channel=model.observed.names[channel],
@@ -67,13 +62,14 @@ def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[in
                             misfit=float(level[channel] / rms[channel]),
                         )
                     )
-    return sorted(found, key=lambda one: -one.misfit)[:SHOWN]
+    return sorted(found, key=lambda one: -one.misfit)[: SETTINGS.misfit_map.listed]
 
 
 def band_edges(filtered: Filtered) -> np.ndarray:
     """Return the edges of the bands in which misfits are looked at [Hz], from 0 to beyond the fifth mode."""
     highest = 1.3 * float(np.sort(filtered.modes.omega)[min(4, len(filtered.modes.omega) - 1)]) / (2 * np.pi)
-    edges = np.geomspace(0.5 * float(filtered.modes.omega.min()) / (2 * np.pi), highest, BANDS)
+    lowest = 0.5 * float(filtered.modes.omega.min()) / (2 * np.pi)
+    edges = np.geomspace(lowest, highest, SETTINGS.misfit_map.bands)
     return np.concatenate([[0.0], edges])
 
 

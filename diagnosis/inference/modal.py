@@ -21,14 +21,7 @@ from pounding.diagnosis.inference.modal_evidence import (
 from pounding.diagnosis.inference.modal_model import Joints, alone, joints
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
-
-DETECTED_NATS = 3.0
-"""Evidence [nats] from which on an effect is claimed: odds of 20 to 1."""
-CLASS_NATS = 3.0
-"""Effects within this of the best cannot be told from it."""
-SECOND_NATS = 3.0
-UNLIKELY = 0.001
-"""Probability of the misfit below which nothing in the catalogue fits."""
+from pounding.diagnosis.settings import SETTINGS
 
 Progress = Callable[[str, float], None]
 
@@ -58,9 +51,9 @@ class ModalFindings:
     def best(self) -> Weighed:
         """What is claimed: nothing, a single effect, or a pair that is worth its second effect."""
         single = self.singles[0]
-        if single.log_evidence < self.null.log_evidence + DETECTED_NATS:
+        if single.log_evidence < self.null.log_evidence + SETTINGS.modal.evidence:
             return self.null
-        if self.pairs and self.pairs[0].log_evidence > single.log_evidence + SECOND_NATS:
+        if self.pairs and self.pairs[0].log_evidence > single.log_evidence + SETTINGS.modal.evidence:
             return self.pairs[0]
         return single
 
@@ -71,14 +64,14 @@ class ModalFindings:
         return tuple(
             one
             for one in rivals
-            if one is not self.best and one.log_evidence > self.best.log_evidence - CLASS_NATS
+            if one is not self.best and one.log_evidence > self.best.log_evidence - SETTINGS.modal.evidence
         )
 
     @property
     def fits(self) -> bool:
         """Whether the best explanation leaves no more than the stated uncertainties."""
         freedom = max(len(self.data) - len(self.best.acting), 1)
-        return bool(chi2.sf(self.best.misfit, freedom) > UNLIKELY)
+        return bool(chi2.sf(self.best.misfit, freedom) > SETTINGS.modal.unlikely)
 
 
 def examine(
@@ -103,7 +96,7 @@ def examine(
         singles.append(weigh(model, data, [one]))
     singles.sort(key=lambda one: -one.log_evidence)
     pairs: list[Weighed] = []
-    if singles[0].log_evidence > null.log_evidence + DETECTED_NATS:
+    if singles[0].log_evidence > null.log_evidence + SETTINGS.modal.evidence:
         for first in leaders(singles):
             for one in candidates:
                 if (

@@ -19,21 +19,19 @@ from pounding.diagnosis.effects.catalogue import Effect, Quantity, Scales, place
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, FrameEffect, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.modal_model import Joints
+from pounding.diagnosis.inference.numbers import NONE
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.numbers_shown import modal_numbers
+from pounding.diagnosis.settings import SETTINGS
 
 WIDEST = 4.0
 """Prior standard deviations that a size may reach."""
-STARTS = (0.3, 1.0, 2.5)
-"""Sizes in prior standard deviations from which a descent starts, of each sign that a size may have."""
 STEPS = 40
 LINEAR = ("frame_stiffness", "storey_stiffness", "floor_mass")
 """Nuisance parameters that a frequency depends on."""
 NUDGE = 1e-4
-GONE = -10.0
-"""Logarithm that stands for a number of a frame that has buckled, which nobody tested."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +152,7 @@ class ModalTerm(Likelihood):
         """Return the logarithms of all data as the model shows them, shape (data,)."""
         alone = shows(self.model, self.data, self.acting, self.values(theta))
         good = np.isfinite(alone) & (alone > 0)
-        logs = np.where(good, np.log(np.where(good, alone, 1.0)), GONE)
+        logs = np.where(good, np.log(np.where(good, alone, 1.0)), NONE)
         return np.asarray(logs + self.nuisance @ theta[: self.nuisance.shape[1]])
 
     def columns(self, theta: np.ndarray) -> np.ndarray:
@@ -204,7 +202,7 @@ class ModalTerm(Likelihood):
         axes = []
         for one in self.acting:
             sides = (1.0, -1.0) if one.effect.sign == 0 else (float(one.effect.sign),)
-            axes.append([side * start for side in sides for start in STARTS])
+            axes.append([side * start for side in sides for start in SETTINGS.modal.starts])
         ends = []
         for sizes in product(*axes):
             theta = np.concatenate([np.zeros(self.nuisance.shape[1]), sizes])

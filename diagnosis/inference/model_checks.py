@@ -10,20 +10,12 @@ from scipy.stats import chi2
 
 from pounding.diagnosis.inference.filtering import Filtered, whitened
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.settings import SETTINGS
 
 STRUCTURE = ("frame_stiffness", "storey_stiffness", "base_stiffness", "joint_stiffness", "floor_mass")
 """Nuisance parameters that say which frame this is."""
-BENT, STRAINED = 1e-4, 1e-8
-"""Probability by the priors that a frame is as far from the believed one: below the first a calibration may be stuck
-where it imitates something, below the second it is another frame."""
-TONE = 200.0
-"""Power of a line in the innovations over the median beside it from which it is a tone; noise alone reaches some 40."""
-BESIDE = 41
-"""Bins of the spectrum about a line."""
-OWN = 0.02
-"""Relative distance from a natural frequency within which a line may be a mode that is not quite right."""
-MAINS_HZ, HUM_HZ = (50.0, 60.0), 0.3
-"""Mains frequencies, and how near to a multiple of them a line is hum of the cables and no motion."""
+MAINS_HZ = (50.0, 60.0)
+"""Mains frequencies."""
 
 
 def model_checks(model: Model, filtered: Filtered) -> list[str]:
@@ -39,12 +31,12 @@ def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
 
 def bent(model: Model, filtered: Filtered) -> bool:
     """Return whether the frames' nuisance parameters are so far from the baseline model that one should start anew."""
-    return bool(chi2.sf(*strain(model, filtered)) < BENT)
+    return bool(chi2.sf(*strain(model, filtered)) < SETTINGS.checks.bent)
 
 
 def _strained(model: Model, filtered: Filtered) -> list[str]:
     squares, count = strain(model, filtered)
-    if chi2.sf(squares, count) > STRAINED:
+    if chi2.sf(squares, count) > SETTINGS.checks.strained:
         return []
     return [
         f"stiffness and mass must go further from the baseline frame than its priors allow (sum of squares {squares:.0f} "
@@ -62,8 +54,12 @@ def _tones(model: Model, filtered: Filtered) -> list[str]:
         run = model.observed.runs[number]
         good = np.isfinite(run.measured)
         for frequency in tones(whitened(series, steady, good), run.step_s):
-            mode = np.abs(frequency / own - 1.0).min() < OWN
-            if not mode and not _hum(frequency) and not any(abs(frequency - f) < 0.5 for f in found):
+            mode = np.abs(frequency / own - 1.0).min() < SETTINGS.checks.own
+            if (
+                not mode
+                and not _hum(frequency)
+                and not any(abs(frequency - f) < SETTINGS.checks.same_tone_hz for f in found)
+            ):
                 found[frequency] = run.name
     return [
         f"{name}: a tone of {frequency:.1f} Hz in several channels, which neither the table nor a mode makes; "
@@ -73,7 +69,8 @@ def _tones(model: Model, filtered: Filtered) -> list[str]:
 
 
 def _hum(frequency: float) -> bool:
-    return any(frequency > HUM_HZ and abs(frequency - round(frequency / f) * f) < HUM_HZ for f in MAINS_HZ)
+    near = SETTINGS.checks.hum_hz
+    return any(frequency > near and abs(frequency - round(frequency / f) * f) < near for f in MAINS_HZ)
 
 
 def tones(series: np.ndarray, step_s: float) -> Sequence[float]:
@@ -84,11 +81,11 @@ def tones(series: np.ndarray, step_s: float) -> Sequence[float]:
         step_s: Sampling step [s].
     """
     samples, channels = series.shape
-    if samples < 4 * BESIDE:
+    if samples < 4 * SETTINGS.checks.beside:
         return []
     power = np.abs(np.fft.rfft(series * np.hanning(samples)[:, None], axis=0)) ** 2
-    beside = median_filter(power, size=(2 * BESIDE + 1, 1), mode="reflect")
-    out = power > TONE * np.maximum(beside, np.finfo(float).tiny)
+    beside = median_filter(power, size=(2 * SETTINGS.checks.beside + 1, 1), mode="reflect")
+    out = power > SETTINGS.checks.tone * np.maximum(beside, np.finfo(float).tiny)
     out[:3] = False
     # A window spreads a line over its neighbours.
     near = out | np.roll(out, 1, axis=0) | np.roll(out, -1, axis=0)

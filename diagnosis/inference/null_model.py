@@ -11,13 +11,9 @@ from pounding.diagnosis.inference.findings import Findings, best, fit_misfits, l
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
-from pounding.diagnosis.inference.swapped import SWAPPED_NATS, exchange, exchanged
+from pounding.diagnosis.inference.swapped import exchange, exchanged
 from pounding.diagnosis.model.model import Model
-
-RESCUE_LEVEL = 0.01
-"""Latent force as a share of a storey's shear where nothing fits yet."""
-SWAPPED_GAP = 0.6
-"""Largest misfit of two exchanged channels, as a share of that before, at which the exchange is believed."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 def best_null(model: Model, null: Fit) -> Fit:
@@ -26,7 +22,7 @@ def best_null(model: Model, null: Fit) -> Fit:
     left = fit_misfits(model, filtered, runs)
     if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
         return null
-    noise = starting_noise(model, runs, RESCUE_LEVEL)
+    noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
     start = run_filter(model, np.zeros(len(model.std)), noise, runs)
     return max(null, refine(model, start, (), (), ()), key=lambda fit: fit.log_posterior)
 
@@ -61,7 +57,8 @@ def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, 
         fit_misfits(model, one.filtered, runs)[list(pair)].max()
         for model, one in ((model, null), (again, fit))
     )
-    if fit.log_posterior < null.log_posterior + SWAPPED_NATS or after > SWAPPED_GAP * before:
+    least = null.log_posterior + SETTINGS.search.swapped
+    if fit.log_posterior < least or after > SETTINGS.search.swapped_misfit * before:
         return model, null
     one, other = (observed.names[channel] for channel in pair)
     observed.warnings.append(

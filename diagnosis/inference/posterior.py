@@ -16,14 +16,12 @@ import numpy as np
 from scipy.optimize import lsq_linear
 from scipy.special import log_ndtr
 
+from pounding.diagnosis.settings import SETTINGS
+
 DAMPINGS = (0.0, 0.1, 1.0, 10.0)
 """Damping of the steps that are tried in turn, as a share of the information's diagonal."""
-ENOUGH = 0.2
-"""Gain of log posterior below which a descent ends."""
 STRIDES = (0.1, 0.03, 0.01)
-STRIDES_BELOW, STRIDE_GAIN = 20.0, 0.1
-"""Strides of the search along single coordinates, the gain of a step below which it is made, and the gain of a stride that
-counts."""
+"""Strides of the search along single coordinates."""
 
 
 class Likelihood(Protocol):
@@ -140,7 +138,7 @@ def descend(
     theta: np.ndarray,
     iterations: int,
     dampings: Sequence[float] = DAMPINGS,
-    enough: float = ENOUGH,
+    enough: float = SETTINGS.refinement.enough,
 ) -> tuple[Posterior, np.ndarray]:
     """Return the posterior about the end of a descent, and the parameters there, shape (parameters,).
 
@@ -164,7 +162,7 @@ def descend(
             if after < before:
                 moved = trial
                 break
-        if posterior.kinked and before - after < STRIDES_BELOW:
+        if posterior.kinked and before - after < SETTINGS.refinement.strides_below:
             moved, after = _strides(posterior, moved, min(after, before))
         if after >= before:
             break
@@ -186,7 +184,7 @@ def _strides(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.n
                     moved = theta.copy()
                     moved[j] += sign * stride
                     tried = posterior.cost(moved)
-                    if tried > cost - STRIDE_GAIN:
+                    if tried > cost - SETTINGS.refinement.stride_gain:
                         break
                     theta, cost = moved, tried
     return theta, cost

@@ -14,15 +14,7 @@ from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import NumbersTerm, numbers_of
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
 from pounding.diagnosis.model.model import Model
-
-LAST = 6
-"""Times as many steps at the end; a descent ends by itself when it gains nothing more."""
-LEAST_LATENT = 1e-4
-"""[N] below which a latent force is none."""
-LATENT_STEP = 0.3
-"""Factor by which the latent forces are reduced as long as the data like it better."""
-LIKELIER = 1.0
-"""Gain of log likelihood from which on smaller latent forces are kept."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
@@ -74,19 +66,19 @@ def refine(
     )
     if not thorough:
         return _finished(model, current, coordinates, theta)
-    while current.noise[0].latent.max() > LEAST_LATENT:
-        noise = tuple(replace(one, latent=LATENT_STEP * one.latent) for one in current.noise)
+    while current.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
+        noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
         trial, moved = _descended(model, trial, coordinates, theta, iterations)
-        if trial.log_likelihood < current.log_likelihood + LIKELIER:
+        if trial.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
             break
         current, theta = trial, moved
     current = _table_noise(model, current)
     noise = matched_noise(model, current)
     trial = run_filter(model, current.values, noise, current.runs, current.effects)
     current = max(current, trial, key=lambda one: one.log_likelihood)
-    current, theta = _descended(model, current, coordinates, theta, LAST * iterations)
+    current, theta = _descended(model, current, coordinates, theta, SETTINGS.refinement.last * iterations)
     return _finished(model, current, coordinates, theta)
 
 
@@ -146,7 +138,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
             trial = run_filter(model, best.values, noise, best.runs, best.effects)
             if model.observed.contact_events:
                 trial = _run_by_run(model, best, trial)
-            if trial.log_likelihood < best.log_likelihood + 0.5:
+            if trial.log_likelihood < best.log_likelihood + SETTINGS.refinement.table_noise_likelier:
                 break
             best = trial
     return best

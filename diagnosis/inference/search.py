@@ -6,48 +6,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from pounding.constants import STANDARD_GRAVITY
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
-from pounding.diagnosis.inference.coordinates import BOX
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
-from pounding.diagnosis.inference.null_model import RESCUE_LEVEL, best_null, null_again, unswapped
+from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Model
-
-REFINED = 8
-THOROUGH = 3
-WORTH = 2.0
-FOILS = 2
-"""Candidates refined at most, those of them refined to the end, the least evidence [nats] for which one is, and how many
-may be foils."""
-START_FACTORS = (0.5, 2.0)
-"""Sizes tried beside the scored one before a refinement."""
-RESCUE_FACTORS = (0.5, 1.5, 4.0, 12.0)
-RESCUED = 50.0
-RESCUES = 4
-RESCUED_STOREYS = 6
-RESCUED_SCORES = 4
-RESCUED_FACTORS = (1.0, 2.0)
-"""Where nothing fits: sizes tried, evidence [nats] that is worth a refinement, how many, where, and how
-many of what scores best are tried and at which multiples of their scored size."""
-RESTARTS, RESTARTED, RESTARTED_SHARE = 2, 5.0, 0.05
-"""How often, and for which gain [nats] and which share of the evidence, the null model is calibrated again from where the
-likeliest effect led."""
-SOFTER = 0.4
-"""Share of the stiffness found for a base that turns, from which a softer one is looked for."""
-FADED = (0.3, 1.0)
-"""Rates, over the usual one, at which a friction that fades is thought to have lost half of itself at first."""
-GAINS = (-2.0, STANDARD_GRAVITY - 1, 1 / STANDARD_GRAVITY - 1, 9.0, -0.9, 99.0, -0.99, 999.0, -0.999)
-"""Relative changes tried for a sensor's gain: a wrong polarity, a unit typed wrong."""
-SECOND = 12.0
-"""Evidence [nats] that a second effect needs."""
+from pounding.diagnosis.settings import SETTINGS
 
 Progress = Callable[[str, float], None]
 
@@ -76,9 +47,9 @@ def search(
     model, null = unswapped(model, null, training)
     runs = (tuple(training), tuple(held_out))
     found = _refined_best(model, null, effects, runs, progress)
-    for _ in range(RESTARTS):
+    for _ in range(SETTINGS.search.restarts):
         again = null_again(found)
-        worth = max(RESTARTED, RESTARTED_SHARE * best(found).ln_bayes)
+        worth = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
         if again.log_posterior < null.log_posterior + worth:
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
@@ -109,9 +80,10 @@ def _refined_best(
         progress(f"refining {one.effect.label()}", 0.35 + 0.15 * count / max(len(chosen), 1))
         quick.append(_refined(found, null.filtered, one, thorough=False))
     order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
-    if chosen and 0 not in order[:THOROUGH]:
-        order.insert(THOROUGH - 1, 0)  # What scores best is refined to the end, however hard it is to start.
-    for count, i in enumerate(order[:THOROUGH]):
+    if chosen and 0 not in order[: SETTINGS.search.thorough]:
+        # What scores best is refined to the end, however hard it is to start.
+        order.insert(SETTINGS.search.thorough - 1, 0)
+    for count, i in enumerate(order[: SETTINGS.search.thorough]):
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
         fit = _refined(found, null.filtered, chosen[i], start=quick[i])
         _keep(found, fit)
@@ -140,11 +112,11 @@ def _chosen(scores: Scores) -> list[Score]:
     chosen: list[Score] = []
     rivals = 0
     for one in scores.ranked:
-        if one.ln_bayes < WORTH or len(chosen) >= REFINED:
+        if one.ln_bayes < SETTINGS.search.worth or len(chosen) >= SETTINGS.search.refined:
             break
         # A rival outside the catalogue acts alike on neighbouring floors, and two of them say enough.
         rivals += one.effect.rival
-        if not one.effect.rival or rivals <= FOILS:
+        if not one.effect.rival or rivals <= SETTINGS.search.rivals:
             chosen.append(one)
     return chosen
 
@@ -176,7 +148,8 @@ def _refined(
     width = widths(model, effect, found.sizes, one.shape)
     if with_fit is not None:
         before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        moved = np.clip(filtered.values + one.nuisance, -BOX * model.std, BOX * model.std)
+        limit = SETTINGS.refinement.box * model.std
+        moved = np.clip(filtered.values + one.nuisance, -limit, limit)
         return refine(
             model,
             filtered,
@@ -198,14 +171,13 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
     """
     model, effect = found.model, one.effect
     shapes = effect.grid(found.sizes)
-    tried = [(one.shape, factor) for factor in (1.0, *START_FACTORS)]
+    tried = [(one.shape, factor) for factor in (1.0, *SETTINGS.search.start_factors)]
     if len(shapes) > 1:
-        tried += [
-            (shape, 1.0) for shape in sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))[1:3]
-        ]
+        nearest = sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))
+        tried += [(shape, 1.0) for shape in nearest[1 : 1 + SETTINGS.search.start_shapes]]
     scanned = effect.near(one.shape)
-    tried += [(shape, factor) for shape in scanned for factor in (0.5, 1.0)]
-    limit = BOX * model.std
+    tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
+    limit = SETTINGS.refinement.box * model.std
     starts: list[tuple[np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
@@ -226,7 +198,7 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
 
 def softer(found: Findings, fit: Fit) -> Fit:
     """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values."""
-    values = SOFTER * fit.values[0]
+    values = SETTINGS.search.softer * fit.values[0]
     return refine(found.model, found.null.fit.filtered, fit.effects, (values,), (values,))
 
 
@@ -259,7 +231,7 @@ def _faded(found: Findings) -> None:
     plain, fit = leading.effects[0], leading.fit
     rival = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
     usual = float(found.sizes.drift_rate[plain.index])
-    for share in FADED:
+    for share in SETTINGS.search.faded:
         values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
         width = np.maximum(np.abs(values), 1e-12)
         faded = refine(found.model, fit.filtered, (rival,), (values,), (width,))
@@ -274,7 +246,7 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
     """
     model = found.model
     nuisance = np.zeros(len(model.std))
-    noise = starting_noise(model, found.training, RESCUE_LEVEL)
+    noise = starting_noise(model, found.training, SETTINGS.start.rescue_level)
     start = run_filter(model, nuisance, noise, found.training)
     for effect, values in _hopeful(found, effects, start):
         filtered = run_filter(model, nuisance, noise, found.training, [(effect, values)])
@@ -284,11 +256,11 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
 
 def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> list[tuple[Effect, np.ndarray]]:
     """Return effects and sizes to start anew with, each effect once at its likeliest size."""
-    scored = [one for one in found.scores.ranked if not one.effect.rival][:RESCUED_SCORES]
+    scored = [one for one in found.scores.ranked if not one.effect.rival][: SETTINGS.search.rescued_scores]
     tried = [
         (one.effect, one.effect.values(factor * one.amplitude, one.shape))
         for one in scored
-        for factor in RESCUED_FACTORS
+        for factor in SETTINGS.search.rescued_factors
     ]
     if unexplained(found, best(found)):
         tried += [
@@ -299,24 +271,25 @@ def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> lis
     for effect, values in tried:
         likely = _likely(found, start, gains, [(effect, values)])
         better = effect not in likeliest or likely > likeliest[effect][0]
-        if np.isfinite(likely) and likely > start.log_likelihood + RESCUED and better:
+        if np.isfinite(likely) and likely > start.log_likelihood + SETTINGS.search.rescued and better:
             likeliest[effect] = (likely, values)
     ranked = sorted(likeliest, key=lambda effect: -likeliest[effect][0])
     # Raw likelihood knows nothing of what the nuisance parameters can do: what scores best goes first.
     first = [one.effect for one in scored if one.effect in likeliest][:1]
-    chosen = first + [effect for effect in ranked if effect not in first][: RESCUES - len(first)]
+    others = [effect for effect in ranked if effect not in first]
+    chosen = first + others[: SETTINGS.search.rescues - len(first)]
     return [(effect, likeliest[effect][1]) for effect in chosen]
 
 
 def _sizes(found: Findings, effect: Effect) -> list[np.ndarray]:
     """Return the parameters of an effect that a rescue tries."""
     if effect.name == "sensor_gain":
-        return [effect.values(change, ()) for change in GAINS]
+        return [effect.values(change, ()) for change in SETTINGS.search.gains]
     grid = effect.grid(found.sizes)
     tried = []
-    for shape in grid[:: max(1, len(grid) // 4)]:
+    for shape in grid[:: max(1, len(grid) // SETTINGS.search.rescue_shapes)]:
         size = (effect.sign or 1) * effect.size(found.model, found.sizes, shape)
-        tried += [effect.values(factor * size, shape) for factor in RESCUE_FACTORS]
+        tried += [effect.values(factor * size, shape) for factor in SETTINGS.search.rescue_factors]
     return tried
 
 
@@ -339,7 +312,7 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
     for effect in sorted(effects, key=lambda e: ranked.get(e, len(ranked))):
         if effect.where == "storey" and effect.index not in storeys:
             storeys.append(effect.index)
-    inside = storeys[:RESCUED_STOREYS]
+    inside = storeys[: SETTINGS.search.rescued_storeys]
     return [
         e
         for e in effects
@@ -356,8 +329,8 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     model = found.model
     others = [effect for effect in effects if effect not in fit.effects]
     found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
-    if found.later.ranked[0].ln_bayes < SECOND:
+    if found.later.ranked[0].ln_bayes < SETTINGS.search.second:
         return
-    for number, one in enumerate(found.later.ranked[:2]):
-        if one.ln_bayes > SECOND and not (number and one.effect.rival):
+    for number, one in enumerate(found.later.ranked[: SETTINGS.search.seconds]):
+        if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival):
             _keep(found, _refined(found, fit.filtered, one, fit))

@@ -14,18 +14,12 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.noise import spectral_floor
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION
-
-FIRST_LEVEL = 0.3
-REDUCTION = 0.3
-LAST_LEVEL = 1e-5
-"""Latent force as a share of a storey's shear: where calibration starts, by what it falls, and where it ends."""
-
-TABLE_NOISE = 0.005
-LEAST_NOISE = 0.003
-"""Noise to start from: of the table over its rms; the least that is believed of any channel."""
+from pounding.diagnosis.settings import SETTINGS
 
 
-def starting_noise(model: Model, runs: Sequence[int], level: float = FIRST_LEVEL) -> list[Noise]:
+def starting_noise(
+    model: Model, runs: Sequence[int], level: float = SETTINGS.start.first_level
+) -> list[Noise]:
     """Return noise to start from: channels by their spectral floor, latent forces by the storeys' shear.
 
     Args:
@@ -40,7 +34,9 @@ def starting_noise(model: Model, runs: Sequence[int], level: float = FIRST_LEVEL
         rms = model.observed.rms(run)
         floor = np.array([spectral_floor(column, run.step_s) for column in run.measured.T])
         measured = np.isfinite(floor) & (rms > 0)
-        channel = np.where(measured, np.maximum(floor, LEAST_NOISE * np.nan_to_num(rms)), np.inf)
+        channel = np.where(
+            measured, np.maximum(floor, SETTINGS.start.least_noise * np.nan_to_num(rms)), np.inf
+        )
         accelerations = rms[(model.observed.quantity == ACCELERATION) & measured]
         table = float(root_mean_square(run.table))
         typical = float(np.median(accelerations)) if len(accelerations) else 3.0 * table
@@ -50,7 +46,7 @@ def starting_noise(model: Model, runs: Sequence[int], level: float = FIRST_LEVEL
                 for span in map(model.structure.span, range(len(model.structure.frames)))
             ]
         )
-        found.append(Noise(level * shear, max(TABLE_NOISE * table, 1e-6), channel))
+        found.append(Noise(level * shear, max(SETTINGS.start.table_noise * table, 1e-6), channel))
     return found
 
 
@@ -58,10 +54,10 @@ def calibrated(model: Model, runs: Sequence[int]) -> Filtered:
     """Return the null model, its latent forces going from large to as small as the data like."""
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, runs), runs)
     filtered = calibrated_further(model, filtered, 2)
-    level = FIRST_LEVEL
-    while level > LAST_LEVEL:
-        level *= REDUCTION
-        noise = [replace(one, latent=REDUCTION * one.latent) for one in filtered.noise]
+    level = SETTINGS.start.first_level
+    while level > SETTINGS.start.last_level:
+        level *= SETTINGS.start.reduction
+        noise = [replace(one, latent=SETTINGS.start.reduction * one.latent) for one in filtered.noise]
         trial = calibrated_further(model, run_filter(model, filtered.values, noise, runs), 2)
         if trial.log_likelihood < filtered.log_likelihood:
             break

@@ -10,9 +10,7 @@ import numpy as np
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
-
-SWAPPED_NATS = 1000.0
-"""What exchanging two channels must gain before it is worth a recalibration."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
@@ -22,7 +20,7 @@ def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
         model.structure.place(int(floor))[0] if floor < model.structure.floors else ""
         for floor in observed.floor
     ]
-    best, gain = None, SWAPPED_NATS
+    best, gain = None, SETTINGS.search.swapped
     gains = [steady.gain for steady in null.filters]
     for one, other in combinations(range(len(observed.names)), 2):
         if observed.quantity[one] != observed.quantity[other] or frames[one] != frames[other]:

@@ -10,13 +10,10 @@ from scipy.signal import csd, welch
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION, VELOCITY
+from pounding.diagnosis.settings import SETTINGS
 
 SEGMENT_CYCLES = 16
-"""Length of the segments of a spectrum in cycles of the believed first frequency."""
-RANGE = (0.4, 2.0)
-"""Where the measured first frequency is looked for, in believed ones."""
-UNLIKELY = 3.0
-"""Prior standard deviations from which a measured frequency is told."""
+"""Length of the segments of a spectrum in cycles of the first frequency of the baseline model."""
 
 
 def frequency_warnings(model: Model) -> list[str]:
@@ -30,7 +27,8 @@ def frequency_warnings(model: Model) -> list[str]:
         first = float(modes.omega[own].min()) / (2 * np.pi)
         found = measured_frequency(model, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
-        if found is None or abs(np.log(found[0] / first)) < UNLIKELY * spread + found[1] / first:
+        unlikely = SETTINGS.screening.frequency_unlikely * spread
+        if found is None or abs(np.log(found[0] / first)) < unlikely + found[1] / first:
             continue
         said.append(
             f"{frame.name}: the first frequency in the data is {found[0]:.2f} Hz and in the baseline model {first:.2f} Hz, "
@@ -80,7 +78,8 @@ def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> t
         own = own + len(answer) * welch(run.table, **settings)[1]
     if step_s == 0.0:
         return None
-    looked = (hertz > RANGE[0] * first_hz) & (hertz < RANGE[1] * first_hz)
+    low, high = SETTINGS.screening.frequency_range
+    looked = (hertz > low * first_hz) & (hertz < high * first_hz)
     table = np.asarray(own)
     gain = np.abs(np.asarray(across)[looked]) / np.maximum(table[looked], 1e-3 * table.max())
     return float(hertz[looked][np.argmax(gain / hertz[looked] ** power)]), 0.5 / (length * step_s)

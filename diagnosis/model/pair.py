@@ -13,7 +13,7 @@ class Pair:
 
     Attributes:
         full: The baseline model with observations at the logger's rate, all contact forces filled in.
-        slow: The same for the frames, below `pairs.RATE_HZ`.
+        slow: The same for the frames, below `forces.rate_hz`.
         column: Column of the stated contact's force. noise: Its standard deviation in each run [N].
         cell: The errors of the force cell, or None where there is none that can be used.
         second: Floor (from 1) of a contact that the case does not list, its ln Bayes factor, and its column; or None.

@@ -12,13 +12,7 @@ import numpy as np
 
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
-
-DEAD_S = 0.05
-"""A channel that repeats one value for longer than this [s] in the middle of a shaking has dropped out."""
-CLIPPED_SAMPLES = 6
-CLIPPED_SHARE = 0.9
-"""Samples that sit exactly at the largest value before a channel is called clipped, and the least share of those that
-reach `CLIPPED_SHARE` of it that must."""
+from pounding.diagnosis.settings import SETTINGS
 
 
 def screened(observed: Observations) -> Observations:
@@ -62,7 +56,7 @@ def _ended(run: RunData) -> RunData:
     series = np.column_stack([run.table, run.measured])
     same = np.all((series == series[-1]) | (np.isnan(series) & np.isnan(series[-1])), axis=1)
     kept = len(same) - int(np.argmin(same[::-1]))
-    if same.all() or (len(same) - kept) * run.step_s < DEAD_S:
+    if same.all() or (len(same) - kept) * run.step_s < SETTINGS.screening.dead_s:
         return run
     parts = {name: getattr(run, name)[:kept] for name in ("time_s", "table", "measured", "contact")}
     return replace(run, **parts)
@@ -89,7 +83,7 @@ def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
     good = np.isfinite(series)
     if not good.any() or np.nanmax(np.abs(series)) == 0:
         return np.asarray(good)
-    least = max(8, int(DEAD_S / step_s))
+    least = max(SETTINGS.screening.dead_samples, int(SETTINGS.screening.dead_s / step_s))
     edges = np.flatnonzero(np.diff(series) != 0) + 1
     for start, stop in zip(np.r_[0, edges], np.r_[edges, len(series)], strict=True):
         if stop - start >= least and start > 0 and stop < len(series) and np.isfinite(series[start]):
@@ -99,14 +93,14 @@ def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
 
 def _clipped(series: np.ndarray) -> np.ndarray:
     """Return where a channel sits at its largest or smallest value, if it does so too often to be chance."""
-    bad = np.zeros(len(series), bool)
+    ours, bad = SETTINGS.screening, np.zeros(len(series), bool)
     for sign in (1.0, -1.0):
         signed = sign * series
         if not np.isfinite(signed).any():
             continue
         top = np.nanmax(signed)
         at = signed == top
-        near = signed >= CLIPPED_SHARE * top
-        if top > 0 and at.sum() >= CLIPPED_SAMPLES and at.sum() > 0.3 * near.sum():
+        near = signed >= ours.clipped_from * top
+        if top > 0 and at.sum() >= ours.clipped_samples and at.sum() > ours.clipped_share * near.sum():
             bad |= at
     return bad

@@ -19,9 +19,7 @@ from pounding.diagnosis.inference.misfit_map import Spot, where
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
 from pounding.diagnosis.report.report import HeldOutMisfit, Misfit, Misfits, ModalRow, Report
-
-POORLY_KNOWN = 2.0
-"""Misfit over noise floor from which contact forces that no cell measured are said to be poor."""
+from pounding.diagnosis.settings import SETTINGS
 
 Outputs = dict[int, np.ndarray]
 """Channels in SI, shape (samples, channels), by the number of the run."""
@@ -102,7 +100,7 @@ def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str
         left: Misfit over the training runs.
         noise: Its noise floor.
     """
-    if not pair.blind or left is None or noise is None or left < POORLY_KNOWN * noise:
+    if not pair.blind or left is None or noise is None or left < SETTINGS.report.poor_forces * noise:
         return []
     return [
         f"the contact forces were found from the motion and leave {left / noise:.1f} times the noise in the runs used: "

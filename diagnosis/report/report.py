@@ -16,10 +16,9 @@ from pounding.diagnosis.decision.decision import NAMED, Verdict
 from pounding.diagnosis.design.detectability import Detectability
 from pounding.diagnosis.design.distinguishing_tests import Distinction
 from pounding.diagnosis.inference.misfit_map import Spot
+from pounding.diagnosis.settings import SETTINGS
 
 SCHEMA = 2
-EXPLAINABLE = 1.1
-"""A misfit is explainable when it exceeds the noise floor by this factor; below, a share of it means nothing."""
 
 
 class Misfit(Struct, frozen=True, kw_only=True):
@@ -40,7 +39,9 @@ class Misfit(Struct, frozen=True, kw_only=True):
     def share(self) -> float | None:
         """Return the share of the misfit above the noise floor that the effects explain, or None where none is above it."""
         before, after, noise = self.before, self.after, self.noise_floor
-        if before is None or after is None or noise is None or not before > EXPLAINABLE * noise:
+        if before is None or after is None or noise is None:
+            return None
+        if not before > SETTINGS.report.explainable * noise:
             return None
         return (before - after) / (before - noise)
 

@@ -18,14 +18,11 @@ from pounding.diagnosis.model.nuisance import (
     STRUCK_DAMPING,
 )
 from pounding.diagnosis.report.report import ChannelMisfit, Report
+from pounding.diagnosis.settings import SETTINGS
 
-HIDDEN = 3.0
-"""Misfit of the worst channel over the median of all from which the worst is told too."""
 _STRUCK = (
     f"Frames that collide show their higher modes, whose damping is known {STRUCK_DAMPING:g} times less well."
 )
-LIKE = 0.03
-"""Relative difference below which a sensor's gain is taken for another unit or the wrong polarity."""
 LN_BAYES = (
     "The ln Bayes factor of an effect is the natural logarithm of how many times likelier the measurements are with the "
     "effect in the model than with nothing missing, its size and the nuisance parameters averaged over their priors: "
@@ -100,7 +97,7 @@ def _worst(report: Report) -> str:
     if not known or misfit is None or misfit.before is None:
         return ""
     before, worst = max(known, key=lambda one: one[0])
-    if before < HIDDEN * misfit.before:
+    if before < SETTINGS.report.worst_channel * misfit.before:
         return ""
     return f", and that of channel {worst.channel} from {percent(before)} to {percent(worst.after)}"
 
@@ -179,10 +176,10 @@ def misread(case: Case, effect: Claim) -> str | None:
     if not isinstance(change, float):
         return None
     reads = 1 + change
-    if abs(reads + 1) < LIKE:
+    if abs(reads + 1) < SETTINGS.report.like:
         return f"Channel {channel.name} reads minus the truth: its polarity is wrong."
     for unit, factor in UNITS[channel.quantity].items():
-        if unit != channel.unit and abs(reads * factor / channel.to_si - 1) < LIKE:
+        if unit != channel.unit and abs(reads * factor / channel.to_si - 1) < SETTINGS.report.like:
             return f"Channel {channel.name} reads as if it were in {unit}; case.toml says {channel.unit}."
     return None
 

@@ -39,9 +39,10 @@ def source(parts: list[str]) -> Path | None:
 
 
 def defined(path: Path) -> set[str]:
-    """The names that a module binds at its top level, by definition, assignment or import."""
+    """The names that a module binds at its top level, by definition, assignment or import, lazily loaded ones too."""
     found: set[str] = set()
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+    body = ast.parse(path.read_text(encoding="utf-8")).body
+    for node in [*body, *(one for block in body if isinstance(block, ast.If) for one in block.body)]:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             found.add(node.name)
         elif isinstance(node, ast.Import | ast.ImportFrom):

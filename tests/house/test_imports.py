@@ -151,6 +151,11 @@ def test_rooms_import_downward(path: Path) -> None:
     assert rooms <= lower
 
 
+@pytest.mark.parametrize("name", ["diagnosis.errors", "diagnosis.settings"])
+def test_what_every_room_reads_imports_no_package(name: str) -> None:
+    assert {one.partition(".")[0] for one in ours(MODULES[name])} <= SHARED
+
+
 def test_no_modules_import_each_other_in_a_circle() -> None:
     """Also not inside functions: what imports in a circle is one thing in two files."""
     graph = {name: ours(path, types=False) & set(MODULES) - {name} for name, path in MODULES.items()}

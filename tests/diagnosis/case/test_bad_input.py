@@ -17,13 +17,13 @@ from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.decision.claims import Place
 from pounding.diagnosis.design.detectability import threshold
 from pounding.diagnosis.design.distinguishing_tests import parting_tests
-from pounding.diagnosis.inference.findings import DETECTED_NATS
 from pounding.diagnosis.model.first_frequencies import frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.sensors import screened
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.command.app import main
 from tests.diagnosis.models import STEP_S, measured
 
@@ -219,10 +219,10 @@ def test_a_first_frequency_that_is_unlikely_is_said(believed_hz: float, said: in
 
 def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
-    amplitude = threshold(information, DETECTED_NATS)
+    amplitude = threshold(information, SETTINGS.decision.evidence)
     # The expected evidence as `pounding.diagnosis.inference.evidence` has it, for a pull of information times amplitude.
     ln_bayes = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
-    np.testing.assert_allclose(ln_bayes, DETECTED_NATS)
+    np.testing.assert_allclose(ln_bayes, SETTINGS.decision.evidence)
 
 
 @pytest.mark.parametrize(

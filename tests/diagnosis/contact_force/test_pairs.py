@@ -15,13 +15,14 @@ from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law, strike
 from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold, foretold, found_again, prepare
-from pounding.diagnosis.decision.pair_decision import CLAIM_NATS, joined
+from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
-from pounding.diagnosis.inference.findings import BLIND_FACTOR, Findings
+from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import contact_response, simulate
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.terms import nuisance_terms
+from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.pair_models import (
     CONTACT,
     MASS,
@@ -34,6 +35,8 @@ from tests.diagnosis.pair_models import (
     value,
 )
 
+BLIND_EVIDENCE = SETTINGS.pair_decision.unmeasured_factor * SETTINGS.pair_decision.contact_evidence
+"""What an effect of the contact needs where no force cell measured."""
 JANKOWSKI = Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0)
 
 
@@ -94,8 +97,8 @@ def test_what_is_different_in_a_contact_is_named(
         # Forces that the motion asks for need more where no impacts that they were not fitted to agree.
         (_, best), *others = found.ranked
         for ln_bayes, expected in (
-            (1.9 * BLIND_FACTOR * CLAIM_NATS, []),
-            (2.1 * BLIND_FACTOR * CLAIM_NATS, [effect]),
+            (1.9 * BLIND_EVIDENCE, []),
+            (2.1 * BLIND_EVIDENCE, [effect]),
         ):
             sure = replace(found, ranked=((ln_bayes, best), *others))
             assert claimed(joined(case, pair, sure, NOTHING)) == expected
@@ -202,7 +205,7 @@ def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
     lost = found.null.unknowns.copy()
     lost[contacts.COMMON] -= 60.0
     again = contacts.fit(found.bodies, found.null.hypothesis, others=lost)
-    assert again.distance.max() < contacts.LOST
+    assert again.distance.max() < SETTINGS.impacts.off
     assert again.cost < found.null.cost + 1.0
 
 
@@ -214,8 +217,8 @@ def test_a_single_impact_decides_nothing() -> None:
     odd = replace(first, seen=first.seen + np.array([0, 1, 1, 1, 1, 1, 1]))
     one_odd = replace(found.bodies, impacts=(odd, *others))
     again = contacts.again(one_odd, found.null, found.null)
-    assert again.distance[0] > 2 * contacts.ROBUST
-    assert again.cost < found.null.cost + contacts.MOST_NATS + 0.5
+    assert again.distance[0] > 2 * SETTINGS.impacts.off
+    assert again.cost < found.null.cost + SETTINGS.impacts.most + 0.5
     # Nor does it pull the others away.
     assert again.distance[1:] == pytest.approx(found.null.distance[1:], abs=0.5)
     assert again.law.gap_m == pytest.approx(found.null.law.gap_m, abs=found.null.std[0])
@@ -340,7 +343,7 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
 def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one() -> None:
     _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.4e7)))
     assert concluded.verdict == "nothing_missing"
-    said = contact_advice.advice(found, CLAIM_NATS)
+    said = contact_advice.advice(found, SETTINGS.pair_decision.contact_evidence)
     assert said[0].startswith("The same shaking recorded at four times the sampling rate")
     assert "another stiffness of the contact from the contact of the baseline model" in said[0]
     assert found.bodies is not None
@@ -352,4 +355,4 @@ def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one()
     # What a coarser record tells a finer one tells, too.
     assert finest >= gains["the same shaking recorded at twice the sampling rate, force cell included"]
     clear = replace(found, ranked=((500.0, found.ranked[0][1]), *found.ranked[1:]))
-    assert contact_advice.advice(clear, CLAIM_NATS) == []
+    assert contact_advice.advice(clear, SETTINGS.pair_decision.contact_evidence) == []

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.signal import StateSpace, lsim
 
-from pounding.diagnosis.decision.impulses import BESIDE_TOUCH_S, impulses
+from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.storey import CubicStiffness
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.models import STEP_S, measured, three_storeys
 
 WIDTH_S = 0.005
@@ -84,7 +85,7 @@ def test_the_flank_of_a_touch_is_no_blow() -> None:
     filtered = null_model(pushed)
     # The time about a touch in which no push is looked for ends with the largest answer, 1 ms after a push began.
     at = STEP_S * np.arange(len(pushed.observed.runs[0].table))
-    ends = [time + 0.003 - BESIDE_TOUCH_S for time in (1.3, 2.6)]
+    ends = [time + 0.003 - SETTINGS.pushes.beside_contact_s for time in (1.3, 2.6)]
     touching = np.any([(at > end - 0.02) & (at < end) for end in ends], axis=0).astype(float)
     runs = tuple(replace(run, contact=touching[: len(run.table), None]) for run in pushed.observed.runs)
     told = Model(pushed.structure, replace(pushed.observed, runs=runs), pushed.prior)
