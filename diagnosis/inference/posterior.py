@@ -18,8 +18,13 @@ from scipy.special import log_ndtr
 
 from pounding.diagnosis.settings import SETTINGS
 
-DAMPINGS = (0.0, 0.1, 1.0, 10.0)
-"""Damping of the steps that are tried in turn, as a share of the information's diagonal."""
+Trials = Sequence[tuple[float, float]]
+"""Steps that are tried in turn: the damping as a share of the information's diagonal, and the share of the step that is
+taken."""
+DAMPED: Trials = ((0.0, 1.0), (0.1, 1.0), (1.0, 1.0), (10.0, 1.0))
+SHORTENED: Trials = ((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05))
+"""Damping turns a step towards the slope, which helps about kinks; far from a maximum, as a calibration begins, shorter
+steps in the direction of Gauss and Newton get further."""
 STRIDES = (0.1, 0.03, 0.01)
 """Strides of the search along single coordinates."""
 
@@ -137,7 +142,7 @@ def descend(
     posterior: Posterior,
     theta: np.ndarray,
     iterations: int,
-    dampings: Sequence[float] = DAMPINGS,
+    trials: Trials = DAMPED,
     enough: float = SETTINGS.refinement.enough,
 ) -> tuple[Posterior, np.ndarray]:
     """Return the posterior about the end of a descent, and the parameters there, shape (parameters,).
@@ -146,7 +151,7 @@ def descend(
         posterior: Where to descend.
         theta: Parameters to start from, shape (parameters,).
         iterations: Steps at most.
-        dampings: Dampings that are tried for each step until one helps.
+        trials: Steps that are tried until one helps.
         enough: Gain below which the descent ends.
     """
     for _ in range(iterations):
@@ -156,8 +161,8 @@ def descend(
             break
         before = after = posterior.cost(theta)
         moved = theta
-        for damping in dampings:
-            trial = theta + posterior.step(gram, slope, theta, damping)
+        for damping, share in trials:
+            trial = theta + share * posterior.step(gram, slope, theta, damping)
             after = posterior.cost(trial)
             if after < before:
                 moved = trial

@@ -12,7 +12,7 @@ from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import NumbersTerm, numbers_of
-from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Likelihood, Posterior, Trials, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -91,13 +91,18 @@ def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Fil
         iterations: Largest number of Gauss-Newton steps.
     """
     fixed = Coordinates.of(model, (), (), (), filtered.effects)
-    return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations)[0]
+    return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations, SHORTENED)[0]
 
 
 def _descended(
-    model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray, iterations: int
+    model: Model,
+    filtered: Filtered,
+    coordinates: Coordinates,
+    theta: np.ndarray,
+    iterations: int,
+    trials: Trials = DAMPED,
 ) -> tuple[Filtered, np.ndarray]:
-    posterior, theta = descend(_posterior(model, filtered, coordinates), theta, iterations)
+    posterior, theta = descend(_posterior(model, filtered, coordinates), theta, iterations, trials)
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.filtered, theta

@@ -1,0 +1,44 @@
+"""Refinement by what it must do: find the parameters that made the data from any start, and nothing where nothing is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.inference.refine import refine
+from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem
+
+STARTS = (0.7, 1.4)
+"""Multiples of the true size from which a refinement starts."""
+
+
+@pytest.mark.parametrize("problem", PROBLEMS, ids=str)
+def test_the_parameters_that_made_the_data_are_found(problem: Problem) -> None:
+    fit = problem.fitted(STARTS[0])
+    (values,), (std,) = fit.values, fit.std
+    stated, truth = slice(problem.reported), np.array(problem.truth)
+    assert (std[stated] < 0.15 * np.abs(truth[stated])).all()
+    assert (np.abs(values - truth)[stated] < 3.5 * std[stated]).all()
+    assert fit.log_posterior > problem.null().log_posterior + 30.0
+
+
+@pytest.mark.parametrize("problem", PROBLEMS, ids=str)
+def test_another_start_leads_to_the_same_optimum(problem: Problem) -> None:
+    one, other = (problem.fitted(factor) for factor in STARTS)
+    assert one.log_posterior == pytest.approx(other.log_posterior, abs=0.5)
+    assert (np.abs(one.values[0] - other.values[0]) < 0.1 * one.std[0])[: problem.reported].all()
+
+
+@pytest.mark.parametrize("problem", PROBLEMS, ids=str)
+def test_an_effect_that_is_not_in_the_data_gets_no_evidence(problem: Problem) -> None:
+    null, size = NOTHING.null(), np.array(problem.truth)
+    fit = refine(NOTHING.model(), null.filtered, (problem.effect,), (0.3 * size,), (np.abs(size),))
+    assert fit.log_posterior < null.log_posterior + 1.0
+    assert abs(fit.values[0][0]) < 0.1 * abs(size[0]) or abs(fit.values[0][0]) < 3 * fit.std[0][0]
+
+
+def test_the_null_model_of_its_own_data_stays_at_the_baseline() -> None:
+    null = NOTHING.null()
+    assert np.abs(null.filtered.values / NOTHING.model().std).max() < 0.5
+    again = refine(NOTHING.model(), null.filtered, (), (), ())
+    assert again.log_posterior == pytest.approx(null.log_posterior, abs=0.5)
