@@ -64,7 +64,7 @@ def known(name: str) -> bool:
 @pytest.mark.parametrize("page", PAGES, ids=place)
 def test_every_path_exists(page: Path) -> None:
     named = {path for path, _ in A_PATH.findall(page.read_text(encoding="utf-8"))}
-    pages = {path for path in named if (page.parent / f"{path}.md").exists()}
+    pages = {path for path in named if any((page.parent / f"{path}{end}").exists() for end in ("", ".md"))}
     lost = [path for path in named - pages if not path.startswith(GENERATED) and not any(HOUSE.glob(path))]
     assert not lost
 

@@ -15,6 +15,7 @@ from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law, strike
 from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold, foretold, found_again, prepare
+from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
@@ -298,10 +299,11 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert told.impacts >= 5
     assert told.model > 1.25 * told.likeliest
     assert told.likeliest == pytest.approx(1.0, abs=0.35)
-    shown = joined(case, pair, found, NOTHING, told)["gap"]["contact"]
-    assert shown == {"impacts": told.impacts, "before": told.model, "after": told.likeliest}
-    kept = joined(case, pair, replace(found, ranked=()), NOTHING, told)["gap"]["contact"]
-    assert kept["after"] == told.model
+    shown = joined(case, pair, found, NOTHING, told).contact_misfit
+    assert shown == ContactMisfit(impacts=told.impacts, before=told.model, after=told.likeliest)
+    kept = joined(case, pair, replace(found, ranked=()), NOTHING, told).contact_misfit
+    assert kept is not None
+    assert kept.after == told.model
     # An effect that the held-out impacts do not like is not claimed.
     assert claimed(joined(case, pair, found, NOTHING, told)) == ["contact_damping"]
     worse = replace(told, gained=-10.0)
