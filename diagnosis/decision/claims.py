@@ -11,12 +11,17 @@ from typing import Any
 
 from msgspec import UNSET, Struct, UnsetType, field
 
+from pounding.diagnosis.case.place import KEYS, in_words
 from pounding.diagnosis.effects.catalogue import Effect
 
 
 def finite(value: float) -> float | None:
     """Return a number as reports hold it: None where it is not finite, as JSON has no other word for it."""
     return float(value) if math.isfinite(value) else None
+
+
+JOINTS = {"channel": "of ", "floor": "on ", "storey": "in ", "contact": "in ", "left": ""}
+"""What joins an effect to the words of its place, by the first key that it has."""
 
 
 class Place(Struct, frozen=True, kw_only=True):
@@ -44,35 +49,22 @@ class Place(Struct, frozen=True, kw_only=True):
 
     def words(self) -> str:
         """Return what and where, in words: `coulomb friction in storey 3 of 5B`."""
-        said = self.effect.replace("_", " ")
-        if self.channel is not None:
-            said += f" of channel{'s' * (', ' in self.channel)} {self.channel}"
-        elif self.left is not None:
-            said += f" between {self.left} and {self.right}" + (
-                f" at floor {self.floor}" if self.floor else ""
-            )
-        else:
-            said += "".join(
-                f" {'on' if key == 'floor' else 'in'} {key} {value}"
-                for key, value in (("storey", self.storey), ("floor", self.floor), ("contact", self.contact))
-                if value is not None
-            )
-            said += f" of {self.frame}" if self.frame else ""
-        return said if self.test is UNSET else f"{said}, only in the {str(self.test).replace('_', ' ')}"
+        place = self._place()
+        joints = [word for key, word in JOINTS.items() if getattr(self, key) is not None] or ["of "]
+        said = self.effect.replace("_", " ") + (f" {joints[0]}{place}" if place else "")
+        return said if self.test is UNSET else f"{said}, {self._tested()}"
 
     def where(self) -> str:
-        """Return where it is, for a table's cell: `5B, storey 3`."""
-        words = [f"{self.left}–{self.right}"] if self.left else []
-        words += [self.frame] if self.frame else []
-        numbered = {
-            "storey": self.storey,
-            "floor": self.floor,
-            "channel": self.channel,
-            "contact": self.contact,
-        }
-        words += [f"{key} {value}" for key, value in numbered.items() if value is not None]
-        words += [] if self.test is UNSET else [f"only in {str(self.test).replace('_', ' ')}"]
+        """Return where it is, for a table's cell: `storey 3 of 5B`."""
+        words = [self._place()] if self._place() else []
+        words += [] if self.test is UNSET else [self._tested()]
         return ", ".join(words) or "the table"
+
+    def _place(self) -> str:
+        return in_words(**{key: getattr(self, key) for key in KEYS})
+
+    def _tested(self) -> str:
+        return f"only in the {str(self.test).replace('_', ' ')}"
 
 
 def place_of(effect: Effect) -> Place:

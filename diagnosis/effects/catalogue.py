@@ -20,6 +20,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pounding.diagnosis.case.place import KEYS, in_words
 from pounding.diagnosis.effects.describing import Description
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -101,17 +102,12 @@ class Effect:
 
     def place(self) -> dict[str, object]:
         """Return effect and place as in the report."""
-        keys = ("frame", "storey", "floor", "channel", "contact", "left", "right")
-        return {"effect": self.name} | {key: getattr(self, key) for key in keys}
+        return {"effect": self.name} | {key: getattr(self, key) for key in KEYS}
 
     def label(self) -> str:
         """Return effect and place in words."""
-        where = [
-            f"{key} {value}"
-            for key, value in self.place().items()
-            if value is not None and key not in ("effect", "frame")
-        ]
-        return ", ".join([self.name.replace("_", " ")] + ([str(self.frame)] if self.frame else []) + where)
+        where = in_words(**{key: getattr(self, key) for key in KEYS})
+        return self.name.replace("_", " ") + (f", {where}" if where else "")
 
     def entries(self) -> list[dict[str, object]]:
         """Return the places under which the effect is reported; more than one if it stands for several."""
