@@ -14,10 +14,10 @@ demo: $(VENV)/installed
 	$(BIN)/pounding demo --out $(OUT)
 
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -m "not slow" -n 2
+	$(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal
 
 test-slow: $(VENV)/installed
-	$(BIN)/python -m pytest -m slow -n 2
+	$(BIN)/python -m pytest -m slow -n 2 --dist worksteal
 
 # Not part of .ci/run: half an hour or more. Another set: make guard GUARD="--only open --workers 1".
 guard: $(VENV)/installed
