@@ -13,7 +13,7 @@ import numpy as np
 
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
-from pounding.diagnosis.inference.posterior import Likelihood, Posterior, descend
+from pounding.diagnosis.inference.posterior import Likelihood, Marquardt, Posterior, descend
 from pounding.diagnosis.settings import SETTINGS
 
 GAIN, DELAY_S = 0.01, 1.5e-4
@@ -22,8 +22,6 @@ BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 phase that grows with the cube [rad], at the highest frequency."""
 REACH = 30.0
 """Prior standard deviations that an unknown may move in one step."""
-TRIALS = tuple((damping, 1.0) for damping in (0.0, 0.01, 0.1, 1.0, 10.0, 100.0))
-"""Dampings of a step: far steps often fail, because an impact that misses makes no force."""
 REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
 """Errors of displacement and velocity, in prior standard deviations, with which lost impacts are looked for."""
 
@@ -172,7 +170,7 @@ class Impacts(Likelihood):
 
 def _descended(impacts: Impacts, x: np.ndarray) -> np.ndarray:
     """Return the unknowns at the end of a descent on the impacts that count."""
-    return descend(impacts.posterior(), x, SETTINGS.impacts.steps, TRIALS, SETTINGS.impacts.enough)[1]
+    return descend(impacts.posterior(), x, SETTINGS.impacts.steps, Marquardt(), SETTINGS.impacts.enough)[1]
 
 
 def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarray | None:

@@ -18,11 +18,48 @@ from scipy.special import log_ndtr
 
 from pounding.diagnosis.settings import SETTINGS
 
-Trials = Sequence[tuple[float, float]]
-"""Steps that are tried in turn: the damping as a share of the information's diagonal, and the share of the step that is
-taken."""
-DAMPED: Trials = ((0.0, 1.0), (0.1, 1.0), (1.0, 1.0), (10.0, 1.0))
-SHORTENED: Trials = ((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05))
+
+class Trials(Protocol):
+    """Which steps a descent tries in turn."""
+
+    def steps(self, last: float | None) -> Sequence[tuple[float, float]]:
+        """Return damping, as a share of the information's diagonal, and share of the step taken, of each step.
+
+        Args:
+            last: Damping of the last step that helped; None before the first.
+        """
+
+
+@dataclass(frozen=True)
+class Afresh:
+    """The same steps at each iteration, whatever helped before."""
+
+    each: tuple[tuple[float, float], ...]
+
+    def steps(self, last: float | None) -> Sequence[tuple[float, float]]:
+        """Return the steps."""
+        del last
+        return self.each
+
+
+@dataclass(frozen=True)
+class Marquardt:
+    """Damping that goes on from where it helped: a tenth of it, then six times as much in turn (Marquardt 1963)."""
+
+    first: float = 1e-2
+    least: float = 1e-6
+    less: float = 10.0
+    more: float = 6.0
+    tries: int = 6
+
+    def steps(self, last: float | None) -> Sequence[tuple[float, float]]:
+        """Return whole steps of growing damping."""
+        start = self.first if last is None else max(last / self.less, self.least)
+        return [(start * self.more**number, 1.0) for number in range(self.tries)]
+
+
+DAMPED = Afresh(((0.0, 1.0), (0.1, 1.0), (1.0, 1.0), (10.0, 1.0)))
+SHORTENED = Afresh(((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05)))
 """Damping turns a step towards the slope, which helps about kinks; far from a maximum, as a calibration begins, shorter
 steps in the direction of Gauss and Newton get further."""
 STRIDES = (0.1, 0.03, 0.01)
@@ -154,6 +191,7 @@ def descend(
         trials: Steps that are tried until one helps.
         enough: Gain below which the descent ends.
     """
+    last: float | None = None
     for _ in range(iterations):
         gram, slope = posterior.normal_equations(theta)
         if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
@@ -161,11 +199,11 @@ def descend(
             break
         before = after = posterior.cost(theta)
         moved = theta
-        for damping, share in trials:
+        for damping, share in trials.steps(last):
             trial = theta + share * posterior.step(gram, slope, theta, damping)
             after = posterior.cost(trial)
             if after < before:
-                moved = trial
+                moved, last = trial, damping
                 break
         if posterior.kinked and before - after < SETTINGS.refinement.strides_below:
             moved, after = _strides(posterior, moved, min(after, before))
