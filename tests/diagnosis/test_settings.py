@@ -34,6 +34,8 @@ NO_THRESHOLDS = {
         "modal_model.COMPLIANCES",
         "numbers.STEP",
         "numbers.PROBE",
+        "posterior.DAMPED",
+        "posterior.SHORTENED",
         "posterior.STRIDES",
         "contacts.REACH",
         "contacts.REGAINED",
