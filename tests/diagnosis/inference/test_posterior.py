@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from pounding.diagnosis.inference.posterior import Posterior, descend
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Posterior, Trials, descend
 
 RNG = np.random.default_rng(3)
 COLUMNS = RNG.normal(size=(40, 3)) * [3.0, 1.0, 0.2]
@@ -66,9 +66,10 @@ def test_the_evidence_of_a_linear_problem_is_exact() -> None:
 
 @pytest.mark.parametrize("bend", [0.02, 0.1])
 @pytest.mark.parametrize("reach", [0.3, np.inf])
-def test_a_bent_problem_ends_where_its_slope_is_zero(bend: float, reach: float) -> None:
+@pytest.mark.parametrize("trials", [DAMPED, SHORTENED, Marquardt()], ids=["damped", "shortened", "Marquardt"])
+def test_a_bent_problem_ends_where_its_slope_is_zero(bend: float, reach: float, trials: Trials) -> None:
     whole = posterior(Curve(bend), reach=reach)
-    whole, theta = descend(whole, np.zeros(3), 40, enough=1e-10)
+    whole, theta = descend(whole, np.zeros(3), 60, trials, enough=1e-10)
     _, slope = whole.normal_equations(theta)
     assert slope - theta == pytest.approx(np.zeros(3), abs=1e-3)
     assert theta == pytest.approx(TRUTH, abs=0.5)
@@ -122,3 +123,10 @@ class Worse(Curve):
 def test_a_step_that_a_term_does_not_stand_by_is_taken_back() -> None:
     _, theta = descend(posterior(Worse()), np.zeros(3), 10)
     assert theta == pytest.approx(np.zeros(3))
+
+
+def test_marquardt_goes_on_from_the_damping_that_helped() -> None:
+    policy = Marquardt(first=0.01, least=1e-3, less=10.0, more=6.0, tries=3)
+    assert [damping for damping, _ in policy.steps(None)] == pytest.approx([0.01, 0.06, 0.36])
+    assert [damping for damping, _ in policy.steps(0.36)] == pytest.approx([0.036, 0.216, 1.296])
+    assert policy.steps(0.002)[0] == (pytest.approx(1e-3), 1.0)
