@@ -169,7 +169,8 @@ class Posterior:
             theta: Where the step begins, shape (parameters,).
             damping: Damping as a share of the information's diagonal.
         """
-        precision = gram + np.eye(len(gram)) + damping * np.diag(np.diag(gram))
+        information = gram + np.eye(len(gram))
+        precision = information + damping * np.diag(np.diag(information))
         lower = np.maximum(self.lower - theta, -self.reach)
         upper = np.minimum(self.upper - theta, self.reach)
         return bounded_step(precision, slope - theta, lower, upper)
