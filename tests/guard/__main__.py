@@ -1,6 +1,6 @@
 """Diagnose the fixed set and compare verdicts, places and parameters with those that are kept (`make guard`).
 
-Not part of the tests: it takes over an hour of CPU. Its standard is `expected.json`, made by the commits it names; `--accept`
+Not part of the tests: it takes over an hour of CPU. Its standard is `expected.json`, of the commits it names; `--accept`
 makes what was found now the standard, where a change is meant.
 """
 
