@@ -5,7 +5,9 @@ its finite elements, `reduction` condenses them to a `ReducedFrame`, `response` 
 shows it.
 """
 
-from pounding.frames.building import build
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from pounding.frames.definition import (
     Columns,
     Frame,
@@ -18,9 +20,21 @@ from pounding.frames.definition import (
     changed,
 )
 from pounding.frames.errors import FrameError
-from pounding.frames.fe.mesh import Density
 from pounding.frames.loading import from_mapping, load, names
-from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+if TYPE_CHECKING:
+    from pounding.frames.building import build
+    from pounding.frames.fe.mesh import Density
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+else:
+    # The finite elements take a third of a second to import, and frame files are read without them.
+    _LATER = {"build": "building", "Density": "fe.mesh", "ReducedFrame": "reduction.reduced_frame"}
+
+    def __getattr__(name: str) -> object:
+        if name not in _LATER:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(import_module(f"{__name__}.{_LATER[name]}"), name)
+
 
 __all__ = [
     "Columns",

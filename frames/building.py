@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Literal
 
 import numpy as np
@@ -58,7 +60,8 @@ def build(
     if damping is not None and not 0.0 <= damping < 1.0:
         raise FrameError(f"damping: {damping} is not a fraction from 0 to below 1 (0.5 % is 0.005)")
     if isinstance(frame, StickFrame):
-        return stick.build(frame, damping)
+        with _solvable(frame):
+            return stick.build(frame, damping)
     if keep_hz is not None and modes is not None:
         raise FrameError("reduction: give either keep_hz or modes")
     symmetric = is_symmetric(frame)
@@ -73,10 +76,24 @@ def build(
     settings["calibration"] = (calibration or frame.joints.default) if joints == "calibrated" else None
     arrays = cache.load(frame, settings) if use_cache else None
     if arrays is None:
-        arrays = _reduce(assemble(frame, options), settings)
+        with _solvable(frame):
+            arrays = _reduce(assemble(frame, options), settings)
         if use_cache:
             cache.save(frame, settings, arrays)
     return _reduced(frame, settings, arrays, frame.damping_ratio if damping is None else damping)
+
+
+@contextmanager
+def _solvable(frame: Frame) -> Iterator[None]:
+    """Turn the solvers' errors, of matrices that cannot be solved in double precision, into a sentence."""
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except (np.linalg.LinAlgError, ArithmeticError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise FrameError(
+            f"frame {frame.name}: its modes cannot be computed ({reason}); its masses or stiffnesses lie too far apart"
+        ) from error
 
 
 def _reduce(model: Model, settings: dict[str, Any]) -> dict[str, np.ndarray]:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from pounding import bounds
+from pounding.bounds import Bound
 from pounding.frames.errors import FrameError
+from pounding.toml_text import shown
 
 if TYPE_CHECKING:
     from pounding.frames.definition import PlateFrame, StickFrame
-
-MOST_STOREYS = 200
-"""More storeys than this is taken for a slip of the pen."""
 
 EDGE = 1e-9
 """Round-off allowed when a column stands on the edge of the floor [m]."""
@@ -23,27 +22,34 @@ def plate_frame(frame: PlateFrame) -> None:
     """Raise FrameError for a plate frame that cannot be built."""
     name = _name(frame.name)
     _storeys(name, frame.storeys)
-    positive = {
-        "storey_height_m": frame.storey_height_m,
-        "plate.length_m": frame.plate.length_m,
-        "plate.width_m": frame.plate.width_m,
-        "plate.thickness_m": frame.plate.thickness_m,
-        "columns.width_m": frame.columns.width_m,
-        "columns.thickness_m": frame.columns.thickness_m,
-        "material.youngs_modulus_gpa": frame.material.youngs_modulus_gpa,
-        "material.density_kg_per_m3": frame.material.density_kg_per_m3,
-        "material.yield_stress_mpa": frame.material.yield_stress_mpa,
-        "stiffness_factor": frame.stiffness_factor,
-        "joint_factor": frame.joint_factor,
+    material, columns = frame.material, frame.columns
+    bounded = {
+        "storey_height_m": (bounds.LENGTH, frame.storey_height_m),
+        "plate.length_m": (bounds.LENGTH, frame.plate.length_m),
+        "plate.width_m": (bounds.LENGTH, frame.plate.width_m),
+        "plate.thickness_m": (bounds.THICKNESS, frame.plate.thickness_m),
+        "columns.width_m": (bounds.THICKNESS, columns.width_m),
+        "columns.thickness_m": (bounds.THICKNESS, columns.thickness_m),
+        "columns.inset_x_m": (bounds.OFFSET, columns.inset_x_m),
+        "columns.inset_y_m": (bounds.OFFSET, columns.inset_y_m),
+        "material.youngs_modulus_gpa": (bounds.MODULUS, material.youngs_modulus_gpa),
+        "material.density_kg_per_m3": (bounds.DENSITY, material.density_kg_per_m3),
+        "material.yield_stress_mpa": (bounds.STRESS, material.yield_stress_mpa),
+        "nonstructural_mass_kg": (bounds.ADDED_MASS, frame.nonstructural_mass_kg),
+        "stiffness_factor": (bounds.FACTOR, frame.stiffness_factor),
+        "joint_factor": (bounds.FACTOR, frame.joint_factor),
+        "weight_factor": (bounds.WEIGHT_FACTOR, frame.weight_factor),
+        "mass_eccentricity_m": (bounds.OFFSET, frame.mass_eccentricity_m),
     }
-    positive |= {
-        f"joints.stiffness_n_m_per_rad.{key}": value
+    bounded |= {
+        f"joints.stiffness_n_m_per_rad.{key}": (bounds.ROTATIONAL_STIFFNESS, value)
         for key, value in frame.joints.stiffness_n_m_per_rad.items()
     }
     if frame.base_rotational_stiffness_n_m_per_rad is not None:
-        positive["base_rotational_stiffness_n_m_per_rad"] = frame.base_rotational_stiffness_n_m_per_rad
-    for key, value in positive.items():
-        _positive(name, key, value)
+        base = frame.base_rotational_stiffness_n_m_per_rad
+        bounded["base_rotational_stiffness_n_m_per_rad"] = (bounds.ROTATIONAL_STIFFNESS, base)
+    for key, (bound, value) in bounded.items():
+        _within(name, key, value, bound)
     if not 0.0 <= frame.material.poissons_ratio < 0.5:
         raise FrameError(
             f"{name}: material.poissons_ratio is {frame.material.poissons_ratio}, must be 0 to 0.5"
@@ -57,9 +63,7 @@ def plate_frame(frame: PlateFrame) -> None:
     _masses(name, frame)
     _per_storey(name, "storey_stiffness_factor", frame.storey_stiffness_factor, frame.storeys)
     for storey, factor in enumerate(frame.storey_stiffness_factor, 1):
-        _positive(name, f"storey_stiffness_factor of storey {storey}", factor)
-    if not (math.isfinite(frame.weight_factor) and frame.weight_factor >= 0.0):
-        raise FrameError(f"{name}: weight_factor is {frame.weight_factor}, must not be negative")
+        _within(name, f"storey_stiffness_factor of storey {storey}", factor, bounds.FACTOR)
     if abs(frame.mass_eccentricity_m) >= frame.plate.width_m / 6.0:
         # Beyond the kernel of the plate the mass density would turn negative at the far edge.
         raise FrameError(
@@ -77,38 +81,38 @@ def stick_frame(frame: StickFrame) -> None:
     if isinstance(heights, list):
         _per_storey(name, "storey_height_m", heights, frame.storeys, required=True)
     for height in heights if isinstance(heights, list) else [heights]:
-        _positive(name, "storey_height_m", height)
+        _within(name, "storey_height_m", height, bounds.LENGTH)
     _per_storey(name, "floor_mass_kg", frame.floor_mass_kg, frame.storeys, required=True)
     for floor, mass in enumerate(frame.floor_mass_kg, 1):
-        _positive(name, f"floor_mass_kg of floor {floor}", mass)
+        _within(name, f"floor_mass_kg of floor {floor}", mass, bounds.MASS)
     if bool(frame.storey_stiffness_n_per_m) == bool(frame.frequency_hz):
         raise FrameError(f"{name}: give either storey_stiffness_n_per_m or frequency_hz, one of the two")
     _per_storey(name, "storey_stiffness_n_per_m", frame.storey_stiffness_n_per_m, frame.storeys)
     for storey, stiffness in enumerate(frame.storey_stiffness_n_per_m, 1):
-        _positive(name, f"storey_stiffness_n_per_m of storey {storey}", stiffness)
+        _within(name, f"storey_stiffness_n_per_m of storey {storey}", stiffness, bounds.STIFFNESS)
     _frequencies(name, frame.frequency_hz, frame.storeys)
     ratios = frame.damping_ratio if isinstance(frame.damping_ratio, list) else [frame.damping_ratio]
     if not 1 <= len(ratios) <= frame.storeys:
         raise FrameError(f"{name}: damping_ratio has {len(ratios)} values, needs 1 to {frame.storeys}")
     _damping(name, ratios)
     for key, side in zip(("length", "width"), frame.plan_m, strict=True):
-        _positive(name, f"plan_m ({key})", side)
+        _within(name, f"plan_m ({key})", side, bounds.LENGTH)
 
 
 def _name(name: str) -> str:
     if not name.strip():
         raise FrameError("frame: name is empty; give it one")
+    if not name.isprintable():
+        raise FrameError(f"frame: name {shown(name)} holds a character that cannot be printed; leave it out")
     return f"frame {name}"
 
 
 def _storeys(name: str, storeys: int) -> None:
-    if not 1 <= storeys <= MOST_STOREYS:
-        raise FrameError(f"{name}: storeys is {storeys}, must be 1 to {MOST_STOREYS}")
+    _within(name, "storeys", storeys, bounds.STOREYS)
 
 
-def _positive(name: str, key: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0.0):
-        raise FrameError(f"{name}: {key} is {value}, must be positive")
+def _within(name: str, key: str, value: float, bound: Bound) -> None:
+    bound.check(value, f"{name}: {key}", FrameError)
 
 
 def _per_storey(
@@ -130,7 +134,7 @@ def _frequencies(name: str, frequencies: Sequence[float], storeys: int) -> None:
     if len(frequencies) > storeys:
         raise FrameError(f"{name}: frequency_hz has {len(frequencies)} values for {storeys} storeys")
     for frequency in frequencies:
-        _positive(name, "frequency_hz", frequency)
+        _within(name, "frequency_hz", frequency, bounds.FREQUENCY)
     if any(b <= a for a, b in pairwise(frequencies)):
         raise FrameError(f"{name}: frequency_hz must rise, lowest first")
 
@@ -138,10 +142,11 @@ def _frequencies(name: str, frequencies: Sequence[float], storeys: int) -> None:
 def _masses(name: str, frame: PlateFrame) -> None:
     _per_storey(name, "added_mass_kg", frame.added_mass_kg, frame.storeys)
     for floor, mass in enumerate(frame.added_mass_kg, 1):
-        if not (math.isfinite(mass) and mass >= 0.0):
+        _within(name, f"added_mass_kg of floor {floor}", mass, bounds.ADDED_MASS)
+        if mass < 0.0:
             raise FrameError(f"{name}: added_mass_kg of floor {floor} is {mass}, must not be negative")
     left = frame.floor_plate_mass_kg + frame.nonstructural_mass_kg / frame.storeys
-    if not (math.isfinite(left) and left > 0.0):
+    if not left > 0.0:
         raise FrameError(
             f"{name}: nonstructural_mass_kg is {frame.nonstructural_mass_kg}, which leaves {left:.3g} kg a "
             "floor; it must stay positive"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 import re
 from functools import cache
 from importlib import resources
@@ -14,6 +15,7 @@ import msgspec
 
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
+from pounding.toml_text import shown, tree_of
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
 """Order in which the shipped frames are shown: those of Table 3.1 first."""
@@ -38,12 +40,15 @@ def load(name_or_path: str | Path) -> Frame:
     if text in names():
         return _shipped(text)
     path = Path(text)
-    if path.suffix != ".toml" and not path.is_file():
-        raise FrameError(f"frame {text!r}: not known{_near(text, names())}; shipped are {', '.join(names())}")
+    if path.suffix != ".toml" and not os.path.isfile(path):
+        raise FrameError(
+            f"frame {shown(text)}: not known{_near(text, names())}; shipped are {', '.join(names())}"
+        )
     try:
         content = path.read_bytes()
-    except OSError as error:
-        raise FrameError(f"frame file {text}: {error.strerror or error}") from error
+    except (OSError, ValueError) as error:  # a name with a zero byte is no OSError
+        reason = getattr(error, "strerror", None) or error
+        raise FrameError(f"frame file {text}: {reason}") from error
     return parse(content, text)
 
 
@@ -57,11 +62,8 @@ def parse(content: bytes | str, place: str) -> Frame:
     Raises:
         FrameError: It is not TOML, or not a frame.
     """
-    try:
-        tree = msgspec.toml.decode(content)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise FrameError(f"frame file {place}: not TOML: {error}") from error
-    return from_mapping(tree, f"frame file {place}")
+    where = f"frame file {place}"
+    return from_mapping(tree_of(content, where, FrameError), where)
 
 
 def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
@@ -71,12 +73,13 @@ def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
         FrameError: It is not a frame; the sentence begins with ``place``.
     """
     kinds = {"plate": PlateFrame, "stick": StickFrame}
-    if tree.get("kind") not in kinds:
-        raise FrameError(f'{place}: kind is {tree.get("kind")!r}, must be "plate" or "stick"')
-    _known_keys(tree, kinds[tree["kind"]], place)
+    kind = tree.get("kind")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise FrameError(f'{place}: kind is {shown(kind)}, must be "plate" or "stick"')
+    _known_keys(tree, kinds[kind], place)
     try:
         return msgspec.convert(tree, PlateFrame | StickFrame)
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, OverflowError) as error:
         # A FrameError of our own checks comes wrapped; it is a sentence already.
         cause = error.__cause__
         reason = str(cause) if isinstance(cause, FrameError) else str(error)
@@ -90,7 +93,9 @@ def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str =
         if not inside and key == "kind":
             continue
         if key not in fields:
-            raise FrameError(f"{place}: {inside}{key} is not a key of a frame{_meant(key, list(fields))}")
+            raise FrameError(
+                f"{place}: {inside}{shown(key)} is not a key of a frame{_meant(key, list(fields))}"
+            )
         kind = fields[key]
         if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
             _known_keys(value, kind, place, f"{inside}{key}.")

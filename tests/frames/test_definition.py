@@ -71,15 +71,15 @@ def test_weights_are_those_above_mid_height():
 
 
 WRONG = {
-    "thickness_m = 0.005": ("thickness_m = 0.0", "plate.thickness_m is 0.0, must be positive"),
+    "thickness_m = 0.005": ("thickness_m = 0.0", "plate.thickness_m is 0 m; it must be 1e-05 to 100 m"),
     "storeys = 3": ("storeys = 0", "storeys is 0"),
     "name = ": ("storey_height_mm = 100.0\nname = ", "expected storey_height_m"),
-    "guess = 900.0": ("guess = -1.0", "must be positive"),
+    "guess = 900.0": ("guess = -1.0", "guess is -1 N m/rad; it must be"),
     'default = "guess"': ('default = "measured"', "not one of guess"),
     "width_m = 0.04\n": ("width_m = 0.04\nplaces_m = [[0.0, 0.0], [0.21, 0.0]]\n", "column 2 at x = 0.21 m"),
     "damping_ratio = 0.005": ("damping_ratio = 1.5", "0.5 % is 0.005"),
     'kind = "plate"': ('kind = "dome"', 'must be "plate" or "stick"'),
-    "[plate]": ("colour = 3\n[plate]", "colour is not a key of a frame"),
+    "[plate]": ("colour = 3\n[plate]", "'colour' is not a key of a frame"),
     "length_m = 0.4": ('length_m = "long"', "Expected `float`"),
     "[columns]": ("[columns", "not TOML"),
     "kind": ("added_mass_kg = [1.0, -2.0, 0.0]\nkind", "added_mass_kg of floor 2 is -2.0"),

@@ -1,9 +1,22 @@
+import json
 import os
+import subprocess
+import sys
 
 import pytest
 
+from pounding.frames import files
 from pounding.frames.errors import FrameError
-from pounding.frames.files import replacing, write_whole
+from pounding.frames.files import (
+    DamageWarning,
+    clear_stale,
+    part_of,
+    read_entry,
+    replacing,
+    scratch,
+    write_entry,
+    write_whole,
+)
 
 
 def test_a_file_appears_whole_in_a_new_folder(tmp_path):
@@ -37,7 +50,74 @@ def test_a_full_disk_is_told_with_the_file_that_was_wanted(tmp_path, monkeypatch
     assert os.listdir(tmp_path) == []
 
 
+def test_a_failure_leaves_no_folder_that_was_made_for_the_file(tmp_path, monkeypatch):
+    def full(_descriptor):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(FrameError):
+        write_whole(tmp_path / "new" / "newer" / "a.bin", b"much")
+    assert os.listdir(tmp_path) == []
+
+
 def test_a_folder_that_is_a_file_is_told(tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(FrameError, match="cannot be written"):
         write_whole(tmp_path / "taken" / "a.bin", b"")
+
+
+def test_what_a_killed_process_had_begun_is_hidden_and_goes_with_the_next_file(
+    tmp_path, killed_while_writing
+):
+    left = killed_while_writing(tmp_path / "film.mp4")
+    assert left.name.startswith(".")
+    assert ".part" in left.name
+    files._clear_once.cache_clear()
+    write_whole(tmp_path / "other.bin", b"whole")
+    assert os.listdir(tmp_path) == ["other.bin"]
+
+
+def test_what_is_being_written_elsewhere_stays(tmp_path, killed_while_writing):
+    left = killed_while_writing(tmp_path / "a.bin")
+    mine = part_of(tmp_path / "b.bin")
+    mine.write_text("being written by a process that lives: this one")
+    process = left.name.split(".")[3]
+    others = left.with_name(f".c.another-computer.{process}.part.bin")
+    others.write_text("its processes cannot be asked")
+    like = tmp_path / ".notes.part"
+    like.write_text("not ours")
+    clear_stale(tmp_path)
+    assert set(tmp_path.iterdir()) == {mine, others, like}
+
+
+def test_a_scratch_folder_is_removed_also_after_its_process_was_killed(tmp_path):
+    with scratch(tmp_path, "series") as folder:
+        (folder / "one").write_text("half")
+    assert os.listdir(tmp_path) == []
+    process = subprocess.Popen([sys.executable, "-c", "pass"])
+    process.wait()
+    left = tmp_path / folder.name.replace(f".{os.getpid()}.", f".{process.pid}.")
+    left.mkdir()
+    (left / "one").write_text("half")
+    clear_stale(tmp_path)
+    assert os.listdir(tmp_path) == []
+
+
+def test_an_entry_comes_back_as_it_was(tmp_path):
+    for content in (b"", b'{"a": [1.5, null]}', bytes(range(256))):
+        write_entry(tmp_path / "a", content)
+        assert read_entry(tmp_path / "a") == content
+    assert read_entry(tmp_path / "none") is None
+
+
+def test_every_change_of_an_entry_is_noticed(tmp_path):
+    path = tmp_path / "a.json"
+    write_entry(path, b'{"peak_mm": 12.5}')
+    whole = path.read_bytes()
+    assert json.loads(whole)["content"] == {"peak_mm": 12.5}
+    changed = [whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in range(len(whole))]
+    changed += [whole[:at] for at in range(len(whole))] + [whole + b" ", b"{}", b"[]"]
+    for damaged in changed:
+        path.write_bytes(damaged)
+        with pytest.warns(DamageWarning, match="is damaged"):
+            assert read_entry(path) is None

@@ -1,0 +1,41 @@
+"""TOML text as a tree, with one sentence for whatever can be wrong with it."""
+
+from __future__ import annotations
+
+import reprlib
+import tomllib
+from typing import Any
+
+from pounding.errors import InputError
+
+
+def tree_of(content: bytes | str, where: str, error: type[InputError]) -> dict[str, Any]:
+    """Return the tree of a TOML file.
+
+    Args:
+        content: Its text, or its bytes, with a mark of UTF-8 at the beginning or without.
+        where: The file for the message.
+        error: What is raised.
+
+    Raises:
+        InputError: It is not text in UTF-8, not TOML, or nested beyond what can be read.
+    """
+    try:
+        text = content.decode("utf-8-sig") if isinstance(content, bytes) else content
+    except UnicodeDecodeError:
+        raise error(f"{where} is not a text file in UTF-8; save it as such") from None
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise error(f"{where} is nested too deeply; a value is a number, a string or a flat list") from None
+    except ValueError as wrong:  # of TOML, or of a number with thousands of digits
+        raise error(f"{where} is not TOML: {wrong}; correct the file there") from None
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 100
+
+
+def shown(value: object) -> str:
+    """Return a value for a message, shortened where it is long."""
+    return _SHORT.repr(value)
