@@ -7,10 +7,11 @@ costs one warning sentence a run, never the run.
 from __future__ import annotations
 
 import hashlib
+import io
 import os
-import tempfile
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.frames.definition import PlateFrame
+from pounding.frames.errors import FrameError
+from pounding.frames.files import read_entry, tell_damage, write_entry
 
-VERSION = 4
+VERSION = 5
 """Raised whenever the same inputs would give other arrays, so that old files are not found."""
 
 LARGEST_BYTES = 1_000_000_000
@@ -61,14 +64,18 @@ def key(frame: PlateFrame, settings: Mapping[str, Any]) -> str:
 
 def load(frame: PlateFrame, settings: Mapping[str, Any]) -> Arrays | None:
     """Return the arrays of an earlier run with the same inputs, or None."""
-    path = folder() / f"{key(frame, settings)}.npz"
-    try:
-        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        path.touch()
-    except (OSError, ValueError, EOFError, BadZipFile, KeyError):
-        # Not there, or damaged: computed anew and written over.
+    path = _entry(frame, settings)
+    content = read_entry(path)
+    if content is None:
         return None
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (ValueError, EOFError, BadZipFile, KeyError):
+        tell_damage(path)
+        return None
+    with suppress(OSError):  # a folder that others keep for us may not be ours to write
+        path.touch()
     return arrays
 
 
@@ -81,18 +88,18 @@ def save(frame: PlateFrame, settings: Mapping[str, Any], arrays: Arrays) -> None
         arrays: What is kept, by name.
     """
     target = folder()
-    temporary = None
+    content = io.BytesIO()
+    np.savez(content, allow_pickle=False, **arrays)
     try:
-        target.mkdir(parents=True, exist_ok=True)
         _make_room(target)
-        with tempfile.NamedTemporaryFile(dir=target, suffix=".part", delete=False) as file:
-            temporary = Path(file.name)
-            np.savez(file, allow_pickle=False, **arrays)
-        os.replace(temporary, target / f"{key(frame, settings)}.npz")
-    except OSError as error:
-        if temporary is not None:
-            temporary.unlink(missing_ok=True)
-        _warn_once(str(target), error.strerror or str(error))
+        write_entry(_entry(frame, settings), content.getvalue())
+    except FrameError as error:
+        reason = error.__cause__
+        _warn_once(str(target), getattr(reason, "strerror", None) or str(error))
+
+
+def _entry(frame: PlateFrame, settings: Mapping[str, Any]) -> Path:
+    return folder() / f"{key(frame, settings)}.entry"
 
 
 @cache
@@ -106,13 +113,18 @@ def _warn_once(place: str, reason: str) -> None:
 
 def _make_room(target: Path) -> None:
     """Delete the files used longest ago until the folder is small enough."""
-    files = sorted(((path.stat(), path) for path in target.glob("*.npz")), key=lambda item: item[0].st_mtime)
-    excess = sum(stat.st_size for stat, _ in files) - LARGEST_BYTES
-    for stat, path in files:
-        if excess <= 0:
-            return
-        path.unlink(missing_ok=True)
-        excess -= stat.st_size
+    with suppress(OSError):  # another process may be making room at the same time
+        files = sorted(
+            # Entries were once npz files.
+            ((path.stat(), path) for path in target.glob("*") if path.suffix in (".entry", ".npz")),
+            key=lambda item: item[0].st_mtime,
+        )
+        excess = sum(stat.st_size for stat, _ in files) - LARGEST_BYTES
+        for stat, path in files:
+            if excess <= 0:
+                return
+            path.unlink(missing_ok=True)
+            excess -= stat.st_size
 
 
 @cache

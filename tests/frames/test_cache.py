@@ -1,4 +1,5 @@
 import errno
+import io
 import os
 import time
 import warnings
@@ -9,6 +10,7 @@ import pytest
 from pounding import frames
 from pounding.frames import cache
 from pounding.frames.cache import CacheWarning
+from pounding.frames.files import DamageWarning
 
 COARSE = frames.Density(0.1, 2, 2)
 
@@ -48,36 +50,63 @@ def test_every_input_counts(folder):
         build(frames.changed(frame, stiffness_factor=1.1)),
         build(frames.load("5B")),
     ]
-    assert len(list(folder.glob("*.npz"))) == 1 + len(others)
+    assert len(list(folder.glob("*.entry"))) == 1 + len(others)
 
 
 def test_labels_and_damping_do_not_count(folder):
     frame = frames.load("5A")
     build(frame)
     renamed = build(frames.changed(frame, name="mine"), damping=0.05)
-    assert len(list(folder.glob("*.npz"))) == 1
+    assert len(list(folder.glob("*.entry"))) == 1
     assert renamed.name == "mine"
     assert renamed.damping_ratio == 0.05
 
 
-def test_a_damaged_file_is_computed_anew(folder):
+def other_arrays():
+    stream = io.BytesIO()
+    np.savez(stream, mass=np.eye(2))
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [
+        lambda whole: whole[:100],
+        lambda whole: whole[:-200] + bytes([whole[-200] ^ 1]) + whole[-199:],
+        lambda whole: b"",
+        lambda whole: b'{"mass": [1.0]}',
+        lambda whole: other_arrays(),
+    ],
+    ids=["cut off", "one bit", "empty", "JSON of another shape", "arrays of another shape"],
+)
+def test_a_damaged_file_is_told_and_computed_anew(folder, damaged):
     first = build()
     (path,) = folder.iterdir()
-    path.write_bytes(path.read_bytes()[:100])
+    whole = path.read_bytes()
+    path.write_bytes(damaged(whole))
+    with pytest.warns(DamageWarning, match=f"{path.name} is damaged: what it kept is made anew"):
+        assert np.array_equal(build().stiffness, first.stiffness)
+    assert len(path.read_bytes()) == len(whole)
     assert np.array_equal(build().stiffness, first.stiffness)
-    assert path.stat().st_size > 100
+
+
+def test_what_a_killed_run_had_begun_is_removed(folder, killed_while_writing):
+    begun = killed_while_writing(folder / "abc.entry")
+    build()
+    assert not begun.exists()
+    assert len(list(folder.iterdir())) == 1
 
 
 def test_a_full_folder_costs_one_warning(folder, monkeypatch):
     def full(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(np, "savez", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.warns(CacheWarning, match=r"No space left on device; the run goes on") as seen:
         both = [build(joints=joints) for joints in ("calibrated", "rigid")]
     assert len(seen) == 1
     assert both[0].frequencies_hz[0] > 0
-    assert list(folder.iterdir()) == []
+    assert not folder.exists() or list(folder.iterdir()) == []
 
 
 def test_a_folder_that_cannot_be_made_costs_one_warning(tmp_path, monkeypatch):
@@ -95,7 +124,7 @@ def test_old_files_make_room(folder, monkeypatch):
     monkeypatch.setattr(cache, "LARGEST_BYTES", 10)
     build(joints="rigid")
     assert not old.exists()
-    assert len(list(folder.glob("*.npz"))) == 1
+    assert len(list(folder.glob("*.entry"))) == 1
 
 
 def test_no_cache_leaves_no_file(folder):
