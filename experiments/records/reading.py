@@ -10,6 +10,7 @@ from pounding.experiments.records.agencies import read_at2, read_knet, read_v2
 from pounding.experiments.records.columns import read_columns
 from pounding.experiments.records.record import Record
 from pounding.experiments.records.reference import REFERENCES
+from pounding.experiments.text_file import read_text
 
 _KNET = tuple(f".{part}{number}" for part in ("ew", "ns", "ud") for number in ("", "1", "2"))
 _READERS: dict[str, Callable[[Path, str], Record]] = {
@@ -45,7 +46,8 @@ def read(path: Path | str, unit: str | None = None) -> Record:
     if unit is not None and suffix in _READERS:
         raise ExperimentError(f"{path}: a {suffix} file states its own unit; leave out '{unit}'")
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
+        # Names of stations in headers may be in Latin-1, in which every byte is a character.
+        text = read_text(path, str(path), ExperimentError, fallback="latin-1")
     except OSError as error:
         raise ExperimentError(f"{path}: cannot be read ({error.strerror})") from None
     record = _READERS[suffix](path, text) if suffix in _READERS else read_columns(path, text, unit)

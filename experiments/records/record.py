@@ -9,9 +9,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.integrate import cumulative_trapezoid
-from scipy.signal import butter, sosfiltfilt
 
+from pounding import bounds
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 
@@ -31,7 +30,8 @@ class Record:
         history: What was done to the samples since they were read, oldest first, one sentence each.
 
     Raises:
-        ExperimentError: Fewer than two samples, a sample that is not finite, or a step that is not positive.
+        ExperimentError: Fewer than two samples, a sample that is not finite or larger than any ground motion's, or
+            a step that is not positive or no instrument's.
     """
 
     name: str
@@ -53,10 +53,13 @@ class Record:
                 f"record '{self.name}' from {self.source}: sample {bad[0] + 1} of {len(samples)} is"
                 f" {samples[bad[0]]} ({bad.size} not finite in all); repair the file"
             )
-        if not (math.isfinite(self.step_s) and self.step_s > 0):
-            raise ExperimentError(
-                f"record '{self.name}' from {self.source}: time step {self.step_s} s; it must be positive"
-            )
+        here, largest = f"record '{self.name}' from {self.source}", int(np.abs(samples).argmax())
+        bounds.GROUND.check(
+            samples[largest], f"{here}: sample {largest + 1} of {len(samples)}", ExperimentError
+        )
+        bounds.STEP.check(self.step_s, f"{here}: the time step", ExperimentError)
+        bounds.SAMPLES.check(len(samples), f"{here}: the number of samples", ExperimentError)
+        bounds.DURATION.check(self.step_s * (len(samples) - 1), f"{here}: the duration", ExperimentError)
         samples.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", samples)
 
@@ -139,6 +142,8 @@ class Record:
             )
         samples, how = self.acceleration_m_s2, "linear"
         if step_s > self.step_s * (1 + 1e-9):
+            from scipy.signal import butter, sosfiltfilt  # only here: importing it takes half a second
+
             filter_ = butter(4, 0.8 * self.step_s / step_s, output="sos")
             samples = sosfiltfilt(filter_, samples, padlen=min(len(samples) - 1, 27))
             how = "low-pass filtered, then linear"
@@ -159,6 +164,8 @@ class Record:
         """
         if not 1 <= degree < len(self.acceleration_m_s2):
             raise ExperimentError(f"baseline of degree {degree} of record '{self.name}': need at least 1")
+        from scipy.integrate import cumulative_trapezoid
+
         u = np.linspace(0, 1, len(self.acceleration_m_s2))
         velocity = cumulative_trapezoid(self.acceleration_m_s2, dx=u[1], initial=0)
         powers = np.arange(1, degree + 1)
@@ -206,6 +213,8 @@ class Record:
         return self._changed(kept, f"{done}: {start:.6g} s to {end:.6g} s")
 
     def _arias_between(self, lower: float, upper: float) -> NDArray[np.intp]:
+        from scipy.integrate import cumulative_trapezoid
+
         energy = cumulative_trapezoid(self.acceleration_m_s2**2, initial=0)
         if energy[-1] == 0:
             return np.empty(0, dtype=np.intp)

@@ -41,6 +41,9 @@ def test_dropouts_are_no_numbers() -> None:
         ("0,1,2\n1,x,2\n", "run.csv line 2, column 'a': 'x' is no number"),
         ("0,1,2\n1,1,inf\n", "run.csv line 2, column 'b': 'inf' is no number"),
         ("0,1,2\n1,,1e999\n", "run.csv line 2, column 'b': '1e999' is no number"),
+        ("0,1,1_000\n", "run.csv line 1, column 'b': '1_000' is no number"),
+        ("0,1,١٢\n", "run.csv line 1, column 'b': '١٢' is no number"),
+        ('0,1,"' + "2\n" * 99, "run.csv line 1: unexpected end of data; close or remove its quotation mark"),
         ("0,1," + "2" * 200000, "run.csv line 1: field larger than field limit"),
     ],
 )
@@ -48,3 +51,11 @@ def test_what_is_wrong_is_one_sentence_with_its_place(text: str, words: str) -> 
     with pytest.raises(InputError, match=words) as caught:
         table(text)
     assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("line", [1, 2, 4])
+def test_a_quotation_mark_left_open_is_named_with_its_line(line: int) -> None:
+    rows = [f"{number},2" for number in range(5)]
+    rows[line - 1] = '"' + rows[line - 1]
+    with pytest.raises(InputError, match=f"^f line {line}: .*; close or remove its quotation mark"):
+        split("\n".join(rows), "f", InputError)

@@ -45,8 +45,8 @@ def test_a_record_cannot_be_changed_by_accident():
         ([1.0], 0.1, r"has 1 sample\(s\)"),
         ([], 0.1, r"has 0 sample\(s\)"),
         ([[1.0, 2.0]], 0.1, "needs a row"),
-        ([0.0, 1.0], 0.0, "time step 0.0 s; it must be positive"),
-        ([0.0, 1.0], math.nan, "must be positive"),
+        ([0.0, 1.0], 0.0, "the time step is 0 s; it must be"),
+        ([0.0, 1.0], math.nan, "the time step is nan s; it must be"),
     ],
 )
 def test_what_is_no_record(samples, step, message):

@@ -14,6 +14,14 @@ NPTS=   6, DT=   .0050 SEC,
    .1000000E-02  -.2000000E-02   .3000000E-02   .0000000E+00   .5000000E-02
   -.1000000E-01
 """
+FREE = """ACCELERATION TIME SERIES IN UNITS OF G
+NPTS= 8, DT= 0.01 SEC
+0.001 -0.002 0.003
+0.0 0.05 -0.1
+2.5E-3
+
+-0.01
+"""
 CSMIP = """Corrected accelerogram   CHAN 1: 90 DEG
  ROCK SITE
     5 points of accel data equally spaced at  .020 sec, in cm/sec2. (8f10.3)
@@ -24,13 +32,13 @@ CSMIP = """Corrected accelerogram   CHAN 1: 90 DEG
 KNET = """Origin Time       2000/10/06 13:30:00
 Lat.              35.275
 Sampling Freq(Hz) 100Hz
-Duration Time(s)  300
+Duration Time(s)  .06
 Dir.              N-S
 Scale Factor      2000(gal)/8388608
-Max. Acc. (gal)   720.394
+Max. Acc. (gal)   0.048
 Memo.
-     4194      4294      4094      4194
-     4394      3994
+     4194     4294     4094     4194
+     4394     3994
 """
 
 
@@ -91,6 +99,13 @@ def test_knet_without_its_offset(tmp_path):
     assert "mean removed" in record.history
 
 
+def test_numbers_that_do_not_stand_in_columns(tmp_path):
+    record = read(put(tmp_path, "free.at2", FREE))
+    np.testing.assert_allclose(
+        record.acceleration_m_s2 / STANDARD_GRAVITY, [0.001, -0.002, 0.003, 0, 0.05, -0.1, 2.5e-3, -0.01]
+    )
+
+
 @pytest.mark.parametrize(
     ("header", "factor"),
     [
@@ -143,19 +158,96 @@ HEAD = "time_s,acceleration_m_s2\n"
         ("a.csv", "hours,acceleration_g\n0,0\n1,1\n", "the first column is 'hours', not time"),
         ("a.csv", "time_h,acceleration_g\n0,0\n1,1\n", "time in 'h'; use seconds"),
         ("a.csv", HEAD + "0,0\n0.01,1\n0.03,1\n0.04,1\n", "line 4 comes 0.02 s after the one before"),
-        ("a.csv", HEAD + "0,0\n0,1\n0,1\n", "time is not uniform"),
-        ("a.csv", HEAD + "0.02,0\n0.01,1\n0.0,1\n", "time is not uniform"),
+        (
+            "a.csv",
+            HEAD + "0,0\n.1,1\n.1,1\n.2,1\n",
+            r"line 4 has the same time as the one before it \(0.1 s\)",
+        ),
+        ("a.csv", HEAD + "0.02,0\n0.01,1\n0.0,1\n", "line 3 has an earlier time than the one before it"),
+        (
+            "a.csv",
+            "time_s,displacement_m/s2\n0,0\n1,1\n",
+            "line 1: the second column is 'displacement_m/s2', not",
+        ),
+        ("a.csv", "time_s,ground velocity (g)\n0,0\n1,1\n", "second column is 'ground velocity .g.', not"),
+        (
+            "a.csv",
+            "time_s,acceleration_g,b\n0,0,1\n1,1,1\n",
+            "line 1: the columns are 'time_s, acceleration_g, b'",
+        ),
+        ("a.csv", HEAD + "0,0\n1,1,7\n", "line 3: '1,1,7' has 3 cells; keep the two columns"),
+        ("a.csv", HEAD + "0,0\n1,1_000\n", "line 3: '1,1_000' is not a time and an acceleration"),
+        ("a.csv", HEAD + "0,0\n1,١٢\n", "line 3: '1,١٢' is not a time and an acceleration"),
+        ("a.csv", HEAD + "0,0\n1,1e300\n", r"sample 2 of 2 is .* m/s\^2; it must be .* another unit"),
+        ("a.csv", HEAD + "0,0\n1,\0\n", "line 3: there is a byte 0 in the text"),
+        (
+            "a.csv",
+            HEAD + '0,0\n"' + "1,1\n" * 99,
+            "line 3: unexpected end of data; close or remove its quotation mark",
+        ),
         ("a.csv", HEAD + "0,0\n0.01,x\n", r"line 3: '0\.01,x' is not a time and an acceleration"),
         ("a.csv", HEAD + "0,0\n0.01\n", "line 3: '0.01' is not a time and an acceleration"),
-        ("a.at2", AT2.replace("NPTS=   6", "NPTS=   7"), "the header states 7 samples, the file holds 6"),
+        (
+            "a.at2",
+            AT2.replace("NPTS=   6", "NPTS=   7"),
+            "line 4: the header states 7 samples, the file holds 6",
+        ),
+        (
+            "a.at2",
+            AT2.replace("NPTS=   6", "NPTS=   5"),
+            "line 4: the header states 5 samples, the file holds 6",
+        ),
+        ("a.at2", AT2 + "  -.1000000E-01\n", "line 4: the header states 6 samples, the file holds 7"),
+        ("a.at2", AT2[:-5], "line 6: the file breaks off inside or after its last number '-.1000000'"),
+        ("a.at2", AT2[:-5] + "\n", "line 6: the file breaks off inside or after its last number '-.1000000'"),
+        ("a.at2", AT2[:-2], "line 6: the file breaks off inside or after its last number '-.1000000E-0'"),
+        ("a.at2", FREE[:-1], "line 7: the file breaks off inside or after its last number '-0.01'"),
+        ("a.at2", AT2.replace(".0050 SEC", "1_0 SEC"), "not a PEER AT2 file"),
+        ("a.at2", AT2.replace(".0050 SEC", "1e300 SEC"), r"time step is 1e\+300 s; it must be"),
+        ("a.at2", AT2.replace(".5000000E-02", "         nan"), "line 5: .* are no numbers"),
+        (
+            "a.at2",
+            AT2.replace("-.2000000E-02", "-.2000000E+92"),
+            r"sample 2 of 6 is .* m/s\^2; it must be .* another unit",
+        ),
         ("a.at2", AT2.replace("UNITS OF G", "UNITS OF CM/S"), "holds 'CM/S', not acceleration"),
         ("a.at2", AT2.replace("NPTS", "N"), "not a PEER AT2 file"),
         ("a.at2", AT2.replace(".3000000E-02", "garbage"), "line 5: .* are no numbers"),
         ("a.v2", CSMIP.replace("accel", "displ"), "no acceleration block of CSMIP or COSMOS"),
         ("a.v2", cosmos(unit="counts"), "unit 'counts' is not an acceleration"),
+        ("a.v2", cosmos(step_ms="400"), "line 48: the block states 0 s, its samples and time step make 2 s"),
+        ("a.v2", CSMIP.replace("8f10.3", "8f0.3"), "no acceleration block of CSMIP or COSMOS"),
+        (
+            "a.v2",
+            CSMIP.replace("     5.000\n    5", "     5.000\n     1.000\n    5"),
+            "line 5: .*goes on after them",
+        ),
+        (
+            "a.v2",
+            CSMIP[: CSMIP.index("00\n    5 points of veloc")],
+            "line 4: .* no numbers 10 characters wide",
+        ),
         ("a.v2", cosmos(step_ms="-999"), "no time step in real-header value 62"),
         ("a.v2", cosmos().replace("Real-header", "Other"), "not a whole COSMOS file"),
-        ("a.ns", KNET.replace("Scale Factor", "Scale"), "not K-NET ASCII"),
+        ("a.ns", KNET.replace("Scale Factor", "Scale"), r"not K-NET ASCII \(no 'Scale Factor'\)"),
+        ("a.ns", KNET.replace("Memo", "Note"), r"not K-NET ASCII \(no line 'Memo.'\)"),
+        ("a.ns", KNET.replace("  .06", "  300"), "states 300 s, the file holds 6 samples at 100 Hz"),
+        ("a.ns", KNET[: KNET.index("     4394")], "states .06 s, the file holds 4 samples"),
+        ("a.ns", KNET + "     4394     3994\n", "states .06 s, the file holds 8 samples"),
+        (
+            "a.ns",
+            KNET.replace("0.048", "720.394"),
+            "largest acceleration of 720.394 gal, the samples reach 0.048",
+        ),
+        (
+            "a.ns",
+            KNET.replace("2000(gal)", "20000(gal)"),
+            "largest acceleration of 0.048 gal, the samples reach 0.477",
+        ),
+        ("a.ns", KNET.replace(" 4394", " 9394"), "largest acceleration of 0.048 gal, the samples reach"),
+        ("a.ns", KNET.replace("100Hz", "1_00Hz"), r"line 3: Sampling Freq\(Hz\) is '1_00Hz', no number"),
+        ("a.ns", KNET.replace("8388608", "0"), "must be positive"),
+        ("a.ns", KNET[:-3], "line 10: the file breaks off inside or after its last number '39'"),
         ("a.ns", KNET[: KNET.index("     4194")], "no samples after the line"),
         ("a.xls", "", "'.xls' is no known format"),
     ],
