@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 from pounding.contact.damping import reduced_mass
 from pounding.contact.errors import ContactError
@@ -112,6 +111,8 @@ def collide(
     start = np.array([0.0, 0.0, velocity_left_m_s, velocity_right_m_s]) / np.array(
         [1.0, 1.0, approach, approach]
     )
+    from scipy.integrate import solve_ivp  # only here: importing it takes a third of a second
+
     found = solve_ivp(
         motion,
         (0.0, 200.0),
