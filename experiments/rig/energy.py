@@ -39,17 +39,27 @@ def balance(frames: tuple[FrameMotion, ...], contacts: tuple[ContactHistory, ...
 
 def _powers(frame: FrameMotion) -> tuple[Real, Real]:
     """Return the work of the table and the loss in the damping (m,) [J] of one frame."""
-    time, v, a = frame.time_s, frame.velocity_m_s, frame.acceleration_m_s2
-    step = np.diff(time)
+    v, a, table = frame.velocity_m_s, frame.acceleration_m_s2, frame.table_m_s2
+    step = np.diff(frame.time_s)
     moved = frame.reduced.mass @ frame.reduced.influence
-    put_in, lost = np.zeros(len(step)), np.zeros(len(step))
-    for place, weight in zip(_PLACES, _WEIGHTS, strict=True):
-        h00, h10, h01, h11 = _hermite(place)
-        between = h00 * v[:-1] + h01 * v[1:] + step[:, None] * (h10 * a[:-1] + h11 * a[1:])
-        shaking = (1.0 - place) * frame.table_m_s2[:-1] + place * frame.table_m_s2[1:]
-        put_in -= weight * step * (between @ moved) * shaking
-        lost += weight * step * np.einsum("ij,ij->i", between @ frame.reduced.damping, between)
-    return _summed(put_in), _summed(lost)
+    pushed, quicker = -(v @ moved), -(a @ moved)
+    bend = np.diff(table) / step
+    put_in = _integrated(
+        step,
+        pushed * table,
+        quicker[:-1] * table[:-1] + pushed[:-1] * bend,
+        quicker[1:] * table[1:] + pushed[1:] * bend,
+    )
+    resisting = v @ frame.reduced.damping
+    change = 2.0 * np.einsum("ij,ij->i", a, resisting)
+    lost = _integrated(step, np.einsum("ij,ij->i", v, resisting), change[:-1], change[1:])
+    return put_in, lost
+
+
+def _integrated(step: Real, power: Real, change_after: Real, change_before: Real) -> Real:
+    """Return the integral of a power (m,) from its values and its slopes at both ends of each step (order four)."""
+    parts = 0.5 * step * (power[:-1] + power[1:]) + step**2 / 12.0 * (change_after - change_before)
+    return _summed(parts)
 
 
 def _contact_work(history: ContactHistory) -> Real:
@@ -64,12 +74,6 @@ def _contact_work(history: ContactHistory) -> Real:
             _, rate, force = history.at(time[steps] + length * (cut + place) / _CONTACT_CUTS)
             work[steps] += weight / _CONTACT_CUTS * length * force * rate
     return _summed(work)
-
-
-def _hermite(place: float) -> tuple[float, float, float, float]:
-    """Return cubic Hermite weights of both ends' values and slopes: (v0, s0, v1, s1)."""
-    p2, p3 = place**2, place**3
-    return 2 * p3 - 3 * p2 + 1, p3 - 2 * p2 + place, -2 * p3 + 3 * p2, p3 - p2
 
 
 def _summed(parts: Real) -> Real:

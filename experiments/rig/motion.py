@@ -69,7 +69,8 @@ class FrameMotion:
         """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room)."""
         found = []
         for number in range(1, self.reduced.storeys + 1):
-            moved = self.floor_displacement(number)
+            floor = self.floor(number)
+            moved = turning_points(self.time_s, self.displacement_m[:, floor], self.velocity_m_s[:, floor])
             found.append(
                 {
                     "floor": number,
@@ -190,6 +191,7 @@ class Motion:
         wall_s: Wall time of the integration [s].
         processor_s: Its processor time [s], which a busy machine does not lengthen.
         steps: Number of steps that the integrator took.
+        solver: `exudyn` or `exact`.
     """
 
     frames: tuple[FrameMotion, ...]
@@ -198,6 +200,7 @@ class Motion:
     wall_s: float
     processor_s: float
     steps: int
+    solver: str = "exudyn"
 
     @property
     def time_s(self) -> Real:
@@ -221,6 +224,46 @@ def floor_coordinate(reduced: ReducedFrame, number: int) -> int:
     if not (isinstance(number, int | np.integer) and 1 <= number <= reduced.storeys):
         raise ExperimentError(f"{reduced.name} has no floor {number}: its floors are 1 to {reduced.storeys}")
     return int(reduced.floor_x[number - 1])
+
+
+def turning_points(time_s: Real, value: Real, rate: Real) -> Real:
+    """Return the values (k,) of a motion where it turns, in its unit; its largest and smallest are among them.
+
+    Between two steps with rates of opposite sign the motion is Hermite's cubic, and its turning point is found on it.
+
+    Args:
+        time_s: Times (m,) [s].
+        value: Values (m,) of any unit.
+        rate: Their rates (m,), per second.
+    """
+    turns = np.flatnonzero(rate[:-1] * rate[1:] < 0.0)
+    step = np.diff(time_s)[turns]
+    before, after = value[turns], value[turns + 1]
+    first, last = step * rate[turns], step * rate[turns + 1]
+    # The slope is a quadratic in the place from 0 to 1, first at 0 and last at 1: one root lies between.
+    a, b = 3.0 * (2.0 * (before - after) + first + last), 2.0 * (3.0 * (after - before) - 2.0 * first - last)
+    half = -0.5 * (b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * first, 0.0)), b))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one, other = half / a, first / half
+    place = np.where((one >= 0.0) & (one <= 1.0), one, other)
+    at = before + place * (first + place * (b / 2.0 + place * a / 3.0))
+    return np.concatenate([value[:1], at[np.isfinite(at)], value[-1:], value[turns], value[turns + 1]])
+
+
+def unbounded(frame: ReducedFrame, moved_m: Real) -> str:
+    """Return why a run cannot go on, if a floor has moved by more than the frame's height; else nothing.
+
+    Args:
+        frame: The frame.
+        moved_m: How far each of its floors has moved (storeys,) [m].
+    """
+    height = float(np.max(frame.heights_m))
+    if moved_m.max() < height:
+        return ""
+    return (
+        f"floor {int(moved_m.argmax()) + 1} of {frame.name} has moved by more than its height of {height:g} m; "
+        "lower the shaking, or check the frame's stiffness and damping"
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,10 +11,11 @@ from pounding import frames
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record, find
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.impacts import Impact, all_impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
-from pounding.experiments.rig.rig import Accuracy, Contact, Rig
+from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -49,6 +50,7 @@ class Pounding:
             "impacts": [impact.as_dict() for impact in self.impacts],
             "peaks": {"left": left.peaks(), "right": right.peaks()},
             "energy_error": self.motion.energy.error,
+            "solver": self.motion.solver,
             "wall_s": self.motion.wall_s,
             "model_s": self.motion.model_s,
         }
@@ -65,6 +67,7 @@ def pound(
     duration_s: float | None = None,
     accuracy: Accuracy | None = None,
     progress: Callable[[float], None] | None = None,
+    solver: Solver = "exudyn",
 ) -> Pounding:
     """Shake two frames side by side; the left one moves in +x towards the right one.
 
@@ -77,6 +80,7 @@ def pound(
         duration_s: End of the run [s]; default: the end of the record.
         accuracy: Tolerances, see `Rig.run`.
         progress: Called now and then with the model time [s].
+        solver: `exudyn` or `exact`, see `Rig.run`.
 
     Raises:
         ExperimentError: A floor that one of the frames does not have, the wrong number of gaps, or a run
@@ -84,7 +88,7 @@ def pound(
         ContactError: A negative gap.
     """
     rig = rig_of(left, right, law, gap_m, floors)
-    motion = rig.run(record, duration_s=duration_s, accuracy=accuracy, progress=progress)
+    motion = rig.run(record, duration_s=duration_s, accuracy=accuracy, progress=progress, solver=solver)
     return Pounding(record, motion, all_impacts(motion))
 
 

@@ -1,6 +1,7 @@
-"""The shaking table with frames on it, and contacts between them: one run is one integration by exudyn.
+"""The shaking table with frames on it, and contacts between them: one run is one integration.
 
-The integrator is Dormand and Prince's explicit method of order five with its error estimate: its steps grow
+The engine is exudyn; frames that are linear apart from their contacts may be run by `exact` instead. In exudyn
+the integrator is Dormand and Prince's explicit method of order five with its error estimate: its steps grow
 to `Accuracy.longest_step_s` while the frames are apart and shrink to microseconds where two floors meet or
 part, because the estimate sees the force appear. So nothing has to predict a touch, and no time is lost to
 starting and stopping the engine. docs/validation/chapters-5-6.md has its error and its cost.
@@ -11,51 +12,26 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import exudyn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pounding.contact.connector import ContactConnector, PointContact, checked_gap
-from pounding.contact.laws import Law
+from pounding.contact.connector import ContactConnector, PointContact
+from pounding.errors import heed_interruption
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact, check, history_of, sides_of
 from pounding.experiments.rig.energy import balance
-from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion, floor_coordinate
+from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.watchdog import Guard
-from pounding.frames.floors import level_floors
 from pounding.frames.response.body import FrameBody, Table
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A place where two neighbouring frames may touch.
-
-    Attributes:
-        law: Impact law with its parameters.
-        gap_m: Gap at rest [m]; zero means that the floors lie against each other.
-        floor: Floor on both frames, or (left, right) where their numbers differ at the same height.
-        pair: Which pair: 0 is between the first and the second frame of the row.
-        y_m: Place along the floors' edge, from the middle [m].
-    """
-
-    law: Law
-    gap_m: float
-    floor: int | tuple[int, int]
-    pair: int = 0
-    y_m: float = 0.0
-
-    @property
-    def floors(self) -> tuple[int, int]:
-        """Floor of the left and of the right frame."""
-        return self.floor if isinstance(self.floor, tuple) else (self.floor, self.floor)
 
 
 class Accuracy(NamedTuple):
@@ -71,6 +47,9 @@ class Accuracy(NamedTuple):
     absolute: float = 1e-10
     longest_step_s: float = 5e-4
 
+
+Solver = Literal["exudyn", "exact"]
+"""What integrates a run: the engine, or the closed formulas of `exact` between the events of contacts."""
 
 COLLIDING = Accuracy()
 """Default with contacts: an early error in a touch grows with every later one, so it is kept small."""
@@ -118,26 +97,7 @@ class Rig:
             raise ExperimentError("a rig needs at least one frame")
         self.frames, self.contacts, self.additions = tuple(frames), tuple(contacts), tuple(additions)
         for contact in self.contacts:
-            self._check(contact)
-
-    def _check(self, contact: Contact) -> None:
-        checked_gap(contact.gap_m)
-        if not 0 <= contact.pair < len(self.frames) - 1:
-            raise ExperimentError(
-                f"a contact in pair {contact.pair}, but {len(self.frames)} frame(s) in a row have "
-                f"{max(0, len(self.frames) - 1)} pair(s), counted from 0"
-            )
-        pair = self.frames[contact.pair : contact.pair + 2]
-        for frame, floor in zip(pair, contact.floors, strict=True):
-            floor_coordinate(frame, floor)
-        if contact.floors not in level_floors(pair[0].heights_m, pair[1].heights_m):
-            low, high = (
-                float(frame.heights_m[floor - 1]) for frame, floor in zip(pair, contact.floors, strict=True)
-            )
-            raise ExperimentError(
-                f"floor {contact.floors[0]} of {pair[0].name} is at {low:g} m and floor {contact.floors[1]} "
-                f"of {pair[1].name} at {high:g} m: only floors at one height can meet"
-            )
+            check(contact, self.frames)
 
     def run(
         self,
@@ -147,6 +107,7 @@ class Rig:
         duration_s: float | None = None,
         accuracy: Accuracy | None = None,
         progress: Callable[[float], None] | None = None,
+        solver: Solver = "exudyn",
     ) -> Motion:
         """Shake the table and return what happened.
 
@@ -154,14 +115,25 @@ class Rig:
             shaking: A record at model scale, or the table's acceleration (m,) [m/s^2].
             step_s: Its sample step [s], for an acceleration; a record has its own.
             duration_s: End of the run [s]; default: the end of the shaking.
-            accuracy: Tolerances; default: `COLLIDING` with contacts, `APART` without.
+            accuracy: Tolerances of exudyn; default: `COLLIDING` with contacts, `APART` without.
             progress: Called now and then with the model time [s].
+            solver: `exudyn`, or `exact` for frames that are linear apart from their contacts (`exact`).
 
         Raises:
-            ExperimentError: The motion grew without bound, or the steps became too small; says when and why.
+            ExperimentError: The motion grew without bound, or the steps became too small; says when and why. The exact
+                solver was asked to run additions, or with tolerances of exudyn.
+            ContactError: The exact solver cannot record a law.
             FrameError: The acceleration is not finite.
         """
         acceleration, step = _history(shaking, step_s)
+        if solver == "exact":
+            self._exact_can(accuracy)
+            # Its compiled loop takes a second to load, which a run of the engine need not wait for.
+            from pounding.experiments.rig.exact import run_exact
+
+            return run_exact(
+                self.frames, self.contacts, acceleration, step, duration_s=duration_s, progress=progress
+            )
         container = exudyn.SystemContainer()
         mbs = container.AddSystem()
         try:
@@ -182,6 +154,14 @@ class Rig:
             mbs.SetPreStepUserFunction(0)  # type: ignore[arg-type]
             container.Reset()
 
+    def _exact_can(self, accuracy: Accuracy | None) -> None:
+        if self.additions:
+            raise ExperimentError(
+                "the exact solver knows frames and contacts only; run additions with exudyn"
+            )
+        if accuracy is not None:
+            raise ExperimentError("the tolerances are exudyn's; the exact solver keeps its own")
+
     def _connect(
         self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact
     ) -> ContactConnector | PointContact:
@@ -190,34 +170,18 @@ class Rig:
         if contact.y_m == 0.0:
             markers = left.marker(first), right.marker(second)
             return ContactConnector(mbs, contact.law, contact.gap_m, *markers, stepped=True)
-        rows = _rows(self.frames, contact)
-        return PointContact(mbs, contact.law, contact.gap_m, (left.node, rows[0]), (right.node, rows[1]))
+        one, other = sides_of(self.frames, contact)
+        return PointContact(mbs, contact.law, contact.gap_m, (left.node, one.row), (right.node, other.row))
 
     def _collect(self, bodies: Sequence[FrameBody], table: Table, cost: tuple[float, float]) -> Motion:
         motions = []
         for body in bodies:
             time_s, q, v, a = body.history()
             motions.append(FrameMotion(body.reduced, time_s, q, v, a, table.acceleration(time_s)))
-        histories = tuple(self._history_of(motions, contact) for contact in self.contacts)
+        histories = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
         return Motion(
             tuple(motions), histories, balance(tuple(motions), histories), *cost, len(motions[0].time_s) - 1
         )
-
-    def _history_of(self, motions: Sequence[FrameMotion], contact: Contact) -> ContactHistory:
-        left, right = motions[contact.pair], motions[contact.pair + 1]
-        rows = _rows(self.frames, contact)
-        apart = [
-            first @ rows[0] - second @ rows[1]
-            for first, second in (
-                (left.displacement_m, right.displacement_m),
-                (left.velocity_m_s, right.velocity_m_s),
-                (left.acceleration_m_s2, right.acceleration_m_s2),
-            )
-        ]
-        return ContactHistory(
-            contact.floors[0], left.name, right.name, contact.gap_m, contact.y_m, contact.law,
-            left.time_s, apart[0] - contact.gap_m, apart[1], apart[2],
-        )  # fmt: skip
 
 
 def _history(shaking: Record | ArrayLike, step_s: float | None) -> tuple[Real, float]:
@@ -226,22 +190,6 @@ def _history(shaking: Record | ArrayLike, step_s: float | None) -> tuple[Real, f
     if step_s is None:
         raise ExperimentError("an acceleration without a sample step: give step_s, or a record")
     return np.asarray(shaking, float), float(step_s)
-
-
-def _rows(frames: Sequence[ReducedFrame], contact: Contact) -> tuple[Real, Real]:
-    """Return the rows that give the two points' displacements in x from the frames' coordinates."""
-    pair = frames[contact.pair : contact.pair + 2]
-    if contact.y_m == 0.0:
-        found = []
-        for frame, floor in zip(pair, contact.floors, strict=True):
-            row = np.zeros(len(frame.mass))
-            row[floor_coordinate(frame, floor)] = 1.0
-            found.append(row)
-        return found[0], found[1]
-    left, right = (
-        np.asarray(f.point_row(n, contact.y_m), float) for f, n in zip(pair, contact.floors, strict=True)
-    )
-    return left, right
 
 
 def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> tuple[float, float]:
@@ -254,6 +202,7 @@ def _integrate(mbs: Any, end_s: float, accuracy: Accuracy, guard: Guard) -> tupl
                 _settings(end_s, accuracy), solverType=exudyn.DynamicSolverType.DOPRI5
             )
     except (ValueError, exudyn.SolverError) as error:
+        heed_interruption(error)
         raise ExperimentError(
             f"the engine stopped at {guard.time_s:.4f} s ({str(error).splitlines()[0]}); lower the shaking "
             "or the contact's stiffness, or loosen the tolerances"

@@ -63,7 +63,9 @@ class Guard:
 
     def _unbounded(self, mbs: Any) -> str:
         for frame, body, height in self._watched:
-            moved = np.abs(mbs.GetNodeOutput(body.node, exudyn.OutputVariableType.Coordinates)[frame.floor_x])
+            # The engine gives a single coordinate as a number.
+            coordinates = np.atleast_1d(mbs.GetNodeOutput(body.node, exudyn.OutputVariableType.Coordinates))
+            moved = np.abs(coordinates[frame.floor_x])
             if not moved.max() < height:
                 return (
                     f"floor {int(moved.argmax()) + 1} of {frame.name} has moved by more than its height "

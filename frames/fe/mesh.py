@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding import bounds
 from pounding.frames.definition import PlateFrame
 from pounding.frames.errors import FrameError
 
@@ -80,6 +81,7 @@ def build_mesh(frame: PlateFrame, density: Density | None = None) -> Mesh:
         density: How fine; `DEFAULT` when None.
     """
     density = density or DEFAULT
+    node_count(frame, density)  # refuses what would not fit into memory
     parts = _Parts()
     xs, ys = _floor_lines(frame, density)
     grid = _floor_grids(frame, parts, xs, ys)
@@ -104,6 +106,25 @@ def build_mesh(frame: PlateFrame, density: Density | None = None) -> Mesh:
         np.concatenate(share),
         np.vstack(ends),
     )
+
+
+def node_count(frame: PlateFrame, density: Density | None = None) -> int:
+    """Return how many nodes the mesh of a frame has above its base, without making it.
+
+    Args:
+        frame: The frame.
+        density: How fine; `DEFAULT` when None.
+
+    Raises:
+        FrameError: They are more than can be computed with.
+    """
+    density = density or DEFAULT
+    xs, ys = _floor_lines(frame, density)
+    column = (density.across + 1) * (density.along + 1)
+    nodes = frame.storeys * (len(xs) * len(ys) + column * len(frame.places_m))
+    where = f"frame {frame.name}: the number of nodes at {density.floor_m:g} m apart"
+    bounds.MESH_NODES.check(nodes, where, FrameError)
+    return nodes
 
 
 class _Parts:

@@ -17,6 +17,7 @@ import numpy as np
 from exudyn import itemInterface as items
 from numpy.typing import ArrayLike, NDArray
 
+from pounding.errors import heed_interruption
 from pounding.frames.errors import FrameError
 from pounding.frames.response.exact import checked
 from pounding.frames.response.points import bordered, checked_floor, coupled, point_basis
@@ -254,6 +255,7 @@ def solve(mbs: Any, chosen: exudyn.SimulationSettings, *, solver: str = "RK44") 
         with quiet():
             finished = mbs.SolveDynamic(chosen, solverType=getattr(exudyn.DynamicSolverType, solver))
     except (ValueError, exudyn.SolverError) as error:
+        heed_interruption(error)
         reason = f"({str(error).splitlines()[0]}); take a shorter step"
         raise FrameError(f"engine: {solver} did not finish {reason}") from error
     if not finished:

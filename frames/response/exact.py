@@ -27,6 +27,9 @@ Complex = NDArray[np.complexfloating[Any, Any]]
 NEGLIGIBLE = 1e-13
 """A pole with less than this share of the largest pole's part in the response is round-off, not motion."""
 
+ROUND_OFF = 1e-9
+"""Share of a matrix's largest entry up to which two matrices are the same."""
+
 DEFECTIVE = 1e12
 """Condition number of the eigenvectors above which a critically damped mode makes the poles useless."""
 
@@ -62,7 +65,8 @@ def poles(reduced: ReducedFrame) -> Poles:
     """Return the poles of a reduced frame.
 
     Modal damping leaves the modes uncoupled, and the poles follow from frequencies and ratios. Any other
-    damping matrix is taken as it is, through the eigenvalues of the state matrix.
+    damping matrix is taken as it is, through the eigenvalues of the state matrix; so is a stiffness of which the
+    frame's modes are not those, because somebody changed the matrix alone.
 
     Raises:
         FrameError: A mode is critically damped or free, so that the poles do not span the motion.
@@ -70,10 +74,15 @@ def poles(reduced: ReducedFrame) -> Poles:
     modal = reduced.shapes.T @ reduced.damping @ reduced.shapes
     rate = np.diag(modal) / 2.0
     circular = 2.0 * np.pi * reduced.frequencies_hz
-    coupled = np.abs(modal - np.diag(np.diag(modal))).max(initial=0.0) > 1e-9 * np.abs(modal).max(initial=0.0)
+    springs = reduced.shapes.T @ reduced.stiffness @ reduced.shapes
+    coupled = _differ(modal, np.diag(np.diag(modal))) or _differ(springs, np.diag(circular**2))
     if coupled or np.any(rate >= circular):
         return state_poles(reduced.mass, reduced.damping, reduced.stiffness, reduced.influence)
     return modal_poles(circular, rate / circular, reduced.shapes, reduced.mass, reduced.influence)
+
+
+def _differ(one: Real, other: Real) -> bool:
+    return bool(np.abs(one - other).max(initial=0.0) > ROUND_OFF * np.abs(one).max(initial=0.0))
 
 
 def modal_poles(circular: ArrayLike, ratios: ArrayLike, shapes: Real, mass: Real, influence: Real) -> Poles:

@@ -134,7 +134,7 @@ def ordinal(number: int) -> str:
 
 def _energies(model: Model, shapes: Real) -> Real:
     """Return each mode's kinetic energy in the floors' sway along x and y, their torsion, and vertically."""
-    motion = (model.coordinates.to_nodes @ shapes).reshape(-1, DOFS, shapes.shape[1])
+    motion = (model.coordinates.to_nodes @ shapes).reshape(len(model.mesh.nodes), DOFS, shapes.shape[1])
     node_mass = model.node_mass.diagonal().reshape(-1, DOFS)[:, 0]
     part, nodes = model.mesh.node_part, model.mesh.nodes
     energies = np.zeros((shapes.shape[1], len(KINDS)))

@@ -10,6 +10,7 @@ from pounding.contact import LinearSpring
 from pounding.contact.laws import LinearViscoelastic
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.required_gap import (
     contact_floors,
     gaps_by_floor,
@@ -17,7 +18,7 @@ from pounding.experiments.rig.required_gap import (
     pair_gap,
     required_gap,
 )
-from pounding.experiments.rig.rig import Contact, Rig
+from pounding.experiments.rig.rig import Rig
 from pounding.experiments.separation.gaps.confirm import confirm, touches
 from pounding.experiments.separation.gaps.maps import gap_map
 

@@ -12,9 +12,10 @@ from pounding import frames
 from pounding.contact import ContactError, Law, LinearSpring, LinearViscoelastic, make_law, thesis_law
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.impacts import all_impacts
 from pounding.experiments.rig.motion import Motion
-from pounding.experiments.rig.rig import APART, Accuracy, Contact, Rig
+from pounding.experiments.rig.rig import APART, Accuracy, Rig
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import linear_response
 
@@ -223,3 +224,26 @@ def test_modes_kept_have_converged(shaking: Record, name: str) -> None:
         assert one.peak_force_n == pytest.approx(other.peak_force_n, rel=0.01)
         assert one.time_s == pytest.approx(other.time_s, abs=1e-4)
         assert one.impulse_n_s == pytest.approx(other.impulse_n_s, rel=0.005)
+
+
+def one_storey(name: str, first_hz: float) -> ReducedFrame:
+    return frames.build(
+        frames.StickFrame(
+            name=name,
+            storeys=1,
+            storey_height_m=0.5,
+            floor_mass_kg=[6.5],
+            damping_ratio=0.01,
+            frequency_hz=[first_hz],
+        )
+    )
+
+
+def test_a_stick_of_one_storey_is_shaken_and_pounds(shaking: Record) -> None:
+    soft, stiff = one_storey("soft", 2.1), one_storey("stiff", 6.5)
+    exact, _ = linear_response(soft, shaking.acceleration_m_s2, shaking.step_s)
+    found, _ = Rig([soft]).run(shaking).frames[0].sampled(shaking.time_s)
+    assert np.abs(found - exact).max() < 2e-4 * np.abs(exact).max()
+    motion = Rig([soft, stiff], [Contact(thesis_law("hertz"), 0.008, 1)]).run(shaking)
+    assert all_impacts(motion)
+    assert motion.energy.error < 5e-3

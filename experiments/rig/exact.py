@@ -1,0 +1,368 @@
+"""The exact solver: frames that are linear apart from their contacts, without the engine and a hundred times quicker.
+
+Between touches every mode follows the table by a closed formula; touches and partings are located; in contact the step
+follows an error control (`exact_loop` has the method). What it leaves is the same `Motion` as a run of the engine.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pounding.contact.recorded import recorded
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig import exact_loop as loop
+from pounding.experiments.rig.contacts import Contact, Within, history_of, sides_of
+from pounding.experiments.rig.energy import balance
+from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State
+from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
+from pounding.frames.response.exact import checked, poles
+
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+Real = NDArray[np.float64]
+
+STEPS_A_PERIOD = 20.0
+"""Steps in a period of the fastest mode that counts; the motion between them is read from cubics."""
+
+COUNTS = 1e-4
+"""Share in the sway under a steady acceleration from which a mode counts for the longest step [-]."""
+
+FINEST_A_PERIOD = 20.0
+"""Finest steps in flight in a period of the fastest mode of all: so close a cubic sees every touch."""
+
+DEEPER = 12
+"""A step in contact may be the finest step in flight over two to this power."""
+
+CHUNK = 8192
+"""Steps between two looks at whether the motion is bounded and the user wants to stop."""
+
+LOOK_EVERY = 16
+"""Of a chunk each step of so many, from the last one back, is looked at: what grows without bound stays."""
+
+STUCK_S = 1e-6
+"""Shortest time that a chunk must cover [s]."""
+
+TOLERANCE = 1e-5
+"""Velocity by which a step in contact may be wrong by the error estimate, as a share of the largest in it [-]. The step
+is of two orders higher than the estimate: forces and impulses are then right to some 1e-6."""
+
+
+class Solution(NamedTuple):
+    """What the loop leaves.
+
+    Attributes:
+        time_s: Times of the steps (m,) [s].
+        states: Poles of all frames (m, 2, p), real and imaginary parts.
+        forces: Contact forces (m, c) [N].
+        acceleration: The table's acceleration at the times (m,) [m/s^2].
+    """
+
+    time_s: Real
+    states: Real
+    forces: Real
+    acceleration: Real
+
+
+class _Rows:
+    """Rows that the loop fills: times (k,), states (k, 2, p), forces (k, c). The first is rest."""
+
+    def __init__(self, rows: int, poles: int, contacts: int) -> None:
+        self.times, self.states, self.forces = (
+            np.empty(rows),
+            np.empty((rows, 2, poles)),
+            np.empty((rows, contacts)),
+        )
+        self.times[0] = self.states[0] = self.forces[0] = 0.0
+
+    def make_room(self, rows: int) -> None:
+        """Let there be at least so many rows."""
+        if rows > len(self.times):
+            more = max(rows, 2 * len(self.times)) - len(self.times)
+            self.times, self.states, self.forces = (
+                np.concatenate([one, np.empty((more, *one.shape[1:]))])
+                for one in (self.times, self.states, self.forces)
+            )
+
+
+class ExactRig:
+    """Frames in a row and their contacts as the flat arrays of the compiled loop.
+
+    Args:
+        frames: Reduced frames, from left to right.
+        contacts: Contacts, checked by `Rig`.
+
+    Raises:
+        ContactError: A law that cannot be recorded.
+        FrameError: A frame whose damping leaves no poles.
+    """
+
+    def __init__(self, frames: Sequence[ReducedFrame], contacts: Sequence[Contact | Within]) -> None:
+        self.frames, self.contacts = tuple(frames), tuple(contacts)
+        self.poles = [poles(frame) for frame in self.frames]
+        ends = np.cumsum([0, *(len(one.rates) for one in self.poles)])
+        self.spans = [(int(a), int(b)) for a, b in pairwise(ends)]
+        self.rates = np.concatenate([one.rates for one in self.poles])
+        self._load = _parts(np.concatenate([one.load for one in self.poles]))
+        self._loop_contacts = self._contacts()
+
+    def _contacts(self) -> Contacts:
+        count, size = len(self.contacts), len(self.rates)
+        rows, gains = np.zeros((count, size), complex), np.zeros((count, size), complex)
+        spans, mobility = np.zeros((count, 2), np.int64), np.zeros(count)
+        for c, contact in enumerate(self.contacts):
+            sides = sides_of(self.frames, contact)
+            spans[c] = self.spans[sides[0].body][0], self.spans[sides[1].body][1]
+            for (body, row), sign in zip(sides, (1.0, -1.0), strict=True):
+                frame, one, span = self.frames[body], self.poles[body], slice(*self.spans[body])
+                pushed = np.linalg.solve(frame.mass, row)
+                rows[c, span] += sign * (one.output @ row)
+                gains[c, span] -= sign * (one.from_velocity @ pushed)
+                mobility[c] += float(row @ pushed)
+        rate = rows * self.rates
+        return Contacts(
+            spans,
+            _parts(rows),
+            _parts(rate),
+            _parts(gains),
+            np.array([contact.gap_m for contact in self.contacts], float),
+            np.abs(rate),
+            np.abs(rate) @ np.abs(np.concatenate([one.load for one in self.poles])),
+            mobility,
+            *_programs(self.contacts),
+        )
+
+    def solve(
+        self,
+        acceleration: ArrayLike,
+        step_s: float,
+        *,
+        duration_s: float | None = None,
+        longest_s: float | None = None,
+        tolerance: float = TOLERANCE,
+        contact_level: int = -1,
+        progress: Callable[[float], None] | None = None,
+    ) -> Solution:
+        """Shake the frames and return every step.
+
+        Args:
+            acceleration: Acceleration of the table (m,) [m/s^2], straight between samples, zero after the last.
+            step_s: Sample step [s].
+            duration_s: End of the run [s]; default: the last sample.
+            longest_s: Longest step [s]; default: `longest_step`.
+            tolerance: See `TOLERANCE`.
+            contact_level: All steps in contact are the longest over two to this power, without error control, for
+                studies of convergence; -1 for the control.
+            progress: Called now and then with the model time [s].
+
+        Raises:
+            ExperimentError: The motion grew without bound, or contacts stiffer or more damped than any step can follow.
+            FrameError: An acceleration that is not finite.
+        """
+        samples = np.asarray(checked(acceleration, step_s), np.float64)
+        shaking = self._shaking(samples, step_s, duration_s, longest_s, tolerance, contact_level)
+        modes = self._modes(shaking)
+        rows = self._run(shaking, modes, progress)
+        grid = step_s * np.arange(len(samples))
+        return Solution(*rows, np.interp(rows[0], grid, samples, right=0.0))
+
+    def _run(
+        self, shaking: Shaking, modes: Modes, progress: Callable[[float], None] | None
+    ) -> tuple[Real, Real, Real]:
+        """Return times, states and forces of all steps: chunk after chunk into rows that grow when they are full."""
+        state = self._rest(shaking)
+        expected = len(shaking.starts) * shaking.parts
+        rows = _Rows(expected + expected // 8 + CHUNK, len(self.rates), len(self.contacts))
+        ended, filled = loop.FULL, 1
+        while ended == loop.FULL:
+            rows.make_room(filled + CHUNK)
+            part = slice(filled - 1, filled + CHUNK - 1)
+            ended, gone = loop.advance(
+                shaking,
+                modes,
+                self._loop_contacts,
+                state,
+                rows.times[part],
+                rows.states[part],
+                rows.forces[part],
+            )
+            last, now = rows.times[filled - 1], float(rows.times[filled + gone - 2])
+            self._check(rows.states[filled : filled + gone - 1][::-LOOK_EVERY], now)
+            if ended == loop.STUCK or (ended == loop.FULL and now - last < STUCK_S):
+                raise ExperimentError(
+                    f"the run was stopped at {now:.4f} s: {gone - 1} steps have covered {now - last:.1g} s only; "
+                    "lower the contact's stiffness or damping, or loosen the relative tolerance"
+                )
+            filled += gone - 1
+            if progress is not None:
+                progress(now)
+        return rows.times[:filled], rows.states[:filled], rows.forces[:filled]
+
+    def _check(self, states: Real, now: float) -> None:
+        for frame, one, span in zip(self.frames, self.poles, self.spans, strict=True):
+            inside = states[:, :, slice(*span)]
+            floors = one.output[:, frame.floor_x]
+            moved = np.abs(inside[:, 0] @ floors.real - inside[:, 1] @ floors.imag).max(axis=0, initial=0.0)
+            reason = unbounded(frame, moved)
+            if reason:
+                raise ExperimentError(f"the run was stopped at {now:.4f} s: {reason}")
+
+    def _shaking(
+        self,
+        samples: Real,
+        step_s: float,
+        duration_s: float | None,
+        longest_s: float | None,
+        tolerance: float,
+        contact_level: int,
+    ) -> Shaking:
+        end_s = (len(samples) - 1) * step_s if duration_s is None else float(duration_s)
+        intervals = max(1, math.ceil(end_s / step_s - 1e-9))
+        padded = np.zeros(intervals + 1)
+        kept = min(len(padded), len(samples))
+        padded[:kept] = samples[:kept]
+        starts, ends = padded[:-1].copy(), padded[1:].copy()
+        starts[len(samples) - 1 :] = 0.0  # after the last sample the table is still
+        parts = max(1, math.ceil(step_s / (longest_s or longest_step(self.frames)) - 1e-9))
+        finest = 2.0 * np.pi / np.abs(self.rates).max() / FINEST_A_PERIOD
+        fine = max(0, math.ceil(math.log2(step_s / parts / finest)))
+        strongest = float(np.abs(samples).max())
+        last_s = end_s - (intervals - 1) * step_s
+        return Shaking(
+            starts,
+            ends,
+            float(step_s),
+            float(last_s),
+            strongest,
+            parts,
+            fine,
+            float(tolerance),
+            contact_level,
+        )
+
+    def _modes(self, shaking: Shaking) -> Modes:
+        levels = max(shaking.fine + DEEPER, shaking.forced_level) + 2
+        tables, pushed = np.empty((levels, 8, len(self.rates))), np.empty((levels, 4, len(self.rates)))
+        for level in range(levels):
+            step = shaking.dt_s / shaking.parts / 2.0**level
+            loop.fill(self.rates, step, tables[level])
+            loop.push(tables[level], self._load, step, pushed[level])
+        return Modes(self.rates, self._load, tables, pushed)
+
+    def _rest(self, shaking: Shaking) -> State:
+        count = len(self.contacts)
+        return State(
+            np.array([0, 0, max(shaking.forced_level, 0)]), np.zeros(1), np.zeros(count, np.bool_),
+            np.zeros(count), np.zeros(count), np.full(count, -1.0), np.zeros((count, 3)),
+        )  # fmt: skip
+
+    def coordinates(self, solution: Solution, index: int, chosen: ArrayLike) -> tuple[Real, Real]:
+        """Return displacements (m, k) [m] and velocities (m, k) [m/s] of some coordinates of a frame.
+
+        Args:
+            solution: What `solve` returned.
+            index: Number of the frame, from 0.
+            chosen: Coordinates (k,).
+        """
+        one, states = self.poles[index], solution.states[:, :, slice(*self.spans[index])]
+        output = one.output[:, np.asarray(chosen)]
+        both = np.hstack([output, one.rates[:, None] * output])
+        moved = states[:, 0] @ both.real - states[:, 1] @ both.imag
+        value, rate = np.split(moved, 2, axis=1)
+        return value, rate
+
+    def deformations(self, solution: Solution) -> Real:
+        """Return how far the sides of each contact overlap at the steps (m, c) [m]; negative while apart.
+
+        Args:
+            solution: What `solve` returned.
+        """
+        row = self._loop_contacts.row
+        moved = solution.states[:, 0] @ row[:, 0].T - solution.states[:, 1] @ row[:, 1].T
+        return np.asarray(moved - self._loop_contacts.gap)
+
+    def motion(self, solution: Solution, cost_s: tuple[float, float]) -> Motion:
+        """Return a solution as the frames' motions and the contacts' histories.
+
+        Args:
+            solution: What `solve` returned.
+            cost_s: Wall and processor time that it took [s].
+        """
+        motions = tuple(self._frame_motion(index, solution) for index in range(len(self.frames)))
+        histories = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
+        return Motion(
+            motions, histories, balance(motions, histories), *cost_s, len(solution.time_s) - 1, "exact"
+        )
+
+    def _frame_motion(self, index: int, solution: Solution) -> FrameMotion:
+        frame, one, span = self.frames[index], self.poles[index], self.spans[index]
+        states = solution.states[:, :, slice(*span)]
+        rates = one.rates[:, None]
+        output = np.hstack([one.output, rates * one.output, rates**2 * one.output])
+        all_three = states[:, 0] @ output.real
+        all_three -= states[:, 1] @ output.imag
+        u, v, a = np.split(all_three, 3, axis=1)
+        # What acts at once: the table on all coordinates, the contacts' forces on those of their floors.
+        pushed = np.zeros((1 + len(self.contacts), len(frame.mass)))
+        pushed[0] = ((rates * one.output).T @ one.load).real
+        for c, contact in enumerate(self.contacts):
+            for (body, row), sign in zip(sides_of(self.frames, contact), (-1.0, 1.0), strict=True):
+                if body == index:
+                    pushed[1 + c] += sign * np.linalg.solve(frame.mass, row)
+        a += np.column_stack([solution.acceleration, solution.forces]) @ pushed
+        return FrameMotion(frame, solution.time_s, u, v, a, solution.acceleration)
+
+
+def run_exact(
+    frames: Sequence[ReducedFrame],
+    contacts: Sequence[Contact | Within],
+    acceleration: ArrayLike,
+    step_s: float,
+    **options: Any,
+) -> Motion:
+    """Return the motion of frames in a row, with contacts, on a table; options as for `ExactRig.solve`.
+
+    Args:
+        frames: Reduced frames, from left to right.
+        contacts: Contacts between neighbours.
+        acceleration: Acceleration of the table (m,) [m/s^2].
+        step_s: Sample step [s].
+        options: Those of `ExactRig.solve`.
+    """
+    rig = ExactRig(frames, contacts)
+    started, worked = time.perf_counter(), time.thread_time()
+    solution = rig.solve(acceleration, step_s, **options)
+    return rig.motion(solution, (time.perf_counter() - started, time.thread_time() - worked))
+
+
+def longest_step(frames: Sequence[ReducedFrame]) -> float:
+    """Return the longest step [s] that shows the frames' motion: `STEPS_A_PERIOD` of the fastest mode that counts."""
+    fastest = 0.0
+    for frame in frames:
+        sway = (frame.shapes.T @ frame.mass @ frame.influence / frame.frequencies_hz) ** 2
+        fastest = max(fastest, float(frame.frequencies_hz[sway >= COUNTS * sway.sum()].max()))
+    return 1.0 / (STEPS_A_PERIOD * fastest)
+
+
+def _parts(values: Any) -> Real:
+    """Return complex values (..., p) as real and imaginary parts (..., 2, p)."""
+    return np.ascontiguousarray(np.stack([values.real, values.imag], axis=-2))
+
+
+def _programs(contacts: Sequence[Contact | Within]) -> tuple[Any, Any, Any, Any]:
+    """Return the laws' instructions one after the other, where each begins, results and registers."""
+    programs = [recorded(contact.law) for contact in contacts]
+    first = np.cumsum([0, *(len(one.instructions) for one in programs)])
+    code = np.concatenate([np.zeros((0, 5), np.int64), *(one.instructions for one in programs)])
+    width = max((len(one.registers) for one in programs), default=0)
+    registers = np.zeros((len(programs), width))
+    for row, one in zip(registers, programs, strict=True):
+        row[: len(one.registers)] = one.registers
+    return code, first, np.array([one.result for one in programs], np.int64), registers

@@ -1,0 +1,120 @@
+"""The arrays of the exact solver's compiled loop: what shakes, what moves, what touches, and where a run is.
+
+Poles are kept as real and imaginary parts in two rows, which the compiler turns into vector instructions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+
+class Shaking(NamedTuple):
+    """How the table moves and how closely it is followed.
+
+    Attributes:
+        starts, ends: Acceleration at the start and the end of each interval (m,) [m/s^2].
+        dt_s: Length of an interval [s].
+        last_s: Length of the last one [s], where the run may end before the sample.
+        strongest: Largest acceleration [m/s^2].
+        parts: The longest step is an interval over `parts`.
+        fine: The finest step in flight is the longest over 2^fine; steps in contact are as long or shorter.
+        tolerance: Limit of the velocity's error in a step in contact, as a share of the contact's largest velocity [-].
+        forced_level: All steps in contact are the longest over 2^forced_level, for studies of convergence; -1 leaves
+            them to the error control.
+    """
+
+    starts: Any
+    ends: Any
+    dt_s: float
+    last_s: float
+    strongest: float
+    parts: int
+    fine: int
+    tolerance: float
+    forced_level: int
+
+
+class Modes(NamedTuple):
+    """The frames' poles, one frame after the other.
+
+    Attributes:
+        rates: Poles (p,) [1/s].
+        load: Load of a unit acceleration of the table on each (2, p).
+        tables, pushed: `exact_loop.integrals` (levels, 8, p) and `push` (levels, 4, p) of the longest step over 2^level.
+    """
+
+    rates: Any
+    load: Any
+    tables: Any
+    pushed: Any
+
+
+class Contacts(NamedTuple):
+    """The contacts and their laws.
+
+    Attributes:
+        span: First pole and one past the last of each contact's frames (c, 2).
+        row, rate: Deformation [m] and its rate [m/s] for a unit state (c, 2, p).
+        gain: Load of a unit force on each pole (c, 2, p).
+        gap: Gaps at rest (c,) [m].
+        weight, pushing: Bound of each pole's part in the rate (c, p), and of that of a unit acceleration of the table
+            (c,), for the time before which nothing can touch.
+        mobility: Relative acceleration that a unit force gives (c,) [1/kg].
+        code, first, result: The laws' programs, one after the other (see `contact.evaluation`).
+        registers: Their registers (c, r).
+    """
+
+    span: Any
+    row: Any
+    rate: Any
+    gain: Any
+    gap: Any
+    weight: Any
+    pushing: Any
+    mobility: Any
+    code: Any
+    first: Any
+    result: Any
+    registers: Any
+
+
+class State(NamedTuple):
+    """All that a run remembers from step to step; `advance` changes it.
+
+    Attributes:
+        clock: Interval, tick of the finest step in it (-1 off the ticks), level of the steps in contact (3,).
+        since: Time since the interval's start (1,) [s].
+        closed: Which contacts touch (c,).
+        approach, fastest: Velocity at first touch, largest velocity since (c,) [m/s].
+        horizon: Time before which a contact cannot touch (c,) [s].
+        force: Forces at start, middle and end of a step (c, 3) [N].
+    """
+
+    clock: Any
+    since: Any
+    closed: Any
+    approach: Any
+    fastest: Any
+    horizon: Any
+    force: Any
+
+
+class Room(NamedTuple):
+    """Room to work in.
+
+    Attributes:
+        own, own_push, half, half_push: `integrals` (8, p) and `push` (4, p) of a step of any length and of its half.
+        middle: State in the middle of a step (2, p).
+        free: Deformation and rate in the middle and at the end of a step without the contacts' forces (c, 4).
+        response: The same for unit forces at start, middle and end: of a contact, for another's force (c, c, 4, 3).
+        known: Level that `response` is of (1,); -1 if none.
+    """
+
+    own: Any
+    own_push: Any
+    half: Any
+    half_push: Any
+    middle: Any
+    free: Any
+    response: Any
+    known: Any
