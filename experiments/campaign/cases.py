@@ -24,7 +24,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.impacts import all_impacts
 from pounding.experiments.rig.pounding import Pounding, built, floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import pair_gap
-from pounding.experiments.rig.rig import Rig
+from pounding.experiments.rig.rig import Rig, Solver
 from pounding.experiments.sweeps.sweep import sweep
 
 if TYPE_CHECKING:
@@ -113,6 +113,7 @@ def run_case(
     flip: bool = False,
     tension: bool = False,
     folder: str = "",
+    solver: Solver = "exact",
 ) -> dict[str, Any]:
     """Run one case, for `pounding.experiments.sweeps.sweep.sweep`.
 
@@ -125,6 +126,7 @@ def run_case(
         flip: Turn the record's sign.
         tension: May the contact pull?
         folder: Folder of records; the usual places when empty.
+        solver: `exact` or `exudyn`, see `Rig.run`.
 
     Returns:
         `count` and `touches`; `merged_5_ms` and its like, counts at other merging times; `peak_force_n`,
@@ -138,7 +140,7 @@ def run_case(
     chosen = _law(law, contact, floor_masses(first_frame, second_frame), tension)
     chosen = dataclasses.replace(chosen, stiffness=contact_stiffness * chosen.stiffness)
     shaken = shaking(record, folder or None, flip=flip)
-    found = pound(first_frame, second_frame, shaken, chosen, 1e-3 * gap_mm)
+    found = pound(first_frame, second_frame, shaken, chosen, 1e-3 * gap_mm, solver=solver)
     first = found.impacts[0] if found.impacts else None
     return {
         "count": len(found.impacts),
@@ -158,7 +160,9 @@ def run_case(
     }
 
 
-def run_apart(left: str, right: str, record: str, *, flip: bool = False, folder: str = "") -> dict[str, Any]:
+def run_apart(
+    left: str, right: str, record: str, *, flip: bool = False, folder: str = "", solver: Solver = "exact"
+) -> dict[str, Any]:
     """Run two frames without contact; returns `peaks` as JSON text, for sweeps.
 
     Args:
@@ -167,8 +171,10 @@ def run_apart(left: str, right: str, record: str, *, flip: bool = False, folder:
         record: Name of the ground motion.
         flip: Turn the record's sign.
         folder: Folder with ground motions; empty for the default.
+        solver: `exact` or `exudyn`, see `Rig.run`.
     """
-    frames = Rig([built(left), built(right)]).run(shaking(record, folder or None, flip=flip)).frames
+    rig = Rig([built(left), built(right)])
+    frames = rig.run(shaking(record, folder or None, flip=flip), solver=solver).frames
     return {"peaks": json.dumps({"left": frames[0].peaks(), "right": frames[1].peaks()})}
 
 
@@ -179,6 +185,7 @@ def run_all(
     kept: Path | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
+    solver: Solver = "exact",
 ) -> pd.DataFrame:
     """Run cases of `run_case` in processes and return one row a case, its arguments and its results.
 
@@ -187,6 +194,7 @@ def run_all(
         folder: Records.
         kept: Folder for finished cases, from which an interrupted campaign goes on.
         workers, scheduler: See `sweep`.
+        solver: `exact` or `exudyn`; `engine_check` runs a sample of the former by the latter.
 
     Raises:
         ExperimentError: A case failed; says which and why, when all others are finished.
@@ -195,7 +203,7 @@ def run_all(
     data = sweep(
         run_case,
         rows,
-        settings={"folder": "" if folder is None else str(folder)},
+        settings={"folder": "" if folder is None else str(folder), "solver": solver},
         folder=kept,
         workers=workers,
         scheduler=scheduler,

@@ -23,6 +23,7 @@ from pounding.experiments.console.output import emit, progress_console, table, w
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.rig import Solver
 from pounding.experiments.separation import pictures
 from pounding.experiments.separation.chapter_7.parametric import motions_of_the_study
 from pounding.experiments.separation.gaps import tables_4
@@ -39,7 +40,10 @@ def main(
     *,
     out: options.Out = None,
     records: options.Records = None,
-    collisions: Annotated[bool, Parameter(help="Confirm each gap by runs with contacts (a minute).")] = True,
+    collisions: Annotated[
+        bool, Parameter(help="Confirm each gap by runs with contacts (a minute by exudyn).")
+    ] = True,
+    solver: options.Solver = "exudyn",
     json: options.Json = False,
 ) -> None:
     """Required gaps of the five pairs beside the thesis', the rules beside the gaps, Table 4.3 recomputed.
@@ -48,14 +52,18 @@ def main(
         out: Folder for tables (CSV) and pictures; none are written without it.
     """
     with Progress(console=progress_console(), transient=True) as progress:
-        result, tables = study(records, collisions=collisions, progress=progress)
+        result, tables = study(records, collisions=collisions, progress=progress, solver=solver)
         if out is not None:
             write(tables, out, records, progress)
     emit(result, as_json=json, show=lambda: show(tables))
 
 
 def study(
-    folder: Path | None = None, *, collisions: bool = True, progress: Progress | None = None
+    folder: Path | None = None,
+    *,
+    collisions: bool = True,
+    progress: Progress | None = None,
+    solver: Solver = "exudyn",
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
     """Return the stamped result and its tables by name.
 
@@ -63,6 +71,7 @@ def study(
         folder: Records; the usual places when None.
         collisions: Whether each gap is confirmed by runs with contacts.
         progress: Where progress is shown.
+        solver: What runs the collisions, see `confirmations`.
     """
     built = {name: build(name, BLIND) for name in FRAMES}
     motions = {name: _motion(name, BLIND, folder) for name in tables_4.RECORDS}
@@ -85,7 +94,7 @@ def study(
         "rules_computed_summary": tables_4.summary(computed),
     }
     if collisions:
-        tables["collisions"] = confirmations(built, motions, progress)
+        tables["collisions"] = confirmations(built, motions, progress, solver)
     result = stamp({"variant": str(BLIND), "collisions": collisions}, list(motions.values()))
     result |= {name: _rows(frame) for name, frame in tables.items()}
     return result, tables
@@ -130,7 +139,10 @@ def _motion(name: str, variant: Variant, folder: Path | None) -> Record:
 
 
 def confirmations(
-    built: dict[str, ReducedFrame], motions: dict[str, Record], progress: Progress | None = None
+    built: dict[str, ReducedFrame],
+    motions: dict[str, Record],
+    progress: Progress | None = None,
+    solver: Solver = "exudyn",
 ) -> pd.DataFrame:
     """Return what collisions 1 % below and 1 % above each required gap say.
 
@@ -138,12 +150,13 @@ def confirmations(
         built: Frames by name.
         motions: Records at model scale by name.
         progress: Where progress is shown.
+        solver: `exudyn`, which knows nothing of the exact response that it confirms, or `exact`.
     """
     cases = [(*pair, name) for pair in tables_4.pairs() for name in motions]
     bar = None if progress is None else progress.add_task("collisions below and above", total=len(cases))
     rows = {}
     for left, right, floor, name in cases:
-        found = confirm(built[left], built[right], motions[name], floor=floor)
+        found = confirm(built[left], built[right], motions[name], floor=floor, solver=solver)
         rows[(left, right, floor, name)] = {
             "closing_mm": found.closing_mm,
             "engine_closing_mm": found.engine_closing_mm,

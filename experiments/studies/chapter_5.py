@@ -24,7 +24,8 @@ from pounding.experiments.pictures import contact_plots as plots_contact
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import built, pound, shaking
-from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
+from pounding.experiments.rig.rig import Solver
+from pounding.experiments.studies.shared import Kept, Workers, engine_check, keyed, said, write_tables
 
 SOURCES = tuple(STIFFNESS_SETS)
 REFERENCE = "experiment"
@@ -38,6 +39,7 @@ def main(
     records: options.Records = None,
     kept: Kept = None,
     workers: Workers = None,
+    solver: options.Solver = "exact",
     json: options.Json = False,
 ) -> None:
     """Peak forces of 15B beside 5B for 20 gaps and the five contact stiffnesses of Table 5.1.
@@ -45,11 +47,11 @@ def main(
     Args:
         out: Folder for tables (CSV) and pictures; none are written without it.
     """
-    result, tables = study(records, kept=kept, workers=workers)
+    result, tables = study(records, kept=kept, workers=workers, solver=solver)
     if out is not None:
         write_tables(tables, out)
         pictures(tables, out, records)
-    emit(result, as_json=json, show=lambda: show(tables))
+    emit(result, as_json=json, show=lambda: [*show(tables), *said(result["engine_check"])])
 
 
 def study(
@@ -57,6 +59,7 @@ def study(
     *,
     kept: Path | None = None,
     workers: int | None = None,
+    solver: Solver = "exact",
     tests: list[Trial] | None = None,
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
     """Return the stamped result and its tables by name.
@@ -65,6 +68,7 @@ def study(
         records: Folder of records; the usual places when None.
         kept: Folder for finished cases.
         workers: Processes.
+        solver: `exact`, of which exudyn runs a sample again, or `exudyn`.
         tests: Tests to run; all 20 when None.
     """
     tests = chapter_5() if tests is None else tests
@@ -75,7 +79,8 @@ def study(
         case(t, gap, contact=source) for t, gap in zip(tests, own, strict=True) for source in SOURCES
     ]
     flipped = [case(test, test.gap_mm, flip=True) for test in tests]
-    runs = run_all(at_laboratory + at_fraction + flipped, folder=records, kept=kept, workers=workers)
+    cases = at_laboratory + at_fraction + flipped
+    runs = run_all(cases, folder=records, kept=kept, workers=workers, solver=solver)
     first, second = len(at_laboratory), len(at_laboratory) + len(at_fraction)
     parts = {"laboratory_gap": runs.iloc[:first], "same_fraction": runs.iloc[first:second]}
     tables: dict[str, pd.DataFrame] = {}
@@ -96,6 +101,7 @@ def study(
         "model_s": float(runs["model_s"].sum()),
         "wall_s": float(runs["wall_s"].sum()),
         "energy_error": float(runs["energy_error"].max()),
+        "engine_check": engine_check(cases, runs, solver, records, kept, workers),
     }
     return result | {name: keyed(frame) for name, frame in tables.items()}, tables
 

@@ -44,7 +44,8 @@ from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import shaking
-from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
+from pounding.experiments.rig.rig import Solver
+from pounding.experiments.studies.shared import Kept, Workers, cell, engine_check, keyed, said, write_tables
 from pounding.experiments.sweeps.sweep import sweep
 
 DEFAULT_LAW = "linear_viscoelastic"
@@ -56,6 +57,7 @@ def main(
     records: options.Records = None,
     kept: Kept = None,
     workers: Workers = None,
+    solver: options.Solver = "exact",
     with_bands: bool = True,
     json: options.Json = False,
 ) -> None:
@@ -65,10 +67,10 @@ def main(
         out: Folder for the tables as CSV; none are written without it.
         with_bands: Also vary gap, damping and stiffness (96 more runs).
     """
-    result, tables = study(records, kept=kept, workers=workers, with_bands=with_bands)
+    result, tables = study(records, kept=kept, workers=workers, solver=solver, with_bands=with_bands)
     if out is not None:
         write_tables(tables, out)
-    emit(result, as_json=json, show=lambda: show(tables))
+    emit(result, as_json=json, show=lambda: [*show(tables), *said(result["engine_check"])])
 
 
 def study(
@@ -76,6 +78,7 @@ def study(
     *,
     kept: Path | None = None,
     workers: int | None = None,
+    solver: Solver = "exact",
     with_bands: bool = True,
     tests: list[Trial] | None = None,
 ) -> tuple[dict[str, Any], dict[str, pd.DataFrame]]:
@@ -85,6 +88,7 @@ def study(
         records: Folder of records; the usual places when None.
         kept: Folder for finished cases.
         workers: Processes.
+        solver: `exact`, of which exudyn runs a sample again, or `exudyn`.
         with_bands: Whether gap, damping and stiffness are varied.
         tests: Tests to run; all 12 when None.
     """
@@ -99,9 +103,8 @@ def study(
         "tension": [case(test, own[test], tension=True) for test in tests],
         "bands": [one for test in tests for one in band_cases(test, own[test])] if with_bands else [],
     }
-    everything = run_all(
-        [one for cases in plan.values() for one in cases], folder=records, kept=kept, workers=workers
-    )
+    all_cases = [one for cases in plan.values() for one in cases]
+    everything = run_all(all_cases, folder=records, kept=kept, workers=workers, solver=solver)
     runs, start = {}, 0
     for name, cases in plan.items():
         runs[name] = everything.iloc[start : start + len(cases)]
@@ -110,7 +113,7 @@ def study(
         sweep(
             run_apart,
             [{key: getattr(test, key) for key in KEY} for test in tests],
-            settings={"folder": folder or ""},
+            settings={"folder": folder or "", "solver": solver},
             folder=kept,
             workers=workers,
         )
@@ -131,6 +134,7 @@ def study(
         "model_s": float(everything["model_s"].sum()),
         "wall_s": float(everything["wall_s"].sum()),
         "energy_error": float(everything["energy_error"].max()),
+        "engine_check": engine_check(all_cases, everything, solver, records, kept, workers),
         "table_6_3": rank_sums(printed_values(), list(printed_values().columns)),
     }
     return result | {name: keyed(frame) for name, frame in tables.items()}, tables

@@ -41,8 +41,12 @@ NEW_PAIRS = ("12-8", "10-8")
 NEW_LABELS = ("sap2", "sap3", VALIDATION_LABEL)
 """Section 7.4: frames not in the study, under SAP 2, SAP 3 and SAP 5."""
 
-Workers = Annotated[int | None, Parameter(help="Processes; default: one a core, 0: none.")]
-Cases = Annotated[Path | None, Parameter(help="Folder that keeps finished cases, to go on with later.")]
+Cases = Annotated[
+    Path | None,
+    Parameter(
+        help="Folder that keeps finished cases, to go on with later.", validator=options.writable_folder
+    ),
+]
 
 
 def main(
@@ -50,7 +54,7 @@ def main(
     out: options.Out = None,
     records: options.Records = None,
     cases: Cases = None,
-    workers: Workers = None,
+    workers: options.Workers = None,
     scheduler: Annotated[str | None, Parameter(help="Address of a dask.distributed scheduler.")] = None,
     json: options.Json = False,
 ) -> None:

@@ -28,15 +28,15 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import Impact
-from pounding.experiments.rig.pounding import floor_masses, pound, shaking
-from pounding.experiments.rig.rig import COLLIDING, Accuracy
+from pounding.experiments.rig.pounding import Pounding, floor_masses, pound, shaking
+from pounding.experiments.rig.rig import COLLIDING, Accuracy, Solver
 from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
 from pounding.experiments.sweeps.sweep import sweep
 
 REFERENCE = Accuracy(1e-10, 1e-12, 2e-4)
 KEEP_HZ = 1200.0
 WIDER_MM = 1e-3
-COMPARISONS = ("step", "modes", "gap")
+COMPARISONS = ("step", "modes", "gap", "exact")
 PEAK, TIME_S, IMPULSE = 0.01, 1e-4, 0.005
 LARGEST_FRACTION = 0.9
 
@@ -116,15 +116,17 @@ def compare(
         folder: Folder with ground motions; empty for the default.
     """
     default, tight = (
-        _impacts((left, right), None, record, law, gap_mm, accuracy, duration_s, folder)
+        _pounded((left, right), None, record, law, gap_mm, accuracy, duration_s, folder)
         for accuracy in (COLLIDING, REFERENCE)
     )
-    modes = _impacts((left, right), KEEP_HZ, record, law, gap_mm, COLLIDING, duration_s, folder)
-    wider = _impacts((left, right), None, record, law, gap_mm + WIDER_MM, COLLIDING, duration_s, folder)
+    modes = _pounded((left, right), KEEP_HZ, record, law, gap_mm, COLLIDING, duration_s, folder)
+    wider = _pounded((left, right), None, record, law, gap_mm + WIDER_MM, COLLIDING, duration_s, folder)
+    exact = _pounded((left, right), None, record, law, gap_mm, None, duration_s, folder)
     return {
-        "step": json_text.dumps(compared(default, tight)),
-        "modes": json_text.dumps(compared(default, modes)),
-        "gap": json_text.dumps(compared(default, wider)),
+        "step": json_text.dumps(beside(default, tight)),
+        "modes": json_text.dumps(beside(default, modes)),
+        "gap": json_text.dumps(beside(default, wider)),
+        "exact": json_text.dumps(beside(exact, tight)),
     }
 
 
@@ -133,22 +135,34 @@ def _built(name: str, keep_hz: float | None) -> frames.ReducedFrame:
     return frames.build(frames.load(name), keep_hz=keep_hz)
 
 
-def _impacts(
+def _pounded(
     names: tuple[str, str],
     keep_hz: float | None,
     record: str,
     law: str,
     gap_mm: float,
-    accuracy: Accuracy,
+    accuracy: Accuracy | None,
     duration_s: float,
     folder: str,
-) -> list[Impact]:
+) -> Pounding:
+    """Return a run by exudyn at an accuracy, or by the exact solver where that is None."""
     pair = _built(names[0], keep_hz), _built(names[1], keep_hz)
     masses = floor_masses(_built(names[0], None), _built(names[1], None))
     chosen = thesis_law(law, masses=masses)
     shaken = shaking(record, folder or None)
     end = min(duration_s, shaken.duration_s)
-    return pound(*pair, shaken, chosen, 1e-3 * gap_mm, accuracy=accuracy, duration_s=end).impacts
+    solver: Solver = "exact" if accuracy is None else "exudyn"
+    return pound(*pair, shaken, chosen, 1e-3 * gap_mm, accuracy=accuracy, duration_s=end, solver=solver)
+
+
+def beside(run: Pounding, tighter: Pounding) -> dict[str, Any]:
+    """Return how the impacts, the touches and the floors' peaks of two runs agree, and the first one's energy error."""
+    return compared(run.impacts, tighter.impacts) | {
+        "displacement": _displaced(run, tighter),
+        "touches": sum(one.touches for one in run.impacts),
+        "touches_reference": sum(one.touches for one in tighter.impacts),
+        "energy": run.motion.energy.error,
+    }
 
 
 def compared(found: list[Impact], reference: list[Impact]) -> dict[str, Any]:
@@ -173,6 +187,15 @@ def compared(found: list[Impact], reference: list[Impact]) -> dict[str, Any]:
     }
 
 
+def _displaced(run: Pounding, tighter: Pounding) -> float:
+    """Return the largest relative difference of a floor's largest displacement, either way."""
+    worst = 0.0
+    for frame, other in zip(run.motion.frames, tighter.motion.frames, strict=True):
+        for mine, theirs in zip(frame.peaks(), other.peaks(), strict=True):
+            worst = max(worst, *(abs(mine[key] / theirs[key] - 1.0) for key in ("max_mm", "min_mm")))
+    return worst
+
+
 def _table(runs: pd.DataFrame, name: str) -> pd.DataFrame:
     found = pd.DataFrame([json_text.loads(text) for text in runs[name]])
     return pd.concat([runs[["case", "law"]].reset_index(drop=True), found], axis=1)
@@ -193,6 +216,11 @@ def summary(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
             "largest impulse error of the converged": max(good["impulse"], default=0.0),
             "largest peak error of a first impact": max(found["first_peak"], default=0.0),
             "largest impulse error of a first impact": max(found["first_impulse"], default=0.0),
+            "largest displacement error of the converged": max(good["displacement"], default=0.0),
+            "converged with the same number of touches": int(
+                (good["touches"] == good["touches_reference"]).sum()
+            ),
+            "largest energy error": max(found["energy"], default=0.0),
         }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("against")
 

@@ -10,12 +10,11 @@ from typing import Any
 
 import msgspec
 import numpy as np
-from rich.console import Console
 from scipy.sparse.linalg import spsolve
 
 from pounding import frames
 from pounding.experiments.console.exit_status import run_script
-from pounding.experiments.console.output import table
+from pounding.experiments.console.output import printer, table
 from pounding.experiments.studies.table_3_1 import thesis_frame
 from pounding.frames.definition import PlateFrame
 from pounding.frames.fe.assembly import Options, assemble
@@ -113,7 +112,7 @@ def main() -> dict[str, Any]:
         "floors": floors(),
         "reductions": reductions(),
     }
-    console = Console(highlight=False)
+    console = printer()
     heads = ["frame", "floor, column", "f1 Hz", "f2 Hz", "f3 Hz", "roof N/mm", "f1 %", "roof %"]
     rows = [
         [row["frame"], row["mesh"], *(f"{row[key]:.3f}" for key in list(row)[2:6]),

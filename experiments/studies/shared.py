@@ -3,18 +3,55 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import pandas as pd
 from cyclopts import Parameter
 
+from pounding.experiments.campaign.engine_check import check_in_engine
+from pounding.experiments.console import options
+from pounding.experiments.rig.rig import Solver
 from pounding.frames.files import write_whole
 
 Kept = Annotated[
-    Path | None, Parameter(help="Folder for finished cases; an interrupted study goes on from it.")
+    Path | None,
+    Parameter(
+        help="Folder for finished cases; an interrupted study goes on from it.",
+        validator=options.writable_folder,
+    ),
 ]
-Workers = Annotated[int | None, Parameter(help="Processes; default: one a core.")]
+Workers = options.Workers
+
+
+def engine_check(
+    cases: Sequence[dict[str, Any]],
+    runs: pd.DataFrame,
+    solver: Solver,
+    folder: Path | str | None,
+    kept: Path | None,
+    workers: int | None,
+) -> dict[str, Any] | None:
+    """Return what exudyn says of a sample of a campaign's runs; None where exudyn ran them all.
+
+    Args:
+        cases: Arguments of the campaign's runs.
+        runs: Their results, a row each.
+        solver: What ran them.
+        folder: Folder with ground motions; None for the default.
+        kept: Folder for finished cases.
+        workers: Processes.
+    """
+    if solver == "exudyn":
+        return None
+    check = check_in_engine(cases, runs, folder=folder, kept=kept, workers=workers)
+    return check.as_dict() | {"sentence": check.sentence}
+
+
+def said(check: dict[str, Any] | None) -> list[str]:
+    """Return the sentence of `engine_check` for a reader, or none."""
+    return [] if check is None else [check["sentence"]]
 
 
 def write_tables(tables: dict[str, pd.DataFrame], folder: Path) -> None:

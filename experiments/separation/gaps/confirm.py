@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from pounding.contact.laws import LinearViscoelastic
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors, pair_gap
-from pounding.experiments.rig.rig import Contact, Rig
+from pounding.experiments.rig.rig import Rig, Solver
 from pounding.frames import ReducedFrame
 
 MARGIN = 0.01
@@ -50,6 +51,7 @@ def confirm(
     *,
     floor: int | None = None,
     margin: float = MARGIN,
+    solver: Solver = "exudyn",
 ) -> Confirmed:
     """Run two frames with gaps just below and just above the required one.
 
@@ -59,12 +61,15 @@ def confirm(
         record: Table motion at the frames' scale.
         floor: Floor of the lower frame; its roof when None.
         margin: Share of the required gap by which the gaps differ from it.
+        solver: `exudyn` or `exact`, see `Rig.run`.
     """
     required = pair_gap(left, right, record, floor=floor)
     floors = contact_floors(left, right, floor)
     # Below, the frames first touch at the latest when the peak would have come: no need to shake on.
-    below = _run(left, right, record, floors, (1.0 - margin) * required.closing_m, required.time_s + 0.05)
-    above = _run(left, right, record, floors, (1.0 + margin) * required.closing_m, None)
+    below = _run(
+        left, right, record, floors, (1.0 - margin) * required.closing_m, required.time_s + 0.05, solver
+    )
+    above = _run(left, right, record, floors, (1.0 + margin) * required.closing_m, None, solver)
     apart = above.frames[0].floor_displacement(floors[0]) - above.frames[1].floor_displacement(floors[1])
     return Confirmed(
         closing_mm=1e3 * required.closing_m,
@@ -87,6 +92,7 @@ def _run(
     floors: tuple[int, int],
     gap_m: float,
     duration_s: float | None,
+    solver: Solver,
 ) -> Motion:
     rig = Rig([left, right], [Contact(THESIS_LAW, gap_m, floors)])
-    return rig.run(record, duration_s=duration_s)
+    return rig.run(record, duration_s=duration_s, solver=solver)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from pounding import bounds
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.chapter_7 import equations
 from pounding.experiments.separation.chapter_7.equations import (
@@ -16,6 +17,7 @@ from pounding.experiments.separation.chapter_7.equations import (
 )
 from pounding.experiments.separation.chapter_7.experience import HELD_OUT_SENTENCE
 from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
+from pounding.units import LENGTH
 
 MM = 1000.0
 DEFAULT_DAMPING_PERCENT = 5.0
@@ -61,11 +63,19 @@ class Site:
     kt: float = 0.11
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.pga_g < float("inf"):
-            raise ExperimentError(
-                f"the peak ground acceleration must be above zero, in g, not {self.pga_g:g}: without shaking "
-                "no gap is needed"
-            )
+        mm = LENGTH["mm"]
+        for what, value, bound, per, unit in (
+            ("height of the taller building", self.tall_m, bounds.HEIGHT, 1.0, "m"),
+            ("height of the lower building", self.short_m, bounds.HEIGHT, 1.0, "m"),
+            ("peak ground acceleration", self.pga_g, bounds.PGA, 1.0, "g"),
+            ("frequency of the taller building", self.tall_frequency_hz, bounds.FREQUENCY, 1.0, "Hz"),
+            ("frequency of the lower building", self.short_frequency_hz, bounds.FREQUENCY, 1.0, "Hz"),
+            ("damping", self.damping_percent, bounds.DAMPING_PERCENT, 1.0, "%"),
+            ("peak of the taller building", self.tall_mm, bounds.SWAY, mm, "mm"),
+            ("peak of the lower building", self.short_mm, bounds.SWAY, mm, "mm"),
+        ):
+            if value is not None:
+                bound.check(value, f"the {what}", ExperimentError, per=per, unit=unit)
         if (self.tall_mm is None) != (self.short_mm is None):
             raise ExperimentError(
                 "give the peak displacement of both buildings (--tall-mm and --short-mm) or of none"

@@ -1,0 +1,38 @@
+"""A campaign by the exact solver is checked by exudyn, and says how far the two agree."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from pounding.experiments.campaign.cases import run_all
+from pounding.experiments.campaign.engine_check import SAMPLE, check_in_engine
+
+CASES = [
+    {"left": "5A", "right": "5B", "record": "elcentro-chopra", "law": law, "gap_mm": gap}
+    for law, gap in (("hertz", 2.0), ("linear_viscoelastic", 3.0), ("hertz_damp", 60.0))
+]
+
+
+def test_a_sample_is_run_again_and_told() -> None:
+    runs = run_all(CASES, workers=0)
+    found = check_in_engine(CASES, runs, workers=0)
+    assert (found.runs, found.checked) == (3, 3)
+    assert found.checked <= SAMPLE
+    assert found.same_count == 3
+    assert 0.0 < found.displacement < 1e-3
+    assert 0.0 < found.first_peak < 1e-2
+    assert "exudyn ran 3 of them again: 3 with the same number of impacts" in found.sentence
+    # What disagrees is told: the same check against runs of another gap.
+    other = run_all([case | {"gap_mm": 4.0} for case in CASES], workers=0)
+    told = check_in_engine(CASES, other, workers=0)
+    assert told.displacement > 0.01
+    assert dataclasses.asdict(told) == told.as_dict()
+
+
+def test_cases_keep_the_solver_they_ran_with() -> None:
+    exact, engine = (run_all(CASES[:1], workers=0, solver=solver) for solver in ("exact", "exudyn"))  # type: ignore[arg-type]
+    assert exact["count"].iloc[0] == engine["count"].iloc[0] > 0
+    assert exact["peak_force_n"].iloc[0] == pytest.approx(engine["peak_force_n"].iloc[0], rel=1e-2)
+    assert exact["processor_s"].iloc[0] < engine["processor_s"].iloc[0] / 10
