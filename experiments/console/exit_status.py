@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import sys
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, ValidationError
 from rich.console import Console
 
 from pounding.errors import InputError
+from pounding.experiments.console.interruption import heeding
 from pounding.experiments.results.provenance import software_version
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 def command(**named: Any) -> App:
@@ -27,7 +29,7 @@ def command(**named: Any) -> App:
         print_error=False,
         # The verbs return nothing to show and never an exit status: they print by themselves.
         result_action="return_value",
-        # Ctrl-C has a sentence of its own (see `run`).
+        # Ctrl-C has a sentence of its own (see `heeding`).
         suppress_keyboard_interrupt=False,
         **named,
     )
@@ -41,25 +43,30 @@ def run(app: App, arguments: Sequence[str] | None = None) -> None:
         arguments: Its words; those of the command line when None.
 
     Raises:
-        SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted.
+        SystemExit: 2 with one sentence on standard error for bad input, 130 when interrupted, 143 when terminated.
     """
     warnings.showwarning = _warned
+    _open_streams()
     try:
-        app(arguments)
+        with heeding():
+            app(arguments)
+            # What a pipe or a disk does not take shall show here, not when Python ends.
+            sys.stdout.flush()
     except InputError as error:
         _leave(str(error), BAD_INPUT)
+    except ValidationError as error:
+        _leave(_of_option(error), BAD_INPUT)
     except CycloptsError as error:
         _leave(f"{error} (see {' '.join(app.name)} --help)", BAD_INPUT)
     except BrokenPipeError:
         # The reader of our output (a pager, `head`) has seen enough; nothing more can be told to it.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         sys.exit(0)
     except OSError as error:
+        _drop_output()
         # A folder that cannot be written, a full disk: the user's to mend, and no traceback helps.
         place = f"{error.filename}: " if error.filename else ""
         _leave(f"{place}{error.strerror or error}", BAD_INPUT)
-    except KeyboardInterrupt:
-        _leave("interrupted; what was finished is kept, the same command goes on from there", INTERRUPTED)
 
 
 def run_script(function: Callable[..., Any]) -> None:
@@ -70,6 +77,33 @@ def run_script(function: Callable[..., Any]) -> None:
     run(app)
 
 
+def _of_option(error: ValidationError) -> str:
+    """Return what is wrong with an option whose value was checked, the option first."""
+    tokens = error.argument.tokens if error.argument else []
+    option = next((token.keyword for token in tokens if token.keyword), None)
+    return f"{option}: {error.exception_message}" if option else str(error)
+
+
+def _open_streams() -> None:
+    """Refuse to work for a closed standard output, and let no character be one that the terminal cannot show.
+
+    Where standard output is closed, its number goes to the next file that is opened, and what is printed into that file.
+    """
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115
+    if sys.stdout is None:
+        _leave("standard output is closed; send it to a file, or to /dev/null", BAD_INPUT)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors in ("strict", "surrogateescape"):
+            stream.reconfigure(errors="replace")
+
+
+def _drop_output() -> None:
+    """Send what is still to be written to nowhere, for Python would fail on it once more when it ends."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
 def _warned(message: Warning | str, category: type[Warning], *_place: Any, **_more: Any) -> None:
     """Show our own warnings as sentences; a library's are for its developers, not for a user."""
     if issubclass(category, UserWarning):
@@ -78,5 +112,6 @@ def _warned(message: Warning | str, category: type[Warning], *_place: Any, **_mo
 
 def _leave(sentence: str, status: int) -> None:
     console = Console(stderr=True, highlight=False, soft_wrap=True)
-    console.print(f"pounding: {' '.join(sentence.split())}", markup=False)
+    plain = "".join(letter if letter.isprintable() else "?" for letter in " ".join(sentence.split()))
+    console.print(f"pounding: {plain}", markup=False)
     sys.exit(status)

@@ -2,11 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from pounding import bounds
+from pounding.bounds import Bound
+from pounding.frames.files import tried_file, tried_folder
+
+
+def bounded(bound: Bound, *, per: float = 1.0, unit: str | None = None) -> Callable[[object, Any], None]:
+    """Return a check of an option's values, one or several, by the table of physical bounds.
+
+    Args:
+        bound: Their bound.
+        per: The bound's unit for one unit of the option.
+        unit: Unit of the option; the bound's own when None.
+    """
+
+    def check(_kind: object, value: Any) -> None:
+        for one in value if isinstance(value, list) else [value]:
+            if one is not None:
+                bound.check(one, "the value", per=per, unit=unit)
+
+    return check
+
+
+def writable_folder(_kind: object, folder: Path | None) -> None:
+    """Refuse a folder that cannot be written, when the words of the command are read."""
+    if folder is not None:
+        tried_folder(folder)
+
+
+def writable_file(_kind: object, path: Path | None) -> None:
+    """Refuse a file that cannot be written, when the words of the command are read."""
+    if path is not None:
+        tried_file(path)
+
+
+Solver = Annotated[
+    Literal["exudyn", "exact"],
+    Parameter(
+        help="exudyn, or exact: closed formulas between impacts, about two hundred times quicker, for frames that "
+        "are linear apart from their contacts."
+    ),
+]
 Joints = Annotated[
     Literal["calibrated", "rigid"],
     Parameter(help="Stiffness between columns and floors: calibrated on the first frequency, or rigid."),
@@ -26,7 +68,17 @@ Json = Annotated[
     bool,
     Parameter(name="--json", negative=(), help="Print one JSON object and nothing else on standard output."),
 ]
-Out = Annotated[Path | None, Parameter(help="Folder for files; created if missing.")]
+Out = Annotated[
+    Path | None, Parameter(help="Folder for files; created if missing.", validator=writable_folder)
+]
 Pga = Annotated[
-    float | None, Parameter(help="Peak of the table's acceleration [g]; default: the record's own.")
+    float | None,
+    Parameter(
+        help="Peak of the table's acceleration [g]; default: the record's own.", validator=bounded(bounds.PGA)
+    ),
+]
+Seed = Annotated[int, Parameter(help="Seed of all random numbers.", validator=bounded(bounds.SEED))]
+Workers = Annotated[
+    int | None,
+    Parameter(help="Processes; default: one a core, 0: none.", validator=bounded(bounds.WORKERS)),
 ]

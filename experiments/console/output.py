@@ -13,6 +13,19 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 
 
+class Printer(Console):
+    """A console that leaves it to `exit_status.run` when the reader of its output (`head`, a pager) has seen enough."""
+
+    def on_broken_pipe(self) -> None:
+        """Raise what the pipe raised; rich would end the program with status 1."""
+        raise
+
+
+def printer() -> Printer:
+    """Return the console for results: standard output, where units in [brackets] are no markup."""
+    return Printer(highlight=False, markup=False)
+
+
 def emit(
     result: Mapping[str, Any], *, as_json: bool, show: Callable[[], Iterable[RenderableType | str]]
 ) -> None:
@@ -27,8 +40,7 @@ def emit(
         json.dump(plain(result), sys.stdout, indent=2, allow_nan=False)
         sys.stdout.write("\n")
         return
-    # Units stand in [brackets], which rich would take for markup.
-    console = Console(highlight=False, markup=False)
+    console = printer()
     for item in show():
         console.print(item)
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pounding.experiments.output.result_folder import prepare
+from pounding.experiments.output.result_folder import Kept, prepare
 from pounding.experiments.pictures import collision_scene
 from pounding.experiments.pictures import contact_plots as plots_contact
 from pounding.experiments.results import dataset as results
@@ -23,7 +23,7 @@ def keep(
     *,
     film: bool = False,
     progress: Callable[[float], None] | None = None,
-) -> list[str]:
+) -> Kept:
     """Write `pound.json`, one NetCDF file a law and, if the floors touched, plots and pictures.
 
     Args:
@@ -34,27 +34,30 @@ def keep(
         progress: Called with the share of the film that is done.
 
     Returns:
-        Sentences on what could not be made and why; empty if nothing.
+        What is in the folder now.
 
     Raises:
-        ExperimentError: The folder cannot be written.
-        FrameError: A file cannot be written; what was finished before is whole.
+        FrameError: The folder or a file cannot be written; what was finished before is whole.
     """
     prepare(folder)
+    files, notes, shown = [], [], None
     for run in runs:
         data = results.dataset(run.motion, run.record, provenance=result)
-        results.save(data, folder / f"{run.motion.contacts[0].law.name}.nc")
+        files.append(f"{run.motion.contacts[0].law.name}.nc")
+        results.save(data, folder / files[-1])
     touched = [run for run in runs if run.impacts]
-    notes = []
     if touched:
         plots_contact.force_histories(runs, folder / "forces.png")
         plots_contact.loops(runs, folder / "loops.png")
+        files += ["forces.png", "loops.png"]
         reason = cannot_render()
         if reason:
             notes.append(reason)
         else:
             collision_scene.still(touched[0], folder / "collision.png")
+            files.append("collision.png")
             if film:
-                collision_scene.film(touched[0], folder / "collision.mp4", progress=progress)
+                shown = collision_scene.film(touched[0], folder / "collision.mp4", progress=progress)
+                files.append("collision.mp4")
     write_whole(folder / "pound.json", (json.dumps(result, indent=2) + "\n").encode())
-    return notes
+    return Kept([*files, "pound.json"], notes, shown)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from pounding.experiments import published
-from pounding.experiments.errors import ExperimentError
 from pounding.experiments.measurements.history import Channel
 from pounding.experiments.pictures import films, plots, scenes
 from pounding.experiments.pictures.series import write_series
@@ -21,7 +19,7 @@ from pounding.experiments.results import dataset as results
 from pounding.experiments.rig.shaking import Shaking
 from pounding.frames import names
 from pounding.frames.drawing.rendering import cannot_render
-from pounding.frames.files import write_whole
+from pounding.frames.files import tried_folder, write_whole
 
 SERIES_S = 1.0
 """The VTK series covers so long before and after the largest roof displacement [s]."""
@@ -39,18 +37,27 @@ class Wish:
     measured: Sequence[Channel] = ()
 
 
+class Kept(NamedTuple):
+    """What a result folder holds.
+
+    Attributes:
+        files: Names of the files.
+        notes: A sentence for each thing that could not be made.
+        film: What the film shows, if one was made.
+    """
+
+    files: list[str]
+    notes: list[str]
+    film: films.Film | None = None
+
+
 def prepare(folder: Path) -> None:
-    """Make a folder for results before anything is computed.
+    """See that a folder for results can be made and written, before anything is computed; it is made with its first file.
 
     Raises:
-        ExperimentError: It cannot be made or written.
+        FrameError: It cannot be made or written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ExperimentError(f"folder {folder}: cannot be made ({error.strerror})") from error
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise ExperimentError(f"folder {folder}: cannot be written; choose another with --out")
+    tried_folder(folder)
 
 
 def keep(
@@ -61,7 +68,7 @@ def keep(
     *,
     wish: Wish = Wish(),
     progress: Callable[[str, float], None] | None = None,
-) -> tuple[list[str], list[str]]:
+) -> Kept:
     """Write everything that a shaking leaves into a folder.
 
     Args:
@@ -73,7 +80,7 @@ def keep(
         progress: Called with what is being made and the share that is done.
 
     Returns:
-        The names of the files, and a sentence for each thing that could not be made.
+        What is in the folder now.
 
     Raises:
         FrameError: A file cannot be written; what was finished before is whole.
@@ -93,11 +100,23 @@ def keep(
         write_series(shaking.motion, _around_peak(shaking), folder / "series.pvd")
         files.append("series.pvd")
     told("pictures", 0.5)
-    reason = cannot_render()
+    reason, film = cannot_render(), None
     if reason is None:
-        files += _pictures(shaking, folder, wish, title, told)
+        scenes.picture(shaking.motion, folder / "peak.png", title=title)
+        files.append("peak.png")
+        if wish.film:
+            film = _film(shaking, folder / "film.mp4", title, told)
+            files.append("film.mp4")
     write_whole(folder / "shake.json", (json.dumps(result, indent=2) + "\n").encode())
-    return [*files, "shake.json"], [reason] if reason else []
+    return Kept([*files, "shake.json"], [reason] if reason else [], film)
+
+
+def written(result: Mapping[str, Any]) -> Iterator[str]:
+    """Say which files were written and what a film shows, if anything was kept."""
+    if "files" in result:
+        yield f"written: {', '.join(result['files'])}"
+    if result.get("film"):
+        yield f"film: {films.Film(**result['film'])}"
 
 
 def published_peaks(frame: str, record: str) -> dict[int, tuple[float, float]]:
@@ -131,19 +150,10 @@ def _plots(shaking: Shaking, data: xr.Dataset, folder: Path, wish: Wish, title: 
     return files
 
 
-def _pictures(
-    shaking: Shaking, folder: Path, wish: Wish, title: str, told: Callable[[str, float], None]
-) -> list[str]:
-    scenes.picture(shaking.motion, folder / "peak.png", title=title)
-    if not wish.film:
-        return ["peak.png"]
-    films.film(
-        shaking.motion,
-        folder / "film.mp4",
-        title=title,
-        progress=lambda share: told("film", 0.6 + 0.4 * share),
+def _film(shaking: Shaking, path: Path, title: str, told: Callable[[str, float], None]) -> films.Film:
+    return films.film(
+        shaking.motion, path, title=title, progress=lambda share: told("film", 0.6 + 0.4 * share)
     )
-    return ["peak.png", "film.mp4"]
 
 
 def _around_peak(shaking: Shaking) -> np.ndarray:

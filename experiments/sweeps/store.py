@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import xarray as xr
 
 import pounding
 from pounding.experiments.errors import ExperimentError
 from pounding.frames.errors import FrameError
-from pounding.frames.files import write_whole
+from pounding.frames.files import read_entry, tell_damage, write_entry
 
 Case = Mapping[str, Any]
 Run = Callable[..., Mapping[str, Any]]
@@ -37,6 +38,14 @@ class Outcome:
 
     values: Mapping[str, Any]
     failure: str = ""
+
+
+class _Kept(msgspec.Struct, forbid_unknown_fields=True):
+    """The file of a finished case."""
+
+    case: dict[str, Any]
+    values: dict[str, Any]
+    failure: str
 
 
 NO_PART_OF_A_CASE = (
@@ -101,13 +110,20 @@ class Store:
         self._memory: dict[str, Outcome] = {}
 
     def get(self, key: str) -> Outcome | None:
-        """Return what became of a case, or None if it is not finished; a damaged file is as good as none."""
+        """Return what became of a case, or None if it is not finished; a damaged file is told, and is as good as none."""
         if self.folder is None:
             return self._memory.get(key)
+        path = self.folder / f"{key}.json"
+        kept = read_entry(path)
+        if kept is None:
+            return None
         try:
-            content = json.loads((self.folder / f"{key}.json").read_text(encoding="utf-8"))
-            return Outcome({k: _unpacked(v) for k, v in content["values"].items()}, content["failure"])
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            content = msgspec.convert(json.loads(kept), _Kept)
+            return Outcome(
+                {name: _unpacked(value) for name, value in content.values.items()}, content.failure
+            )
+        except (ValueError, KeyError, TypeError, AttributeError):
+            tell_damage(path)
             return None
 
     def put(self, key: str, case: Case, outcome: Outcome) -> None:
@@ -128,7 +144,7 @@ class Store:
         values = {name: _packed(value, name) for name, value in outcome.values.items()}
         text = _json({"case": dict(case), "values": values, "failure": outcome.failure}, "result")
         try:
-            write_whole(self.folder / f"{key}.json", text.encode())
+            write_entry(self.folder / f"{key}.json", text.encode())
         except FrameError as error:
             raise StoreError(
                 f"{error}; what is finished is kept: make room and start again to go on"

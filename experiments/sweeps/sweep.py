@@ -21,8 +21,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.results.provenance import software_version
+from pounding.experiments.sweeps.cluster import run_distributed
 from pounding.experiments.sweeps.store import Case, Outcome, Run, Store, StoreError, case_key, code_version
-from pounding.experiments.sweeps.workers import Running, Task, run_distributed, run_here, run_processes
+from pounding.experiments.sweeps.workers import Running, Task, run_here, run_processes
+from pounding.frames.errors import FrameError
+from pounding.frames.files import clear_stale, tried_folder
 
 Grid = Mapping[str, Sequence[Any]]
 
@@ -35,7 +38,7 @@ def sweep(
     folder: Path | str | None = None,
     workers: int | None = None,
     scheduler: str | None = None,
-    timeout_s: float = 10.0,
+    timeout_s: float = 30.0,
     retry_failed: bool = False,
     version: str | None = None,
     console: Console | None = None,
@@ -51,7 +54,7 @@ def sweep(
         folder: Where finished cases are kept; None keeps them in memory for this call only.
         workers: Processes on this machine; default: one a core. 0 runs in this process.
         scheduler: Address of a dask.distributed scheduler to run on instead, `tcp://host:8786`.
-        timeout_s: How long the scheduler and its first worker may take to answer [s].
+        timeout_s: How long the scheduler may be silent, and may be without workers [s].
         retry_failed: Run the cases again that are recorded as failed.
         version: Of the code that cases depend on; default: hash of its source files.
         console: Where progress is shown; default: standard error.
@@ -111,8 +114,7 @@ def _run_all(finished: Running, store: Store, total: int, missing: int, console:
             kept = (
                 "the same call goes on with the rest" if store.folder else "nothing was kept: no folder given"
             )
-            console.print(f"interrupted: {done} of {total} cases are finished; {kept}")
-            raise
+            raise KeyboardInterrupt(f"{done} of {total} cases are finished; {kept}") from None
 
 
 def _outcome(future: Any) -> Outcome:
@@ -152,9 +154,11 @@ def _writable(folder: Path | str | None) -> Path | None:
         return None
     path = Path(folder)
     try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"folder of the sweep '{path}' cannot be made ({error.strerror})") from None
+        tried_folder(path)
+    except FrameError as error:
+        raise StoreError(f"sweep: {error}") from None
+    if path.is_dir():
+        clear_stale(path)
     return path
 
 

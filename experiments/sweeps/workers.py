@@ -1,4 +1,4 @@
-"""Where the cases of a sweep run: here, in processes of this machine, or on a dask.distributed cluster.
+"""Where the cases of a sweep run: here or in processes of this machine; `cluster` runs them on others.
 
 Each runner takes tasks and yields, as they finish, each with a future that holds its outcome or its error. A
 worker that dies takes no other case with it: the cases it may have been at are tried again one by one, and
@@ -10,20 +10,18 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import socket
 import threading
 from collections import deque
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import wait as wait_for
 from pathlib import Path
 from typing import Any
 
-from pounding.experiments.errors import ExperimentError
 from pounding.experiments.sweeps.store import Case, Outcome, Run, Store
-from pounding.extras import extra_module
 from pounding.frames.files import clear_begun
 
 ATTEMPTS_ALONE = 2
@@ -88,7 +86,8 @@ def _until_broken(queue: deque[Task], workers: int) -> Generator[Finished, None,
             while queue and len(flight) < 2 * workers and not broken:
                 task = queue.popleft()
                 try:
-                    flight[pool.submit(task)] = task
+                    with _deaf_to_ctrl_c():
+                        flight[pool.submit(task)] = task
                 except BrokenProcessPool:
                     broken.append(task)
             done, _ = wait(flight, return_when=FIRST_COMPLETED)
@@ -114,7 +113,8 @@ def _alone(task: Task) -> Running:
     for _ in range(ATTEMPTS_ALONE):
         pool = _pool(1)
         try:
-            future = pool.submit(task)
+            with _deaf_to_ctrl_c():
+                future = pool.submit(task)
             error = future.exception()
         finally:
             _stop(pool, [task.folder])
@@ -129,6 +129,19 @@ def _pool(workers: int) -> ProcessPoolExecutor:
         os.environ.setdefault(variable, "1")
     context = multiprocessing.get_context("spawn")
     return ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker)
+
+
+@contextmanager
+def _deaf_to_ctrl_c() -> Iterator[None]:
+    """Start processes that leave Ctrl-C to this one from their first moment on: they inherit what is blocked here."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _start_worker() -> None:
@@ -160,62 +173,3 @@ def _stop(pool: ProcessPoolExecutor, folders: Iterable[Path | None]) -> None:
         process.join()
     for folder in {folder for folder in folders if folder is not None}:
         clear_begun(folder, (process.pid for process in processes))
-
-
-def run_distributed(tasks: list[Task], address: str, timeout_s: float) -> Running:
-    """Run tasks on the workers of a dask scheduler.
-
-    Args:
-        tasks: What is to be run.
-        address: Address of the scheduler.
-        timeout_s: How long to wait for it [s].
-
-    Raises:
-        ExperimentError: The scheduler does not answer, has no workers, or is lost on the way.
-        MissingExtraError: dask.distributed is not installed.
-    """
-    distributed = extra_module("distributed")
-    silent = ExperimentError(
-        f"scheduler {address} does not answer within {timeout_s:g} s; check the address, start one with"
-        " 'dask scheduler' and 'dask worker', or leave it out to run on this machine"
-    )
-    if not _greets(address, timeout_s):
-        raise silent
-    try:
-        client = distributed.Client(address, timeout=timeout_s, set_as_default=False)
-    except (OSError, ValueError, TimeoutError):
-        raise silent from None
-    with client:
-        try:
-            client.wait_for_workers(1, timeout=timeout_s)
-        except TimeoutError:
-            raise ExperimentError(
-                f"scheduler {address} has no workers after {timeout_s:g} s; start 'dask worker {address}'"
-            ) from None
-        futures = {client.submit(task, key=f"case-{task.key}", pure=False): task for task in tasks}
-        try:
-            for future in distributed.as_completed(list(futures), loop=client.loop):
-                if future.status in ("cancelled", "lost"):
-                    raise ExperimentError(
-                        f"scheduler {address} was lost; what is finished is kept, start again to go on"
-                    )
-                yield futures[future], future
-                future.release()
-        finally:
-            client.cancel(list(futures), force=True)
-
-
-def _greets(address: str, timeout_s: float) -> bool:
-    """Return whether something at a TCP address speaks first, as a scheduler does.
-
-    The client's own time-out ends a connection that is refused, not one that is accepted and stays silent.
-    """
-    scheme, _, place = address.rpartition("://")
-    if scheme not in ("", "tcp"):
-        return True
-    host, _, port = place.rpartition(":")
-    try:
-        with socket.create_connection((host.strip("[]"), int(port)), timeout=timeout_s) as connection:
-            return bool(connection.recv(1))
-    except (OSError, ValueError):
-        return False

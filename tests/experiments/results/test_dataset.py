@@ -55,11 +55,11 @@ def test_absolute_is_relative_plus_table_and_each_is_the_integral_of_the_next(da
 
 
 def test_the_tables_motion_is_the_exact_integral(noise):
-    record = noise(samples=3, step_s=1.0)
+    record = noise(samples=3, step_s=0.1)
     object.__setattr__(record, "acceleration_m_s2", np.array([0.0, 6.0, 0.0]))
-    moved = results.table_motion(record, np.array([0.0, 1.0, 2.0, 3.0]))
-    np.testing.assert_allclose(moved["velocity"], [0.0, 3.0, 6.0, 6.0])
-    np.testing.assert_allclose(moved["displacement"], [0.0, 1.0, 6.0, 12.0])
+    moved = results.table_motion(record, np.array([0.0, 0.1, 0.2, 0.3]))
+    np.testing.assert_allclose(moved["velocity"], [0.0, 0.3, 0.6, 0.6])
+    np.testing.assert_allclose(moved["displacement"], [0.0, 0.01, 0.06, 0.12])
     np.testing.assert_allclose(moved["acceleration"], [0.0, 6.0, 0.0, 0.0])
 
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import random
 import signal
 import socket
 import subprocess
@@ -18,6 +17,7 @@ import pounding
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.sweeps import store as sweep_store
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.frames.files import DamageWarning, write_entry
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -154,8 +154,7 @@ def wait_until(condition, seconds=30.0):
 
 
 @pytest.mark.slow
-def test_killed_at_random_moments_and_started_again_nothing_is_lost_or_run_twice(tmp_path):
-    chance = random.Random(3)
+def test_killed_at_random_moments_and_started_again_nothing_is_lost_or_run_twice(tmp_path, chance):
     started = 0
     for _ in range(3):
         before = finished(tmp_path)
@@ -203,7 +202,7 @@ def test_a_full_disk_is_one_sentence_and_keeps_what_is_finished(tmp_path, monkey
         except OSError as error:
             raise sweep_store.FrameError(f"{path}: cannot be written ({error.strerror})") from error
 
-    monkeypatch.setattr(sweep_store, "write_whole", full)
+    monkeypatch.setattr(sweep_store, "write_entry", full)
     with pytest.raises(ExperimentError, match=r"No space left on device.*make room and start again"):
         sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
     monkeypatch.undo()
@@ -215,14 +214,51 @@ def finished_in(folder):
     return len(list(folder.glob("*.json")))
 
 
-def test_a_damaged_file_counts_as_not_finished(tmp_path):
+DAMAGED = [
+    lambda whole: whole[:20],
+    lambda whole: "[]",
+    lambda whole: '{"values": [1], "failure": ""}',
+    lambda whole: '{"values": {"sum": {"array": [1]}}, "failure": ""}',
+    lambda whole: '{"values": {"sum": "seven"}, "failure": ""}',
+    lambda whole: '{"values": {"sum": 7.0}, "failure": 3}',
+    lambda whole: whole.replace('"sum": 4.0', '"sum": 5.0').replace('"sum": 1.0', '"sum": 5.0'),
+]
+
+
+@pytest.mark.parametrize("damaged", DAMAGED)
+def test_a_damaged_file_is_told_and_counts_as_not_finished(tmp_path, damaged):
     sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
     victim = sorted(tmp_path.glob("*.json"))[0]
-    for damaged in (victim.read_text()[:20], "[]", '{"values": [1], "failure": ""}'):
-        victim.write_text(damaged)
+    whole = victim.read_text()
+    assert damaged(whole) != whole
+    victim.write_text(damaged(whole))
+    with pytest.warns(DamageWarning, match="is damaged: what it kept is made anew"):
         result = sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
+    assert result["sum"].values.tolist() == [1, 4]
+    assert victim.read_text() == whole
+    json.loads(whole)
+
+
+def test_a_file_that_another_program_wrote_with_its_checksum_is_told_too(tmp_path):
+    sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
+    victim = sorted(tmp_path.glob("*.json"))[0]
+    for other in (
+        b"[1]",
+        b'{"values": {}}',
+        b'{"case": {}, "values": {"sum": {"array": 1}}, "failure": ""}',
+        b"{",
+    ):
+        write_entry(victim, other)
+        with pytest.warns(DamageWarning):
+            result = sweep(cases.square, {"x": [1, 2]}, folder=tmp_path, workers=0)
         assert result["sum"].values.tolist() == [1, 4]
-        json.loads(victim.read_text())
+
+
+def test_what_a_killed_sweep_had_begun_is_removed_by_the_next_one(tmp_path, killed_while_writing):
+    sweep(cases.square, {"x": [1]}, folder=tmp_path, workers=0)
+    killed_while_writing(tmp_path / "0a.json")
+    sweep(cases.square, {"x": [1]}, folder=tmp_path, workers=0)
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.parametrize(
@@ -241,7 +277,7 @@ def test_bad_cases_are_named(grid, message):
 
 def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(ExperimentError, match="cannot be made"):
+    with pytest.raises(ExperimentError, match="cannot be written"):
         sweep(cases.square, {"x": [1]}, folder=tmp_path / "file" / "s", workers=0)
 
 
@@ -255,6 +291,11 @@ def test_a_scheduler_that_accepts_and_stays_silent_is_one_sentence():
 def test_a_scheduler_that_is_not_there_is_one_sentence():
     with pytest.raises(ExperimentError, match="does not answer"):
         sweep(cases.square, {"x": [1]}, scheduler="tcp://127.0.0.1:1", timeout_s=1.0)
+
+
+def test_a_scheduler_with_tls_and_no_certificate_is_one_sentence():
+    with pytest.raises(ExperimentError, match="TLS needs a certificate; name it in DASK_DISTRIBUTED__COMM"):
+        sweep(cases.square, {"x": [1]}, scheduler="tls://127.0.0.1:1", timeout_s=1.0)
 
 
 @pytest.mark.slow

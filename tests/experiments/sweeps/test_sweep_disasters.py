@@ -140,6 +140,80 @@ def test_the_command_on_a_full_file_system_leaves_no_half_file(tmp_path, test_re
     assert ".part" not in printed
 
 
+FULL = {
+    "pound": ["pound", "10", "5B", "--gap", "3", "--record", "elcentro-peer180", "--out", "DISK/run"],
+    "gap": ["gap", "10", "5B", "--record", "elcentro-peer180", "--report", "DISK/gap.html"],
+    "design": ["design", "--tall", "30", "--short", "15", "--pga", "0.3", "--report", "DISK/design.html"],
+    "hide": [
+        "hide",
+        "nothing",
+        "--motions",
+        "artificial",
+        "--out",
+        "DISK/case",
+        "--truth",
+        "DISK/truth.json",
+    ],
+    "benchmark": ["diagnose", "--benchmark", "1", "--way", "sparse", "--out", "DISK/benchmark"],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_may_mount")
+@pytest.mark.parametrize("verb", FULL)
+def test_every_verb_on_a_full_disk_is_one_sentence_and_leaves_nothing_begun(tmp_path, verb):
+    disk = tmp_path / "disk"
+    words = [word.replace("DISK", str(disk)) for word in FULL[verb]]
+    command = [sys.executable, "-m", "pounding.experiments.command", *words]
+    printed, errors, status = on_a_small_disk(disk, "8k", sys.executable, "-c", LISTED, str(disk), *command)
+    assert status == 2, errors
+    assert "No space left on device" in errors
+    assert "Traceback" not in errors
+    assert ".part" not in printed
+    assert "case.toml" not in printed, "a case that looks whole"
+
+
+@pytest.mark.parametrize(
+    "words", [["list", "--json"], ["design", "--tall", "30", "--short", "15", "--pga", "0.3"]]
+)
+def test_standard_output_on_a_full_disk_is_one_sentence(words):
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "pounding.experiments.command", *words]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
+    assert (done.returncode, done.stderr) == (2, "pounding: No space left on device\n")
+
+
+FILM = """
+import sys
+from pathlib import Path
+import numpy as np
+from pounding import frames
+from pounding.errors import InputError
+from pounding.experiments.pictures.films import film
+from pounding.experiments.rig.rig import Rig
+
+stick = frames.StickFrame(name="stick", storeys=2, storey_height_m=0.3, floor_mass_kg=[6.0, 5.0],
+                          damping_ratio=0.01, frequency_hz=[3.0])
+motion = Rig([frames.build(stick)]).run(np.sin(np.arange(300) / 20.0), 0.0036)
+for name in ("film.mp4", "film.gif"):
+    try:
+        film(motion, Path(sys.argv[1]) / name, size=(320, 240))
+    except InputError as error:
+        print(error, file=sys.stderr)
+print(*Path(sys.argv[1]).iterdir())
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_may_mount")
+def test_a_film_for_which_the_disk_has_no_room_does_not_look_whole(tmp_path):
+    disk = tmp_path / "disk"
+    printed, errors, _ = on_a_small_disk(disk, "12k", sys.executable, "-c", FILM, str(disk))
+    assert printed == ""
+    assert errors.count("cannot be written") == 2
+    assert "Traceback" not in errors
+
+
 LISTED = """
 import subprocess, sys
 from pathlib import Path
