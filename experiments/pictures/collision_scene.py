@@ -31,7 +31,7 @@ def still(run: Pounding, path: str | Path, *, size: tuple[int, int] | None = Non
     scenes.picture(run.motion, path, time_s=_hardest(run), title=_title(run), size=size)
 
 
-def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] | None = None) -> None:
+def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] | None = None) -> films.Film:
     """Film the collision in slow motion, MP4 or GIF by the suffix.
 
     Args:
@@ -39,12 +39,15 @@ def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] |
         path: File to write.
         progress: Called with the share that is done, 0 to 1.
 
+    Returns:
+        What the film shows.
+
     Raises:
         ExperimentError: The floors did not touch, or another suffix.
         FrameError: The machine cannot render, or the file cannot be written.
     """
     moment = _hardest(run)
-    films.film(
+    return films.film(
         run.motion,
         path,
         start_s=max(0.0, moment - BEFORE_S),

@@ -6,12 +6,13 @@ touch in the picture touch in the run.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pounding.experiments.pictures.series import places
 from pounding.experiments.results.dataset import labels
@@ -35,7 +36,8 @@ from pounding.frames.drawing.shapes import RIM, THICKNESS, Shape, plan, shape_of
 from pounding.frames.response.stress import StressMap, stress_map
 
 if TYPE_CHECKING:
-    from pounding.experiments.rig.motion import FrameMotion, Motion
+    from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
 
@@ -49,8 +51,94 @@ ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
 RED = "#b3262e"
 
-LINGER_S = 0.12
-"""A contact force is shown so long after its impact [s]: the impact itself is over within one image."""
+
+class Instant(NamedTuple):
+    """What differs from image to image.
+
+    Attributes:
+        time_s: The moment [s].
+        coordinates: Coordinates of each frame, (n,) [m].
+        forces_n: Force of each contact [N].
+    """
+
+    time_s: float
+    coordinates: tuple[Real, ...]
+    forces_n: tuple[float, ...]
+
+
+class Place(NamedTuple):
+    """Where a contact is: the frame on its left (0 is the first) and the floor."""
+
+    left: int
+    floor: int
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What is the same in all images of a run.
+
+    Attributes:
+        frames: The frames, from left to right.
+        shift_m: Where the middle of each stands along x [m].
+        factor: Enlargement of displacements and gaps.
+        contacts: Place of each contact.
+        extreme: The run at `largest_moment`: colours and arrows are scaled to it.
+        title: First line of the caption.
+    """
+
+    frames: tuple[ReducedFrame, ...]
+    shift_m: tuple[float, ...]
+    factor: float
+    contacts: tuple[Place, ...]
+    extreme: Instant
+    title: str
+
+
+def setting(motion: Motion, *, title: str = "") -> Setting:
+    """Return what is the same in all images of a run.
+
+    Args:
+        motion: The run.
+        title: First line of the caption; the frames' names when empty.
+    """
+    factor = enlargement(motion)
+    pairs = list(pairwise(frame.name for frame in motion.frames))
+    return Setting(
+        frames=tuple(frame.reduced for frame in motion.frames),
+        shift_m=tuple(places(motion, factor=factor)),
+        factor=factor,
+        contacts=tuple(Place(pairs.index((c.left, c.right)), c.floor) for c in motion.contacts),
+        extreme=instants(motion, [largest_moment(motion)])[0],
+        title=title or " and ".join(f"frame {name}" for name in labels(motion)),
+    )
+
+
+def instants(motion: Motion, times_s: ArrayLike, *, exposure_s: float = 0.0) -> list[Instant]:
+    """Return what a run shows at some times.
+
+    Args:
+        motion: The run.
+        times_s: The times (k,) [s].
+        exposure_s: Time that an image stands for [s]. Its force is the largest in so long a time before it,
+            for an impact may begin and end between two images.
+    """
+    times = np.asarray(times_s, float)
+    moved = zip(*(frame.sampled(times)[0] for frame in motion.frames), strict=True)
+    forces = [_forces(contact, times, exposure_s) for contact in motion.contacts]
+    rows = zip(*forces, strict=True) if forces else [()] * len(times)
+    return [
+        Instant(float(time), tuple(q), tuple(float(force) for force in row))
+        for time, q, row in zip(times, moved, rows, strict=True)
+    ]
+
+
+def _forces(contact: ContactHistory, times_s: Real, exposure_s: float) -> Real:
+    """Return the largest force (k,) [N] of a contact in the time before each moment, that moment included."""
+    now = contact.at(times_s)[2]
+    times, force = contact.sampled()
+    first, last = (np.searchsorted(times, edge, side="right") for edge in (times_s - exposure_s, times_s))
+    before = [force[a:b].max(initial=0.0) for a, b in zip(first, last, strict=True)]
+    return np.maximum(now, before)
 
 
 def largest_moment(motion: Motion) -> float:
@@ -85,42 +173,37 @@ def picture(
     """
     moment = largest_moment(motion) if time_s is None else time_s
     with plotter(size or size_of(motion)) as scene:
-        stage = Stage(scene, motion, title=title)
+        stage = Stage(scene, setting(motion, title=title))
         stage.add_rest()
-        stage.show(moment)
+        stage.show(instants(motion, [moment])[0])
         save(scene, path)
 
 
 class Stage:
-    """Frames on a table in a plotter, moved from moment to moment.
+    """Frames on a table in a plotter, moved from image to image.
 
     Args:
         scene: The plotter.
-        motion: The run.
-        title: First line of the caption.
+        setting: What stays the same.
     """
 
-    def __init__(self, scene: Any, motion: Motion, *, title: str = "") -> None:
-        self._scene, self._motion = scene, motion
-        self._title = title or " and ".join(f"frame {name}" for name in labels(motion))
-        self.factor = enlargement(motion)
-        shift = places(motion, factor=self.factor)
-        stressed = all(frame.reduced.is_mesh for frame in motion.frames)
-        moment = largest_moment(motion)
+    def __init__(self, scene: Any, setting: Setting) -> None:
+        self._scene, self._setting = scene, setting
+        stressed = all(frame.is_mesh for frame in setting.frames)
         self._actors = [
-            _Actor(scene, frame, place, self.factor, stressed)
-            for frame, place in zip(motion.frames, shift, strict=True)
+            _Actor(scene, frame, place, setting.factor, stressed)
+            for frame, place in zip(setting.frames, setting.shift_m, strict=True)
         ]
-        largest = max(actor.values(moment).max() for actor in self._actors)
+        extreme = zip(self._actors, setting.extreme.coordinates, strict=True)
+        largest = max(actor.values(q).max() for actor, q in extreme)
         for number, actor in enumerate(self._actors):
             actor.add(largest or 1.0, with_bar=number == 0)
-        self._forces = [contact.sampled() for contact in motion.contacts]
-        self._largest_force = max((force.max(initial=0.0) for _, force in self._forces), default=0.0)
-        self._dress(shift)
+        self._arrows = [[self._arrow(side) for side in (-1.0, 1.0)] for _ in setting.contacts]
+        self._dress()
         self._caption = caption(scene, "")
 
-    def _dress(self, shift: list[float]) -> None:
-        frames = [frame.reduced for frame in self._motion.frames]
+    def _dress(self) -> None:
+        frames, shift = self._setting.frames, self._setting.shift_m
         plans = [np.array(plan(frame)) + [x, x, 0.0, 0.0] for frame, x in zip(frames, shift, strict=True)]
         left, right = min(p[0] for p in plans), max(p[1] for p in plans)
         front, back = min(p[2] for p in plans), max(p[3] for p in plans)
@@ -135,10 +218,10 @@ class Stage:
         """Draw how long a round displacement is drawn, along x in front of the table."""
         import pyvista
 
-        largest = DRAWN_MOVEMENT * self._motion.frames[0].reduced.plan_m[0] / self.factor
+        largest = DRAWN_MOVEMENT * self._setting.frames[0].plan_m[0] / self._setting.factor
         length = _round_down(largest)
         start = corner + [0.0, 0.0, -0.05]
-        end = start + [self.factor * length, 0.0, 0.0]
+        end = start + [self._setting.factor * length, 0.0, 0.0]
         tick = np.array([0.0, 0.0, 0.012])
         points = np.array([start, end, start - tick, start + tick, end - tick, end + tick])
         lines = pyvista.PolyData(points, lines=[2, 0, 1, 2, 2, 3, 2, 4, 5])
@@ -159,49 +242,55 @@ class Stage:
         for actor in self._actors:
             add_lines(self._scene, actor.shape, actor.shape.nodes + actor.place, ghost=True)
 
-    def show(self, time_s: float) -> None:
-        """Move the frames to where they are at a time [s], and show the contact forces around it."""
-        for actor in self._actors:
-            actor.move(time_s)
-        words = [self._title, f"t = {time_s:6.3f} s, displacement enlarged {self.factor:g} times"]
-        for number, (contact, history) in enumerate(zip(self._motion.contacts, self._forces, strict=True)):
-            force = _shown_force(history, time_s)
-            self._arrows(number, force)
-            words.append(f"contact at floor {contact.floor}: {force / 1e3:.2f} kN" if force else "")
+    def show(self, instant: Instant) -> None:
+        """Move the frames to where they are at an instant, and show the contacts' forces."""
+        setting = self._setting
+        for actor, q in zip(self._actors, instant.coordinates, strict=True):
+            actor.move(q)
+        words = [
+            setting.title,
+            f"t = {instant.time_s:6.3f} s, displacement enlarged {setting.factor:g} times",
+        ]
+        for place, arrows, force in zip(setting.contacts, self._arrows, instant.forces_n, strict=True):
+            self._point(place, arrows, force)
+            words.append(f"contact at floor {place.floor}: {force / 1e3:.2f} kN" if force else "")
         self._caption.input = "\n".join(words)
 
-    def _arrows(self, number: int, force: float) -> None:
-        """Draw a contact's force on both floors; nothing where there is none."""
+    def _arrow(self, side: float) -> Any:
+        """Add an arrow of length 1 m to the left (-1) or right (1), which no one sees yet."""
         import pyvista
 
-        contact = self._motion.contacts[number]
-        names = [frame.name for frame in self._motion.frames]
-        pair = list(pairwise(names)).index((contact.left, contact.right))
-        for side, actor in ((-1.0, self._actors[pair]), (1.0, self._actors[pair + 1])):
-            name = f"force {number} {side}"
-            if not force:
-                self._scene.remove_actor(name)
-                continue
-            length = ARROW_M * (0.3 + 0.7 * force / self._largest_force)
-            edge = actor.edge(contact.floor, -side)
-            arrow = pyvista.Arrow(start=edge, direction=(side, 0.0, 0.0), scale=length, **ARROW)
-            self._scene.add_mesh(arrow, color=RED, name=name, lighting=False)
+        shape = pyvista.Arrow(direction=(side, 0.0, 0.0), **ARROW)
+        arrow = self._scene.add_mesh(shape, color=RED, lighting=False)
+        arrow.visibility = False
+        return arrow
+
+    def _point(self, place: Place, arrows: list[Any], force: float) -> None:
+        """Let a contact's arrows point from both floors' edges; nothing where there is no force."""
+        largest = max(self._setting.extreme.forces_n)
+        pair = zip((-1.0, 1.0), arrows, self._actors[place.left : place.left + 2], strict=True)
+        for side, arrow, actor in pair:
+            arrow.visibility = force > 0.0
+            if force > 0.0:
+                arrow.position = actor.edge(place.floor, -side)
+                arrow.scale = ARROW_M * (0.3 + 0.7 * force / largest)
 
 
 class _Actor:
     """One frame in a scene."""
 
-    def __init__(self, scene: Any, frame: FrameMotion, place: float, factor: float, stressed: bool) -> None:
-        self.frame, self.factor = frame, factor
+    def __init__(
+        self, scene: Any, reduced: ReducedFrame, place: float, factor: float, stressed: bool
+    ) -> None:
+        self.reduced, self.factor = reduced, factor
         self.place = np.array([place, 0.0, 0.0])
-        self.shape: Shape = shape_of(frame.reduced)
+        self.shape: Shape = shape_of(reduced)
         self._scene = scene
-        self._stress: StressMap | None = stress_map(frame.reduced) if stressed else None
-        self._q = np.zeros(len(frame.reduced.mass))
+        self._stress: StressMap | None = stress_map(reduced) if stressed else None
+        self._q: Real = np.zeros(reduced.size)
 
-    def values(self, time_s: float) -> Real:
+    def values(self, q: Real) -> Real:
         """Return the stress [MPa] of the elements or, for sticks, the displacement [mm] of the nodes."""
-        q = self.frame.sampled([time_s])[0][0]
         if self._stress is not None:
             return self._stress.von_mises(q) / 1e6
         return 1e3 * np.abs(self.shape.moved(q)[:, 0])
@@ -210,26 +299,26 @@ class _Actor:
         self.surface = grid(self.shape)
         name = "displacement\n[mm]" if self._stress is None else "von Mises\n[MPa]"
         self._field = (self.surface.point_data if self._stress is None else self.surface.cell_data, name)
-        self._field[0][name] = self.values(0.0)
+        self._field[0][name] = self.values(self._q)
         colours = MAP if self._stress is None else STRESS_MAP
         style = {"scalars": name, "cmap": colours, "clim": (0.0, largest), "show_scalar_bar": with_bar}
         add_surface(self._scene, self.surface, scalar_bar_args=bar(self._scene, name), **style)
         self._lines = add_lines(self._scene, self.shape, self.shape.nodes)
 
-    def move(self, time_s: float) -> None:
-        self._q = self.frame.sampled([time_s])[0][0]
+    def move(self, q: Real) -> None:
+        self._q = q
         nodes = self.shape.nodes + self.place + self.factor * self.shape.moved(self._q)
         self.surface.points[:] = nodes
         self._lines.points[:] = nodes
         self.surface.Modified()
         self._lines.Modified()
         data, name = self._field
-        data[name][:] = self.values(time_s)
+        data[name][:] = self.values(q)
 
     def edge(self, floor: int, side: float) -> Real:
         """Return where the front corner of a floor's left (-1) or right (1) edge is drawn (3,) [m]."""
-        reduced = self.frame.reduced
-        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(self._q[self.frame.floor(floor)])
+        reduced = self.reduced
+        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(self._q[reduced.floor_x[floor - 1]])
         return self.place + [x, plan(reduced)[2], float(reduced.heights_m[floor - 1])]
 
 
@@ -248,12 +337,6 @@ def _round_down(value: float) -> float:
 
 def _roof(frame: FrameMotion) -> Real:
     return frame.floor_displacement(frame.reduced.storeys)
-
-
-def _shown_force(history: tuple[Real, Real], time_s: float) -> float:
-    times, force = history
-    recent = (times <= time_s + 1e-9) & (times > time_s - LINGER_S)
-    return float(force[recent].max(initial=0.0))
 
 
 def size_of(motion: Motion) -> tuple[int, int]:

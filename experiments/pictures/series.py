@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
-import tempfile
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +16,7 @@ from pounding.experiments.results.dataset import labels
 from pounding.frames.drawing.shapes import Shape, shape_of
 from pounding.frames.drawing.vtk import write
 from pounding.frames.errors import FrameError
-from pounding.frames.files import write_whole
+from pounding.frames.files import scratch, write_whole
 from pounding.frames.response.stress import StressMap, stress_map
 
 if TYPE_CHECKING:
@@ -47,18 +45,16 @@ def write_series(motion: Motion, times_s: ArrayLike, path: str | Path) -> None:
     if not times.size or times.min() < 0.0 or times.max() > motion.model_s + 1e-9:
         raise ExperimentError(f"series {path}: its times must lie in the run, 0 to {motion.model_s:.3f} s")
     entries = []
-    folder = _beside(path)
     try:
-        for number, (frame, name) in enumerate(zip(motion.frames, labels(motion), strict=True)):
-            files = _frame_files(frame, name, times, folder, places(motion)[number])
-            entries += [
-                (time, number, f"{path.stem}/{file}") for time, file in zip(times, files, strict=True)
-            ]
-        _replace_folder(folder, path.with_suffix(""))
+        with scratch(path.parent, path.stem) as folder:
+            for number, (frame, name) in enumerate(zip(motion.frames, labels(motion), strict=True)):
+                files = _frame_files(frame, name, times, folder, places(motion)[number])
+                entries += [
+                    (time, number, f"{path.stem}/{file}") for time, file in zip(times, files, strict=True)
+                ]
+            _replace_folder(folder, path.with_suffix(""))
     except OSError as error:
         raise FrameError(f"{path}: cannot be written ({error.strerror or error})") from error
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
     write_whole(path, _collection(entries))
 
 
@@ -116,14 +112,6 @@ def _collection(entries: list[tuple[float, int, str]]) -> bytes:
         )
     ElementTree.indent(root)
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
-
-
-def _beside(path: Path) -> Path:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        return Path(tempfile.mkdtemp(prefix=f".{path.stem}.", dir=path.parent))
-    except OSError as error:
-        raise FrameError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 def _replace_folder(new: Path, folder: Path) -> None:

@@ -48,7 +48,11 @@ class Margins(NamedTuple):
 
 @contextmanager
 def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
-    """Give an off-screen pyvista plotter with a white background, and close it at the end.
+    """Give an off-screen pyvista plotter with a white background and smooth edges, and close it at the end.
+
+    Args:
+        size: Width and height [pixels].
+        options: Arguments of pyvista's `Plotter`.
 
     Raises:
         FrameError: The machine cannot render.
@@ -56,16 +60,36 @@ def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
     reason = cannot_render()
     if reason:
         raise FrameError(reason)
+    with bare_plotter(size, **options) as made:
+        made.enable_anti_aliasing("ssaa")
+        yield made
+
+
+@contextmanager
+def bare_plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
+    """Give a plotter as `plotter` does on a machine of which it is known that it can render, with rough edges.
+
+    Args:
+        size: Width and height [pixels].
+        options: Arguments of pyvista's `Plotter`.
+    """
     import pyvista  # only here: importing it takes half a second, and may fail where nothing can be drawn
 
     pyvista.OFF_SCREEN = True
     made = pyvista.Plotter(off_screen=True, window_size=list(size), **options)
     made.set_background("white")
-    made.enable_anti_aliasing("ssaa")
+    made.disable_anti_aliasing()
     try:
         yield made
     finally:
         made.close()
+
+
+def image(scene: Any) -> NDArray[np.uint8]:
+    """Return what a plotter shows now (height, width, 3)."""
+    # A screenshot alone would show the image that was rendered last.
+    scene.render()
+    return np.ascontiguousarray(scene.screenshot(return_img=True))
 
 
 def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0) -> Any:
