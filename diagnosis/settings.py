@@ -99,6 +99,8 @@ class Search:
     """[noise floors] A frame with more misfit is searched further, with larger effects. Origin: chosen."""
     rescued: float = 50.0
     """[ln likelihood] An effect is refined from the baseline parameters if it gains this there. Origin: chosen."""
+    clock: float = 0.03
+    """[-] Clocks are tried up to so much slower and faster. Origin: chosen, several times what a failing logger shows."""
     rescues: int = 4
     """[effects] At most so many effects are refined from the baseline parameters. Origin: chosen."""
     rescued_storeys: int = 6

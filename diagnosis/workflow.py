@@ -20,7 +20,7 @@ from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, judged_on
 from pounding.diagnosis.inference.search import search
-from pounding.diagnosis.model.first_frequencies import frequency_warnings
+from pounding.diagnosis.model.first_frequencies import check_resolved, frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, observe
@@ -28,12 +28,13 @@ from pounding.diagnosis.model.sensors import screened, usable
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.report import Report
+from pounding.frames.files import tried_folder
 
 Progress = Callable[[str, float], None]
 
 
 def diagnose(
-    case_folder: Path | str,
+    case: Case | Path | str,
     out: Path | str | None = None,
     progress: Progress | None = None,
     *,
@@ -43,23 +44,27 @@ def diagnose(
     """Diagnose a case: where it disagrees with the baseline model, what is missing, and how much that explains.
 
     Args:
-        case_folder: Folder with `case.toml` and its runs.
+        case: Folder with `case.toml` and its runs, or what `read_case` has read from it.
         out: Folder for `report.json`, `report.html` and figures; nothing is written when None.
         progress: Called with what is being done and the share that is done (0 to 1).
-        candidates_file: Python file with effects of the user's that compete with the catalogue.
+        candidates_file: Python file with effects of the user's that compete with the catalogue. It is executed, once the
+            case has been read: pass a file that you trust.
         calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed).
 
     Returns:
         The report; with `out` also what `pounding.diagnosis.report.details` adds.
 
     Raises:
-        CaseError: The case cannot be read or says too little, the user's candidates cannot be used, or the report cannot
-            be written.
+        CaseError: The case cannot be read or says too little, or the user's candidates cannot be used.
+        FrameError: The report cannot be written.
     """
     told = progress or _silent
     told("reading the case", 0.0)
+    if not isinstance(case, Case):
+        case = read_case(case)
+    if out is not None:
+        tried_folder(out)
     own = _own(candidates_file) if candidates_file is not None else []
-    case = read_case(case_folder)
     if calibrate and not case.runs:
         raise CaseError(
             f"{case.folder / 'case.toml'}: --calibrate simulates runs, and this case has no run; leave --calibrate out"
@@ -94,7 +99,7 @@ def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progres
 
     case, found = diagnosis.case, diagnosis.found
     if diagnosis.contact is None:
-        names = [rig_calibration.name_of(one) for one in rig_calibration.hypotheses(found)]
+        names = [one.label() for one in rig_calibration.hypotheses(found)]
         simulate = partial(rig_calibration.simulate_and_judge, found)
     else:
         names = [one.label for one in pair_calibration.truths(found, diagnosis.contact)]
@@ -161,7 +166,7 @@ def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...])
     known = bool(chosen.effects) and not any(effect.rival for effect in chosen.effects)
     if found.pair is None or model is not found.pair.slow or not known:
         return found, decision
-    as_measured = Model(model.structure, replace(model.observed, runs=measured), model.prior)
+    as_measured = model.seeing(replace(model.observed, runs=measured))
     corrected, filtered = put_right_by(as_measured, model, chosen.fit.filtered)
     if not decision.named:
         again = judged_on(chosen, corrected, filtered, found.training, found.held_out)
@@ -179,6 +184,7 @@ def _find(
     structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
     model = Model(structure, observed, case.prior)
+    check_resolved(model)
     if not case.contacts:
         # Impacts fill the spectrum and change its first peak.
         observed.warnings.extend(frequency_warnings(model))

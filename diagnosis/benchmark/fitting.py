@@ -11,6 +11,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from pounding.diagnosis.decision.confidence import FILE, read_pairs, refitted, write_calibration
+from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 
 
@@ -21,7 +22,11 @@ def main(
     *,
     verdict: Annotated[tuple[str, ...], Parameter(help="Fit this kind of verdict only; repeatable.")] = (),
     out: Annotated[
-        Path, Parameter(help="Where it goes; by default it replaces what the package ships.")
+        Path,
+        Parameter(
+            help="Where it goes; by default it replaces what the package ships.",
+            validator=options.writable_file,
+        ),
     ] = FILE,
 ) -> None:
     """Fit the confidence to finished cases.

@@ -60,7 +60,7 @@ def _sizes(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     axes.set_xticks(
         range(len(known)), [f"{name}\n{count} cases" for name, count in zip(names, cases, strict=True)]
     )
-    axes.set_xlabel("signal-to-noise ratio: largest change of a channel over its noise [-]")
+    axes.set_xlabel("signal-to-noise ratio [-]:\nlargest change of a channel over its noise")
     axes.set_ylabel("share of the single effects [-]")
     axes.set_ylim(0, 1.05)
     axes.legend(loc="upper left", frameon=False)

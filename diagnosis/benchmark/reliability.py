@@ -21,6 +21,7 @@ from pounding.diagnosis.benchmark.summary import reliability, shown
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.report.reading import report_from
 from pounding.diagnosis.report.report import Report
+from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.frames.files import write_whole
 
@@ -74,8 +75,13 @@ def main(
     *,
     first: int | None = None,
     skip: int = 0,
-    fit: Annotated[Path | None, Parameter(help="Where the features go, a line a case.")] = None,
-    picture: Annotated[Path | None, Parameter(help="Where the reliability diagram goes, as PNG.")] = None,
+    fit: Annotated[
+        Path | None, Parameter(help="Where the features go, a line a case.", validator=options.writable_file)
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        Parameter(help="Where the reliability diagram goes, as PNG.", validator=options.writable_file),
+    ] = None,
 ) -> None:
     """Write the features of finished cases, or judge the shipped confidence on them.
 

@@ -6,7 +6,6 @@ import hashlib
 import json
 import math
 import resource
-import tempfile
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -30,7 +29,7 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.sweeps.store import code_version
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.extras import extra_module
-from pounding.frames.files import write_whole
+from pounding.frames.files import scratch, write_whole
 
 Method = Callable[[Path], Report]
 
@@ -82,8 +81,8 @@ def one_case(index: int, count: int, seed: int, way: str, motions: str, pairs: b
     """
     drawn = draw_set(count, seed, pairs=pairs)[index]
     hidden = hide(drawn.effects, drawn.frames, seed=drawn.seed, source=motions, title=f"case {index}")
-    with tempfile.TemporaryDirectory(prefix="pounding-") as folder:
-        case = Path(folder) / "case"
+    with scratch() as folder:
+        case = folder / "case"
         write_hidden(hidden, case)
         start = time.perf_counter()
         report = method(way)(case)

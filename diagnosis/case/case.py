@@ -127,10 +127,6 @@ class Case:
     modal: tuple[ModalDatum, ...] = ()
     peaks: tuple[Peak, ...] = ()
 
-    def frame(self, name: str) -> CaseFrame:
-        """Return the frame of that name."""
-        return next(frame for frame in self.frames if frame.name == name)
-
     def channel_index(self, name: str) -> int:
         """Return the column of a channel in every run's `values`."""
         return [channel.name for channel in self.channels].index(name)

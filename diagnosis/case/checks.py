@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from pounding import bounds
+from pounding.bounds import Bound
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact
 from pounding.diagnosis.case.number_tables import check_modal, check_peaks
 from pounding.diagnosis.case.place import in_words
@@ -26,7 +28,8 @@ from pounding.diagnosis.errors import CaseError
 from pounding.frames.errors import FrameError
 from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
-from pounding.units import named
+from pounding.toml_text import shown
+from pounding.units import LENGTH, named
 
 if TYPE_CHECKING:
     from pounding.diagnosis.case.places import Places
@@ -63,9 +66,9 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
     if described.run and not described.peak:
         _check_what_is_measured(channels, places)
     for name, value in msgspec.structs.asdict(described.prior).items():
-        if not (math.isfinite(value) and value > 0):
-            what = f"[prior] {name} is {value:g}; write a standard deviation above 0 (1e-4 for what is known)"
-            raise places.error(what, "prior", 0, name)
+        fault = bounds.PRIOR.fault(value, f"[prior] {name}")
+        if fault:
+            raise places.error(fault, "prior", 0, name)
     case = Case(
         described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior,
         modal=check_modal(described.modal, known, places),
@@ -76,6 +79,9 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
 
 def _unique(names: list[str], table: str, places: Places) -> None:
     for index, name in enumerate(names):
+        if not name.isprintable():
+            what = f"{table} {shown(name)} holds a character that cannot be printed; leave it out"
+            raise places.error(what, table, index)
         if name in names[:index]:
             raise places.error(f"{table} {name!r} stands there twice; rename or remove one", table, index)
 
@@ -132,13 +138,15 @@ def _baseline_frame(table: FrameTable, given: list[str], error: Callable[..., Ca
     storeys, height = table.storeys or 0, table.storey_height_m or 0.0
     masses, frequencies = tuple(table.floor_mass_kg or ()), tuple(table.frequency_hz or ())
     ratios = tuple(table.damping_ratio or ())
-    if storeys < 1:
-        raise error(f"storeys is {storeys}; a frame has at least 1", "storeys")
-    if not 0 < height < math.inf:
-        raise error(f"storey_height_m is {height:g}; it must be above 0", "storey_height_m")
-    if len(masses) != storeys or not all(0 < mass < math.inf for mass in masses):
-        what = f"floor_mass_kg has {len(masses)} values; give {storeys}, one a floor, each above 0"
+    _within(storeys, "storeys", bounds.STOREYS, error)
+    _within(height, "storey_height_m", bounds.LENGTH, error)
+    if len(masses) != storeys:
+        what = f"floor_mass_kg has {len(masses)} values; give {storeys}, one a floor"
         raise error(what, "floor_mass_kg")
+    for mass in masses:
+        _within(mass, "floor_mass_kg", bounds.MASS, error)
+    for frequency in frequencies:
+        _within(frequency, "frequency_hz", bounds.FREQUENCY, error)
     rising = all(low < high for low, high in pairwise((0.0, *frequencies, math.inf)))
     if not 1 <= len(frequencies) <= storeys or not rising:
         what = (
@@ -149,6 +157,12 @@ def _baseline_frame(table: FrameTable, given: list[str], error: Callable[..., Ca
         what = f"damping_ratio holds {list(ratios)}; give a fraction from 0 to 1 for each of the frequencies"
         raise error(what, "damping_ratio")
     return CaseFrame(table.name, storeys, None, height, masses, frequencies, ratios)
+
+
+def _within(value: float, key: str, bound: Bound, error: Callable[..., CaseError]) -> None:
+    fault = bound.fault(value, key)
+    if fault:
+        raise error(fault, key)
 
 
 def _channel(
@@ -212,15 +226,13 @@ def _contact(table: ContactTable, index: int, known: tuple[CaseFrame, ...], plac
     _check_level(table.floor, by_name[table.left], by_name[table.right], error)
     if table.law not in LAWS:
         raise error(f"unknown law {table.law!r}{suggest(table.law, list(LAWS))}", "law")
-    if not 0 <= table.gap_mm < math.inf:
-        raise error(f"gap_mm is {table.gap_mm:g}; a gap is 0 or more", "gap_mm")
-    if not 0 < table.stiffness_n_per_m < math.inf:
-        raise error(
-            f"stiffness_n_per_m is {table.stiffness_n_per_m:g}; it must be above 0", "stiffness_n_per_m"
-        )
+    fault = bounds.GAP.fault(table.gap_mm, "gap_mm", per=LENGTH["mm"], unit="mm")
+    if fault:
+        raise error(fault, "gap_mm")
+    _within(table.stiffness_n_per_m, "stiffness_n_per_m", bounds.CONTACT_STIFFNESS, error)
     damping, restitution = table.damping_n_s_per_m, table.restitution
-    if damping is not None and not 0 <= damping < math.inf:
-        raise error(f"damping_n_s_per_m is {damping:g}; it must be 0 or more", "damping_n_s_per_m")
+    if damping is not None:
+        _within(damping, "damping_n_s_per_m", bounds.DASHPOT, error)
     if restitution is not None and not 0 < restitution <= 1:
         raise error(f"restitution is {restitution:g}; it lies above 0 and up to 1", "restitution")
     if table.law not in UNDAMPED_LAWS and (damping is None) == (restitution is None):

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import difflib
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from pounding import bounds
 from pounding.diagnosis.case.case import Channel, Run
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments import csv_table
+from pounding.experiments.measurements.quantities import BOUNDS
+from pounding.experiments.text_file import is_ended, read_text
+from pounding.frames.files import replacing
 
 TIME = "time_s"
-MIN_SAMPLES = 16
+MIN_SAMPLES = 32
+"""The filters that divide a misfit into bands need some twenty."""
 
 
 def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None) -> tuple[Run, list[str]]:
@@ -31,14 +35,17 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     Raises:
         CaseError: The file cannot be read.
     """
-    header, cells = _cells(path)
+    header, cells, ended = _cells(path)
     _check_header(path, header)
     if len(cells.rows) < MIN_SAMPLES:
         raise CaseError(f"{path.name} has {len(cells.rows)} samples; a run needs at least {MIN_SAMPLES}")
     numbers = csv_table.numbers(header, cells, path.name, CaseError, column="channel")
     step_s = _step(path, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
+    bounds.STEP.check(step_s, f"{path.name}: the step of {TIME}", CaseError)
+    bounds.DURATION.check(step_s * (len(numbers) - 1), f"{path.name}: the run's length", CaseError)
     columns = [_column(path, header, channel) for channel in channels]
     values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
+    _check_values(path, cells.lines, channels, values)
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
     unused = [name for name in header[1:] if name not in {channel.name for channel in channels}]
     if unused:
@@ -48,30 +55,40 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
         warnings.append(f"{path.name}: column{several[0]} {names} {several[1]} {no}")
     if not np.nan_to_num(values).any():
         warnings = [f"{path.name}: every channel is zero throughout; the run says nothing"]
+    last, above = cells.rows[-1][-1], cells.rows[-2][-1]
+    if not ended and len(last) < len(above):
+        said = f"the last line has no end, and its last number, {last!r}, may be cut"
+        warnings.append(f"{path.name}: {said}; get the file again if it is")
     start = numbers[0, 0]
     time_s = start + step_s * np.arange(len(numbers))
     return Run(path.name, role, time_s, step_s, values), [warning for warning in warnings if warning]
 
 
-def _cells(path: Path) -> tuple[list[str], csv_table.Cells]:
-    """Return the header and the rows below it."""
+def _cells(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
+    """Return the header, the rows below it, and whether the last of them has an end."""
+    if path.exists() and not path.is_file():
+        raise CaseError(f"{path} is not a file; correct `file` of the [[run]]")
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_text(path, path.name, CaseError)
     except FileNotFoundError:
         raise CaseError(f"{path} is not there; correct `file` of the [[run]] or add the file") from None
-    except (UnicodeDecodeError, IsADirectoryError):
+    except OSError as error:
+        raise CaseError(f"{path} cannot be read ({error.strerror}); make it a readable CSV file") from None
+    except ValueError:  # a zero byte in the name
         raise CaseError(f"{path} is not a text file; export the run as CSV in UTF-8") from None
+    bounds.SAMPLES.check(text.count("\n"), f"{path.name}: the number of lines", CaseError)
     cells = csv_table.split(text, path.name, CaseError)
     if not cells.rows:
         raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
-    return cells.rows[0], csv_table.Cells(cells.lines[1:], cells.rows[1:])
+    return cells.rows[0], csv_table.Cells(cells.lines[1:], cells.rows[1:]), is_ended(text)
 
 
 def _check_header(path: Path, header: list[str]) -> None:
     if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
         raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
     if header[0] != TIME:
-        raise CaseError(f"{path.name} line 1: the first column is {header[0]!r}; it must be {TIME!r} [s]")
+        first = csv_table.shown(header[0])
+        raise CaseError(f"{path.name} line 1: the first column is {first}; it must be {TIME!r} [s]")
     for index, name in enumerate(header):
         if name in header[:index]:
             raise CaseError(f"{path.name} line 1: column {name!r} stands there twice; rename or remove one")
@@ -103,6 +120,16 @@ def _step(path: Path, lines: list[int], time: np.ndarray, words: list[str]) -> f
             f"by {typical:.6g} s; resample to uniform time, or fill lost samples with rows of empty cells"
         )
     return float((time[-1] - time[0]) / (len(time) - 1))
+
+
+def _check_values(path: Path, lines: list[int], channels: Sequence[Channel], values: np.ndarray) -> None:
+    """Refuse what no sensor can read."""
+    for channel, series in zip(channels, values.T, strict=True):
+        bound = BOUNDS[channel.quantity]
+        row = bound.beyond(series)
+        if row is not None:
+            where = f"{path.name} line {lines[row]}, channel {channel.name!r}: the cell"
+            bound.check(series[row] / channel.to_si, where, CaseError, per=channel.to_si, unit=channel.unit)
 
 
 def _column(path: Path, header: list[str], channel: Channel) -> int:
@@ -140,10 +167,8 @@ def write_run(path: Path, run: Run, channels: Sequence[Channel]) -> None:
     """
     values = run.values / np.array([channel.to_si for channel in channels])
     row = ",".join(["%.7g"] * len(channels))
-    part = path.with_name(path.name + ".part")
-    with part.open("w", encoding="utf-8") as file:
+    with replacing(path) as part, part.open("w", encoding="utf-8") as file:
         file.write(",".join([TIME, *(channel.name for channel in channels)]) + "\n")
         for time, sample in zip(run.time_s.tolist(), values.tolist(), strict=True):
             cells = row % tuple(sample)
             file.write(f"{time:.9g},{cells.replace('nan', '')}\n")
-    os.replace(part, path)

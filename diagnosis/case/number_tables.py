@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import msgspec
 
+from pounding import bounds
+from pounding.bounds import Bound
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
-from pounding.diagnosis.case.quantities import MODAL_UNITS
+from pounding.diagnosis.case.quantities import MODAL_BOUNDS, MODAL_UNITS
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
@@ -75,7 +76,7 @@ def check_modal(
             raise error("a frequency needs `mode`, counted from 1, and nothing else has one", "mode")
         if table.mode is not None and not 1 <= table.mode <= frame.storeys:
             raise error(f"mode {table.mode} is not one of {frame.name}'s {frame.storeys}", "mode")
-        _positive(table.value, table.std, error)
+        _check_number(MODAL_BOUNDS[table.quantity], table.value, table.std, factor, table.unit, error)
         found.append(
             ModalDatum(
                 frame.name, table.quantity, table.mode, table.test, table.value * factor, table.std * factor
@@ -112,7 +113,7 @@ def check_peaks(
         frame = _frame(table.frame, known, error)
         if not 1 <= table.floor <= frame.storeys:
             raise error(f"floor {table.floor} is not on {frame.name}, which has {frame.storeys}", "floor")
-        _positive(table.value, table.std, error)
+        _check_number(bounds.PEAK, table.value, table.std, factor, table.unit, error)
         found.append(
             Peak(table.run, frame.name, table.floor, table.side, table.value * factor, table.std * factor)
         )
@@ -134,10 +135,12 @@ def _frame(name: str | None, known: tuple[CaseFrame, ...], error: Callable[..., 
     raise error(f"frame {name!r} is not in the case; name one of {', '.join(f.name for f in known)}", "frame")
 
 
-def _positive(value: float, std: float, error: Callable[..., CaseError]) -> None:
-    if not 0 < value < math.inf:
-        raise error(f"value is {value:g}; it must be above 0", "value")
-    if not 0 < std < math.inf:
-        raise error(
-            f"std is {std:g}; state how uncertain the number is, one standard deviation above 0", "std"
-        )
+def _check_number(
+    bound: Bound, value: float, std: float, factor: float, unit: str, error: Callable[..., CaseError]
+) -> None:
+    fault = bound.fault(value, "value", per=factor, unit=unit)
+    if fault:
+        raise error(fault, "value")
+    fault = bounds.RELATIVE_STD.fault(std / value, "std, one standard deviation, over the value,")
+    if fault:
+        raise error(fault, "std")

@@ -19,11 +19,6 @@ class ModalDatum:
     value: float
     std: float
 
-    def label(self) -> str:
-        """Return what it is in words."""
-        what = f"f{self.mode}" if self.mode else self.quantity.replace("_", " ")
-        return f"{what} ({self.test.replace('_', ' ')})"
-
 
 @dataclass(frozen=True)
 class Peak:

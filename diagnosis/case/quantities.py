@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pounding import units
+from pounding import bounds, units
 from pounding.constants import STANDARD_GRAVITY
 from pounding.contact.laws import BUILT_IN, DAMPED
 from pounding.experiments.measurements.quantities import UNITS
@@ -10,6 +10,7 @@ from pounding.experiments.measurements.quantities import UNITS
 __all__ = [
     "ABSOLUTE",
     "LAWS",
+    "MODAL_BOUNDS",
     "MODAL_UNITS",
     "OF_A_CONTACT",
     "OF_THE_TABLE",
@@ -29,6 +30,13 @@ MODAL_UNITS: dict[str, dict[str, float]] = {
     "mass": units.MASS,
 }
 """What a modal test may have found, and its units with factors to SI."""
+
+MODAL_BOUNDS = {
+    "frequency": bounds.FREQUENCY,
+    "roof_stiffness": bounds.STIFFNESS,
+    "mass": bounds.BUILDING_MASS,
+}
+"""What it can have found, in SI."""
 
 LAWS = BUILT_IN
 UNDAMPED_LAWS = frozenset(LAWS) - frozenset(DAMPED)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from pounding.diagnosis.case.number_tables import ModalTable, PeakTable
 from pounding.diagnosis.case.places import FILE, Places
 from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable, RunTable
 from pounding.diagnosis.errors import CaseError
+from pounding.toml_text import tree_of
 
 TABLES: dict[str, type[msgspec.Struct]] = {
     "frame": FrameTable,
@@ -44,14 +44,9 @@ def read_description(folder: Path) -> tuple[Case, list[tuple[str, str | None]]]:
         raise CaseError(f"{folder} is not a folder; a case is a folder with {FILE} and its CSV files")
     if not path.is_file():
         raise CaseError(f"{folder} holds no {FILE}; a case is a folder with {FILE} and its CSV files")
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-        raw = tomllib.loads(text)
-    except UnicodeDecodeError:
-        raise CaseError(f"{path} is not a text file in UTF-8; save it as such") from None
-    except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{path} is not valid TOML: {error}; correct the file there") from None
-    places = Places(path, text)
+    content = path.read_bytes()
+    raw = tree_of(content, str(path), CaseError)
+    places = Places(path, content.decode("utf-8-sig"))
     described = _convert(raw, places)
     return check(described, folder, places)
 
@@ -64,7 +59,7 @@ def _convert(raw: dict[str, Any], places: Places) -> Description:
             raise places.error(f"there is no [[{table}]]; a case needs at least one")
     try:
         return msgspec.convert(raw, Description)
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, OverflowError) as error:
         message, _, path = str(error).partition(" - at `$")
         steps = re.match(r"\.?(\w+)?(?:\[(\d+)\])?(?:\.(\w+))?", path.rstrip("`"))
         found = steps.groups() if steps else ()

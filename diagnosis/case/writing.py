@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from pounding.diagnosis.case.csv import write_run
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.case.places import FILE
 from pounding.diagnosis.case.quantities import MODAL_UNITS
+from pounding.frames.files import write_whole
 from pounding.units import si
 
 
@@ -28,12 +28,9 @@ def write_case(case: Case, folder: Path | str) -> Path:
         The path of `case.toml`.
     """
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
     for run in case.runs:
         write_run(folder / run.file, run, case.channels)
-    part = folder / (FILE + ".part")
-    part.write_text(_toml(case), encoding="utf-8")
-    os.replace(part, folder / FILE)
+    write_whole(folder / FILE, _toml(case).encode())
     return folder / FILE
 
 

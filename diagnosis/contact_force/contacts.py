@@ -139,8 +139,6 @@ class Impacts(Likelihood):
         counted: Which impacts count, all by default, shape (impacts,).
     """
 
-    log_normaliser = 0.0
-
     def __init__(self, bodies: Bodies, hypothesis: Hypothesis, counted: np.ndarray | None = None) -> None:
         self.bodies, self.hypothesis = bodies, hypothesis
         self.counts = np.ones(len(bodies.impacts)) if counted is None else counted.astype(float)
@@ -161,11 +159,6 @@ class Impacts(Likelihood):
         scale = np.repeat(np.sqrt(weight * self.counts), 7)
         slopes = _slopes(self.bodies, self.hypothesis, theta, residual)
         yield -scale * residual.ravel(), scale[:, None] * slopes
-
-    def settled(self, theta: np.ndarray) -> Impacts:
-        """Return the term itself."""
-        del theta
-        return self
 
 
 def _descended(impacts: Impacts, x: np.ndarray) -> np.ndarray:

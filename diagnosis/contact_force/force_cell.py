@@ -41,14 +41,10 @@ def checked(
     if not any(np.any(force) for force in series):
         return observed, Cell(name, column), [f"channel {name} never shows a force"]
     if _clipped(series):
-        without = replace(
-            observed,
-            runs=tuple(replace(run, contact=np.delete(run.contact, column, axis=1)) for run in observed.runs),
-            contact_floors=tuple(f for i, f in enumerate(observed.contact_floors) if i != column),
-        )
+        others = [i for i in range(len(observed.contact_floors)) if i != column]
         top = max(float(force.max()) for force in series)
         return (
-            without,
+            pairs.with_contacts(model, others).observed,
             None,
             [f"channel {name} is clipped at {top:g} N; the force is taken from the motion instead"],
         )
@@ -107,7 +103,7 @@ def _against_motion(
 ) -> tuple[tuple[float, float], tuple[float, float]] | None:
     """Return the cell's relative gain and its delay [s] against the forces that the motion asks for, with errors."""
     told = SETTINGS.force_cell
-    observed, without = model.observed, pairs.without_forces(model)
+    observed, without = model.observed, pairs.with_contacts(model)
     runs = range(len(observed.runs))
     filtered = pairs.quick_filter(without, runs)
     ratio, late = [], []

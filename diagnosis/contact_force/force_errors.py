@@ -67,11 +67,11 @@ def put_right(model: Model, training: Sequence[int], measured: bool = True) -> t
         return model, None
     if measured:
         contact_events = tuple(event for event in observed.contact_events if event.run in training)
-        model = Model(model.structure, replace(observed, contact_events=contact_events), model.prior)
+        model = model.seeing(replace(observed, contact_events=contact_events))
     filtered = calibrated(model, training)
     better, filtered = _told(model, model, filtered, training, SETTINGS.forces.correction_rounds - 1)
     # What wrong forces needed to be explained holds a calibration back that begins with it.
-    fits = [refine(better, start, (), (), ()) for start in (filtered, calibrated(better, training))]
+    fits = [refine(better, start) for start in (filtered, calibrated(better, training))]
     filtered = max(fits, key=lambda fit: fit.log_posterior).filtered
     return _told(model, better, filtered, training, 1)
 
@@ -157,7 +157,7 @@ def _touching(force: np.ndarray, error: np.ndarray, matched: np.ndarray, own: np
 def _with_errors(model: Model, errors: Sequence[np.ndarray]) -> Model:
     """Return the model with errors (samples, contacts) of each run added to its contact forces."""
     runs = [_added(run, error) for run, error in zip(model.observed.runs, errors, strict=True)]
-    return Model(model.structure, replace(model.observed, runs=tuple(runs)), model.prior)
+    return model.seeing(replace(model.observed, runs=tuple(runs)))
 
 
 def _added(run: RunData, error: np.ndarray) -> RunData:

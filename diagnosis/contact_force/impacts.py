@@ -18,7 +18,6 @@ from pounding.constants import STD_PER_MAD
 from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
 from pounding.contact.laws import BUILT_IN, DAMPED
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.model.kalman import filtered_covariance, linear_system
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.storeys import Modes
@@ -120,7 +119,6 @@ class Impact:
     """One impact as measured.
 
     Attributes:
-        run: Number of the run. time_s: Time of its first plain sample from the run's start [s].
         free, free_rate: Relative displacement [m] and velocity [m/s] without it, on the fine grid.
         prior: Standard deviations of displacement and velocity.
         turn: exp(-i omega t) times the step on the fine grid, shape (frequencies, steps).
@@ -129,8 +127,6 @@ class Impact:
         onset: Index of the first plain sample on the fine grid. impulse: [N s]. share: Frequencies over the sampling rate.
     """
 
-    run: int
-    time_s: float
     free: np.ndarray
     free_rate: np.ndarray
     prior: tuple[float, float]
@@ -166,13 +162,8 @@ def response(modes: Modes, row: np.ndarray, steps: int) -> tuple[np.ndarray, np.
         row: Relative displacement of the two floors for a unit of each mode, shape (modes,).
         steps: For how many steps of `STEP_S`.
     """
-    at = np.arange(steps + 1) * STEP_S
-    decay = np.exp(-np.outer(at, modes.omega * modes.ratio))
-    swing = modes.omega * np.sqrt(1 - np.minimum(modes.ratio, 0.95) ** 2)
-    sine, cosine = np.sin(np.outer(at, swing)), np.cos(np.outer(at, swing))
-    moved = (1 - decay * (cosine + modes.ratio * modes.omega / swing * sine)) / modes.omega**2
-    rate = decay * sine / swing
-    weight = row**2
+    stayed, rate, *_ = modes.swing(np.arange(steps + 1) * STEP_S)
+    moved, weight = (1 - stayed) / modes.omega**2, row**2
     return np.diff(moved @ weight, prepend=0.0), np.diff(rate @ weight, prepend=0.0)
 
 
@@ -209,6 +200,11 @@ def force_noise(force: np.ndarray) -> float:
     return max(STD_PER_MAD * float(np.median(np.abs(force - middle))), 1e-6)
 
 
+def found_noise(force: np.ndarray) -> float:
+    """Return the standard deviation of a force that was found from the motion [N]."""
+    return force_noise(force[force != 0]) if np.any(force) else 1.0
+
+
 def bodies(
     model: Model, filtered: Filtered, column: int, noise: Sequence[float], known_mass: float
 ) -> Bodies:
@@ -228,14 +224,7 @@ def bodies(
     longest = 1
     for number, run in enumerate(filtered.runs):
         data = model.observed.runs[run]
-        system = linear_system(
-            modes,
-            model.structure.drift @ modes.floors,
-            model.observed.quantity,
-            model.observed.floor,
-        )
-        n = len(modes.omega)
-        covariance = filtered_covariance(system, filtered.noise[number], data.step_s)
+        n, covariance = len(modes.omega), filtered.filters[number].updated
         spread = (
             float(np.sqrt(max(row @ covariance[:n, :n] @ row, 0.0))),
             float(np.sqrt(max(row @ covariance[n : 2 * n, n : 2 * n] @ row, 0.0))),
@@ -304,8 +293,6 @@ def _impact(
         float(np.hypot(ours.inflated * spread[1], ours.least_state[1] * speed)),
     )
     return Impact(
-        run=filtered.runs[number],
-        time_s=first * step,
         free=free,
         free_rate=rate,
         prior=prior,
@@ -334,13 +321,8 @@ def _free(
     table = float(data.table[begin : end + 1].mean()) - state[-3]
     push = state[2 * n : 2 * n + storeys] @ (model.structure.drift @ modes.floors)
     push = push - modes.participation * table
-    at = np.arange(steps) * STEP_S
-    decay = np.exp(-np.outer(at, modes.omega * modes.ratio))
-    swing = modes.omega * np.sqrt(1 - np.minimum(modes.ratio, 0.95) ** 2)
-    sine, cosine = decay * np.sin(np.outer(at, swing)), decay * np.cos(np.outer(at, swing))
-    loss = modes.ratio * modes.omega / swing
+    a11, a12, a21, a22 = modes.swing(np.arange(steps) * STEP_S)
     still = push / modes.omega**2
     eta, rate = state[:n] - still, state[n : 2 * n]
-    moved = (cosine + loss * sine) * eta + sine / swing * rate + still
-    moving = -(modes.omega**2) / swing * sine * eta + (cosine - loss * sine) * rate
+    moved, moving = a11 * eta + a12 * rate + still, a21 * eta + a22 * rate
     return np.ascontiguousarray(moved @ row), np.ascontiguousarray(moving @ row)

@@ -18,12 +18,7 @@ from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.force_cell import checked
 from pounding.diagnosis.contact_force.hypotheses import GAP_M, baseline_law, hypotheses, null
 from pounding.diagnosis.contact_force.impacts import Bodies, Law
-from pounding.diagnosis.contact_force.second_contact import (
-    second_contact,
-    second_fit,
-    with_pushes,
-    without_last,
-)
+from pounding.diagnosis.contact_force.second_contact import second_contact, second_fit
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
@@ -79,13 +74,13 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
     touching = structure.first(left) + contact.floor - 1, structure.first(right) + contact.floor - 1
     runs = range(len(model.observed.runs))
     observed, cell, warnings = checked(case, model, touching, against_motion)
-    full = Model(structure, observed, case.prior)
+    full = model.seeing(observed)
     found = touching in observed.contact_floors
     if found:
         column = observed.contact_floors.index(touching)
         noise = [impacts.force_noise(run.contact[:, column]) for run in observed.runs]
     else:
-        full, noise = found_force(full, touching, pairs.quick_filter(full, runs))
+        full, noise = pairs.found_force(full, touching, pairs.quick_filter(full, runs))
         column = len(full.observed.contact_floors) - 1
         count = sum(
             len(impacts.groups(run.contact[:, column], level, run.step_s))
@@ -101,8 +96,7 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
     if second is not None and cell is not None and cell.corrected:
         # What the motion says of the cell was said without the other contact, whose pushes come at the same times.
         plainly = checked(case, model, touching, against_motion=False)
-        plain = Model(structure, plainly[0], case.prior)
-        again, once_more = second_contact(plain, floors, touching, column, noise, runs)
+        again, once_more = second_contact(model.seeing(plainly[0]), floors, touching, column, noise, runs)
         if once_more is not None:
             full, second, (_, cell, warnings) = again, once_more, plainly
     pair = Pair(full, full, column, noise, cell, second, warnings)
@@ -146,17 +140,17 @@ def found_again(pair: Pair, training: Sequence[int]) -> Pair:
         full, noise = _found_by(pair, values, (), runs)
         again = replace(pair, full=full, noise=noise)
     else:
-        stated = without_last(pair.full)
+        stated = pairs.with_contacts(pair.full, range(len(pair.full.observed.contact_floors) - 1))
         filtered = run_filter(stated, values, starting_noise(stated, runs, SETTINGS.start.impact_level), runs)
         touching = pair.full.observed.contact_floors[pair.second[2]]
-        again = replace(pair, full=with_pushes(stated, filtered, touching))
+        again = replace(pair, full=pairs.found_force(stated, touching, filtered)[0])
     return replace(again, slow=_slow(again))
 
 
 def _slow(pair: Pair) -> Model:
     full = pair.full
     observed = _with_contact_events(full.observed, _contacts(pair))
-    return Model(full.structure, pairs.slowed(observed), full.prior)
+    return full.seeing(pairs.slowed(observed))
 
 
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:
@@ -176,11 +170,11 @@ def _found_by(
 ) -> tuple[Model, list[float]]:
     """Return the model with the force that frames with these parameters and effects ask for, and its noise [N]."""
     full = pair.full
-    without = pairs.without_forces(full)
+    without = pairs.with_contacts(full)
     again = run_filter(
         without, values, starting_noise(full, runs, SETTINGS.start.impact_level), runs, effects
     )
-    return found_force(without, full.observed.contact_floors[pair.column], again)
+    return pairs.found_force(without, full.observed.contact_floors[pair.column], again)
 
 
 def _with_contact_events(
@@ -222,26 +216,6 @@ def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int,
         else:
             merged.append((first, last))
     return merged
-
-
-def found_noise(force: np.ndarray) -> float:
-    """Return the standard deviation of a force that was found from the motion [N]."""
-    return impacts.force_noise(force[force != 0]) if np.any(force) else 1.0
-
-
-def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tuple[Model, list[float]]:
-    """Return the model with a contact's force as the motion shows it, and the standard deviation of that in each run [N].
-
-    Args:
-        model: The baseline model.
-        floors: Left and right floor among all.
-        filtered: The filtered model.
-    """
-    pushed = pairs.pushes(model, filtered, floors)
-    forces = {run: one.force for run, one in zip(filtered.runs, pushed, strict=True)}
-    noise = [found_noise(one.force) for one in pushed]
-    observed = pairs.with_force(model.observed, floors, forces)
-    return Model(model.structure, observed, model.prior), noise
 
 
 def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
@@ -364,5 +338,5 @@ def _nearest(full: Model, filtered: Filtered, left: int, right: int, gap: float)
     row = filtered.modes.floors[left] - filtered.modes.floors[right]
     n = len(filtered.modes.omega)
     top = max(float((states[:, :n] @ row).max()) for states in filtered.prediction.after)
-    spread = float(np.sqrt(np.sum((row * filtered.filters[0].spread[:n]) ** 2)))
+    spread = float(np.sqrt(np.sum(row**2 * np.maximum(np.diag(filtered.filters[0].updated)[:n], 0.0))))
     return top, float(np.hypot(np.hypot(spread, GAP_M), 0.01 * gap))

@@ -18,6 +18,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.signal import correlate, fftconvolve, firwin, resample_poly
 
 from pounding.constants import STD_PER_MAD
+from pounding.diagnosis.contact_force.impacts import found_noise
 from pounding.diagnosis.inference.filtering import Filtered, run_filter, whitened_innovations
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
@@ -40,13 +41,11 @@ class Pushes:
     Attributes:
         force: Force at each sample [N], zero outside the windows, shape (samples,).
         windows: First and last sample of each window.
-        covariance: Covariance of the forces in each window [N^2].
         ln_bayes: Half the drop of the sum of squares, less what so many free forces gain by chance.
     """
 
     force: np.ndarray
     windows: tuple[tuple[int, int], ...]
-    covariance: tuple[np.ndarray, ...]
     ln_bayes: float
 
 
@@ -112,27 +111,33 @@ def quick_filter(model: Model, runs: Sequence[int]) -> Filtered:
     return run_filter(model, np.zeros(len(model.std)), noise, runs)
 
 
-def without_forces(model: Model) -> Model:
-    """Return the model as if no contact force were known."""
-    runs = tuple(replace(run, contact=run.contact[:, :0]) for run in model.observed.runs)
-    return Model(model.structure, replace(model.observed, runs=runs, contact_floors=()), model.prior)
+def with_contacts(model: Model, kept: Sequence[int] = ()) -> Model:
+    """Return the model as if of the contact forces only these columns were known, none by default."""
+    observed = model.observed
+    runs = tuple(replace(run, contact=run.contact[:, list(kept)]) for run in observed.runs)
+    floors = tuple(observed.contact_floors[column] for column in kept)
+    return model.seeing(replace(observed, runs=runs, contact_floors=floors))
 
 
-def with_force(
-    observed: Observations, floors: tuple[int, int], forces: dict[int, np.ndarray]
-) -> Observations:
-    """Return the observations with a contact's force beside the measured ones; runs without one have none.
+def found_force(model: Model, floors: tuple[int, int], filtered: Filtered) -> tuple[Model, list[float]]:
+    """Return the model with a contact's force as the motion shows it, and the standard deviation of that in each run [N].
+
+    It stands beside the forces that the model has; runs that were not filtered have none.
 
     Args:
-        observed: The observations.
+        model: The baseline model.
         floors: Left and right floor among all.
-        forces: Force of each run that has one [N], shape (samples,).
+        filtered: The filtered model.
     """
+    pushed, observed = pushes(model, filtered, floors), model.observed
+    forces = {run: one.force for run, one in zip(filtered.runs, pushed, strict=True)}
     runs = []
     for number, run in enumerate(observed.runs):
         column = forces.get(number, np.zeros(len(run.table)))
         runs.append(replace(run, contact=np.column_stack([run.contact, column])))
-    return replace(observed, runs=tuple(runs), contact_floors=(*observed.contact_floors, floors))
+    contact_floors = (*observed.contact_floors, floors)
+    found = model.seeing(replace(observed, runs=tuple(runs), contact_floors=contact_floors))
+    return found, [found_noise(one.force) for one in pushed]
 
 
 def pushes(
@@ -222,19 +227,17 @@ def _solved(matched: np.ndarray, own: np.ndarray, step: float, closed: np.ndarra
         spread = np.convolve(force, np.r_[own[:0:-1], own], "full")
         left = matched - spread[len(own) - 1 : len(own) - 1 + samples]
     if not len(active):
-        return Pushes(force, (), (), 0.0)
+        return Pushes(force, (), 0.0)
     covariance = np.linalg.inv(gram)
     starts = np.flatnonzero(np.diff(np.r_[-2, active]) > 1)
     groups = np.split(np.arange(len(active)), starts[1:])
-    windows, each = [], []
+    windows = []
     for group in groups:
-        own_covariance = covariance[np.ix_(group, group)]
         total = force[active[group]].sum()
         # A contact pushes: what pulls on the whole is something else.
-        if total < SETTINGS.forces.pushing * np.sqrt(own_covariance.sum()):
+        if total < SETTINGS.forces.pushing * np.sqrt(covariance[np.ix_(group, group)].sum()):
             force[active[group]] = 0.0
             continue
         windows.append((int(active[group[0]]), int(active[group[-1]])))
-        each.append(own_covariance)
     gained = 0.5 * float(force[active] @ matched[active]) / usual**2
-    return Pushes(force, tuple(windows), tuple(each), gained - SETTINGS.forces.cost * len(active))
+    return Pushes(force, tuple(windows), gained - SETTINGS.forces.cost * len(active))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -57,29 +56,8 @@ def second_contact(
     if not _of_a_contact(full, filtered, pair, closed):
         return full, None
     # Now with its pushes during impacts of the stated contact too.
-    both = with_pushes(full, filtered, pair)
+    both, _ = pairs.found_force(full, pair, filtered)
     return both, (full.structure.place(pair[0])[1], ln_bayes, len(both.observed.contact_floors) - 1)
-
-
-def with_pushes(full: Model, filtered: Filtered, floors: tuple[int, int]) -> Model:
-    """Return the model with the force between two floors that the innovations show, beside the forces it has.
-
-    Args:
-        full: The baseline model at the rate of the logger.
-        filtered: The filtered model.
-        floors: Left and right floor among all.
-    """
-    found = pairs.pushes(full, filtered, floors)
-    forces = {run: one.force for run, one in zip(filtered.runs, found, strict=True)}
-    return Model(full.structure, pairs.with_force(full.observed, floors, forces), full.prior)
-
-
-def without_last(full: Model) -> Model:
-    """Return the model without its last contact force."""
-    observed = full.observed
-    runs = tuple(replace(run, contact=run.contact[:, :-1]) for run in observed.runs)
-    fewer = replace(observed, runs=runs, contact_floors=observed.contact_floors[:-1])
-    return Model(full.structure, fewer, full.prior)
 
 
 def _closed(force: np.ndarray, noise: float, step: float) -> np.ndarray:
@@ -144,10 +122,7 @@ def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fit
         column: Column of its force.
         mass: Reduced mass of the two floors [kg].
     """
-    noise = []
-    for run in filtered.runs:
-        force = full.observed.runs[run].contact[:, column]
-        noise.append(impacts.force_noise(force[force != 0]) if np.any(force) else 1.0)
+    noise = [impacts.found_noise(full.observed.runs[run].contact[:, column]) for run in filtered.runs]
     met = impacts.bodies(full, filtered, column, noise, mass)
     if not met.impacts:
         return None

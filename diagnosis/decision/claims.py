@@ -6,7 +6,6 @@ Each is a `msgspec.Struct`: it is written to JSON, and read from there, by the n
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 from msgspec import UNSET, Struct, UnsetType, field
@@ -69,20 +68,12 @@ class Place(Struct, frozen=True, kw_only=True):
 
 def place_of(effect: Effect) -> Place:
     """Return an effect of the catalogue and its place."""
-    return _place(effect.place())
+    return Place(**effect.place())
 
 
 def places_of(effect: Effect) -> list[Place]:
     """Return the places under which an effect is reported; more than one where it stands for several."""
-    return [_place(entry) for entry in effect.entries()]
-
-
-def _place(entry: Mapping[str, Any]) -> Place:
-    counted = ("storey", "floor", "contact")
-    values: dict[str, Any] = {
-        key: int(value) if key in counted and value is not None else value for key, value in entry.items()
-    }
-    return Place(**values)
+    return [Place(**entry) for entry in effect.entries()]
 
 
 class Parameter(Struct, frozen=True, kw_only=True):

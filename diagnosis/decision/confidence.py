@@ -23,7 +23,6 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 from pounding.diagnosis.decision.decision import NAMED, Decision, Verdict
-from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.settings import SETTINGS
@@ -33,20 +32,18 @@ Kind = Literal[Verdict, "contact_named", "pair_nothing_missing"]
 NOTHING: Kind = "nothing_missing"
 CONTACT: Kind = "contact_named"
 PAIR_NOTHING: Kind = "pair_nothing_missing"
-VERDICTS: tuple[str, ...] = (
-    NOTHING,
-    "effect_named",
-    "effect_class",
-    "unknown_effect",
-    CONTACT,
-    PAIR_NOTHING,
-)
-"""Kinds of verdicts on frames, a claim on what is between two of them, and none: a contact hides much."""
 TERMS = ("intercept", "ln_bayes", "margin", "signal_to_noise", "explained", "several")
-FORMER = {"ln_bayes": "nats", "signal_to_noise": "visible", "explained": "closed"}
-"""Names that terms and features had in reports of schema 1 and in calibrations of that time; they are still read."""
-SIGNS = {
-    "nothing_missing": -1,
+FORMER = {
+    "gap": "misfit",
+    "nats": "ln_bayes",
+    "visible": "signal_to_noise",
+    "closed": "explained",
+    "believed": "baseline",
+    "foretold": "predicted",
+}
+"""Names of today by those of reports of schema 1 and of calibrations of that time; they are still read."""
+SIGNS: dict[str, int] = {
+    NOTHING: -1,
     "effect_named": 1,
     "effect_class": 1,
     "unknown_effect": 0,
@@ -54,6 +51,8 @@ SIGNS = {
     PAIR_NOTHING: -1,
 }
 """Which way evidence may move the confidence in a verdict, whatever a few cases say."""
+VERDICTS: tuple[str, ...] = tuple(SIGNS)
+"""Kinds of verdicts on frames, a claim on what is between two of them, and none: a contact hides much."""
 FILE = Path(__file__).with_name("confidence.toml")
 
 
@@ -115,11 +114,9 @@ def read_calibration(path: Path) -> Calibration:
     Raises:
         CaseError: It lacks a verdict or a term.
     """
-    raw = tomllib.loads(path.read_text(encoding="utf-8"))
+    raw = with_new_names(tomllib.loads(path.read_text(encoding="utf-8")))
     try:
-        found = {
-            verdict: [float(with_new_names(raw[verdict])[term]) for term in TERMS] for verdict in VERDICTS
-        }
+        found = {verdict: [float(raw[verdict][term]) for term in TERMS] for verdict in VERDICTS}
         return Calibration(str(raw["source"]), found)
     except KeyError as error:
         raise CaseError(f"{path}: the key {error} is missing; fit the calibration anew") from error
@@ -146,15 +143,13 @@ def features_of(found: Findings, decision: Decision, signal_to_noise: float, exp
         ln_bayes = singles[0].ln_bayes if singles else 0.0
         kind = NOTHING if found.pair is None else PAIR_NOTHING
         return Features(kind, _finite(ln_bayes), 0.0, _finite(signal_to_noise), _finite(explained), 0)
-    mine = {_key(effect) for one in (best, *decision.alike) for effect in one.effects}
-    others = [
-        one.ln_bayes for one in found.claimable() if not {_key(effect) for effect in one.effects} & mine
-    ]
+    mine = best.places.union(*(one.places for one in decision.alike))
+    others = [one.ln_bayes for one in found.claimable() if not one.places & mine]
     refined = {effect for one in found.judged for effect in one.effects}
     others += [
         one.ln_bayes
         for one in found.scores.ranked
-        if one.effect not in refined and _key(one.effect) not in mine
+        if one.effect not in refined and one.effect.key not in mine
     ]
     margin = best.ln_bayes - max(others, default=0.0)
     return Features(
@@ -167,10 +162,6 @@ def features_of(found: Findings, decision: Decision, signal_to_noise: float, exp
     )
 
 
-def _key(effect: Effect) -> tuple[object, ...]:
-    return tuple(effect.place().values())
-
-
 def features_from(entry: Mapping[str, Any]) -> Features:
     """Return features from JSON, also from that of schema 1, whose names were others.
 
@@ -181,10 +172,13 @@ def features_from(entry: Mapping[str, Any]) -> Features:
     return msgspec.convert(given, Features)
 
 
-def with_new_names(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a mapping whose keys of schema 1 have their names of today."""
-    new = {old: name for name, old in FORMER.items()}
-    return {new.get(key, key): value for key, value in entry.items()}
+def with_new_names(entry: Any) -> Any:
+    """Return what was read from JSON or TOML, its keys of schema 1 by their names of today."""
+    if isinstance(entry, list):
+        return [with_new_names(one) for one in entry]
+    if not isinstance(entry, Mapping):
+        return entry
+    return {FORMER.get(key, key): with_new_names(value) for key, value in entry.items()}
 
 
 class SimulatedTruth(Struct, frozen=True, kw_only=True):

@@ -109,4 +109,4 @@ def _touching(contact: np.ndarray, step_s: float) -> np.ndarray:
         size = np.abs(force)
         near |= size > SETTINGS.forces.least_share * size.max(initial=0.0)
     reach = max(1, round(SETTINGS.pushes.beside_contact_s / step_s))
-    return np.convolve(near, np.ones(2 * reach + 1), "same") > 0
+    return np.asarray(maximum_filter1d(near.astype(np.uint8), 2 * reach + 1, mode="constant") > 0)

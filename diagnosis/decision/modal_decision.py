@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import msgspec
 import numpy as np
 from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.decision.claims import Candidate, Claim, Place, candidate, claim, parameter, place_of
+from pounding.diagnosis.decision.claims import Candidate, Claim, Place, candidate, claim, parameter, places_of
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Basis
 from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.inference.modal import ModalFindings
-from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed
+from pounding.diagnosis.inference.modal_evidence import Weighed
 from pounding.diagnosis.settings import SETTINGS
 
 CALIBRATION = "posterior probability among the candidates at equal prior odds; not calibrated on cases"
@@ -62,27 +61,17 @@ def _probability(found: ModalFindings, verdict: Verdict) -> float:
 
 
 def _several(one: Weighed) -> bool:
-    return any(isinstance(acting.effect, Softening) for acting in one.acting)
-
-
-def _places(acting: Acting) -> list[Place]:
-    """Return the places of an effect; more than one where it stands for several that these data cannot tell apart."""
-    place = place_of(acting.effect)
-    if acting.test:
-        place = msgspec.structs.replace(place, test=acting.test)
-    if isinstance(acting.effect, Softening):
-        return [msgspec.structs.replace(place, effect=name) for name in acting.effect.alike]
-    return [place]
+    return any(len(places_of(effect)) > 1 for effect in one.acting)
 
 
 def _claims(found: ModalFindings) -> list[Claim]:
     best = found.best
     shown = []
     for number, acting in enumerate(best.acting):
-        others = [place for one in found.alike for place in _places(one.acting[number])]
-        members = _places(acting)
+        others = [place for one in found.alike for place in places_of(one.acting[number])]
+        members = places_of(acting)
         members += [place for place in others if place not in members]
-        quantity = acting.effect.quantities[0]
+        quantity = acting.quantities[0]
         value, std = (float(v[number]) * quantity.per_si for v in (best.value, best.std))
         sizes = [parameter(quantity.name, value, std, quantity.unit)]
         shown.append(claim(members[0], sizes, best.log_evidence - found.null.log_evidence, members))
@@ -92,6 +81,6 @@ def _claims(found: ModalFindings) -> list[Claim]:
 def _candidates(found: ModalFindings) -> list[Candidate]:
     entries: dict[Place, Candidate] = {}
     for one in found.singles:
-        for place in _places(one.acting[0]):
+        for place in places_of(one.acting[0]):
             entries.setdefault(place, candidate(place, one.log_evidence - found.null.log_evidence))
     return list(entries.values())

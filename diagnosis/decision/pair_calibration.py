@@ -19,14 +19,13 @@ from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.hypotheses import at, baseline_law, null
 from pounding.diagnosis.contact_force.impacts import Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
-from pounding.diagnosis.contact_force.pairs import without_forces
+from pounding.diagnosis.contact_force.pairs import with_contacts
 from pounding.diagnosis.decision.claims import Place, place_of
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.rig_calibration import (
     Outcome,
     drawn,
-    name_of,
     noise_shares,
     scattered,
     turn,
@@ -57,7 +56,7 @@ def truths(found: Findings, contact_findings: ContactFindings) -> list[Truth]:
     """Return nothing missing and the best single candidates of the frames and of the contact."""
     single = [one for one in found.claimable() if len(one.effects) == 1 and not one.effects[0].rival]
     most = SETTINGS.calibration.pair_rivals
-    rivals = [Truth(name_of(one), place_of(one.effects[0]), frames=one) for one in single[:most]]
+    rivals = [Truth(one.label(), place_of(one.effects[0]), frames=one) for one in single[:most]]
     seen: set[str] = set()
     for _, fit in contact_findings.ranked:
         effect = fit.hypothesis.effect
@@ -109,7 +108,7 @@ def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generato
         CaseError: The contact's law and damping make no law that the engine knows.
     """
     assert found.pair is not None
-    bare = without_forces(found.pair.full)
+    bare = with_contacts(found.pair.full)
     values = drawn(bare, rng)
     acting = scattered(truth.frames, rng) if truth.frames is not None else []
     between = _between(case, found.pair, truth, rng)

@@ -158,21 +158,11 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     effects = [one.effect for one in found.scores.ranked]
     again = search(model, effects, found.training, found.held_out, lambda what, share: None)
     decision = decide(again)
-    claimed = [{_key(e) for e in one.effects} for one in (decision.judged, *decision.alike)]
-    hidden = {_key(effect) for effect in truth.effects}
-    right = decision.verdict == "nothing_missing" if not hidden else (
-        decision.verdict in ("effect_named", "effect_class") and hidden in claimed
-    )  # fmt: skip
-    return Outcome(number, name_of(truth), bool(right), features(again, decision))
-
-
-def _key(effect: Effect) -> tuple[object, ...]:
-    return tuple(effect.place().values())
-
-
-def name_of(judged: Judged) -> str:
-    """Return effects in words."""
-    return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
+    right = decision.verdict == "nothing_missing"
+    if truth.effects:
+        claimed = [one.places for one in (decision.judged, *decision.alike)]
+        right = decision.named and truth.places in claimed
+    return Outcome(number, truth.label(), right, features(again, decision))
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:
@@ -198,7 +188,7 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model
         )
         runs.append(replace(run, measured=noisy, table=table))
     observed = replace(model.observed, runs=tuple(runs), warnings=[])
-    return Model(model.structure, observed, model.prior)
+    return model.seeing(observed)
 
 
 def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
@@ -222,24 +212,9 @@ def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.
     acting = []
     for effect, values in zip(truth.effects, truth.fit.values, strict=True):
         changed = np.array(values, float)
-        changed[_amplitude(effect)] *= np.exp(SETTINGS.calibration.size_scatter * rng.standard_normal())
+        changed[effect.amplitude] *= np.exp(SETTINGS.calibration.size_scatter * rng.standard_normal())
         acting.append((effect, changed))
     return acting
-
-
-def _amplitude(effect: Effect) -> int:
-    """Return which parameter says how strong an effect is: that which its size scales."""
-    one, two = (
-        np.asarray(effect.values(size, _SHAPE[: _shape_length(effect)]), float) for size in (1e-3, 2e-3)
-    )
-    return int(np.argmax(np.abs(two - one) / np.maximum(np.abs(one), 1e-12)))
-
-
-_SHAPE = (1e-3,) * 5
-
-
-def _shape_length(effect: Effect) -> int:
-    return max(len(effect.quantities) - 1, 1)
 
 
 def stated(conclusion: Conclusion, outcomes: Sequence[Outcome]) -> Conclusion:

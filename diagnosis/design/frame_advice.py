@@ -57,26 +57,19 @@ def rivals(found: Findings, decision: Decision) -> tuple[Judged, Judged] | None:
     first = decision.judged if decision.named else found.judged[0]
     if decision.alike:
         return first, decision.alike[0]
-    mine = _places(first)
     others = [
         (one.ln_bayes, one)
         for one in found.judged
-        if len(one.effects) == len(first.effects) and _places(one) != mine
+        if len(one.effects) == len(first.effects) and one.places != first.places
     ]
     return contenders((first.ln_bayes, first), others, found.null, decision.named)
 
 
-def _places(judged: Judged) -> set[tuple[object, ...]]:
-    return {tuple(effect.place().values()) for effect in judged.effects}
-
-
 def advice(found: Findings, decision: Decision) -> list[str]:
     """Return sentences on the further measurements that would part the rivals, best first; none for a clear verdict."""
-    return advised(rivals(found, decision), _name, lambda true, other: expected(found, true.fit, other.fit))
-
-
-def _name(judged: Judged) -> str:
-    return " and ".join(effect.label() for effect in judged.effects) or "nothing missing"
+    return advised(
+        rivals(found, decision), Judged.label, lambda true, other: expected(found, true.fit, other.fit)
+    )
 
 
 def expected(found: Findings, true: Fit, other: Fit) -> list[Gain]:
@@ -142,7 +135,7 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
                 floor=np.append(seen.floor, floor),
                 runs=(replace(run, measured=blank),),
             )
-            model = Model(now.model.structure, wider, now.model.prior)
+            model = now.model.seeing(wider)
             rms = float(
                 root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
             )
@@ -182,13 +175,13 @@ def as_it_was(found: Findings) -> Measurement:
         floor=seen.floor[kept],
         runs=(cut,),
     )
-    model = Model(found.model.structure, observed, found.model.prior)
+    model = found.model.seeing(observed)
     return Measurement("as it was", model, noise[kept], False)
 
 
 def _with_run(now: Measurement, run: RunData, what: str) -> Measurement:
     observed = replace(now.model.observed, runs=(run,))
-    return Measurement(what, Model(now.model.structure, observed, now.model.prior), now.noise, True)
+    return Measurement(what, now.model.seeing(observed), now.noise, True)
 
 
 def _other_motion(run: RunData) -> RunData:
@@ -211,7 +204,7 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
         model.carried(found.model, true.filtered.values), None, true.filtered.effects, [0]
     ).outputs[0]
     run = replace(model.observed.runs[0], measured=made)
-    model = Model(model.structure, replace(model.observed, runs=(run,)), model.prior)
+    model = model.seeing(replace(model.observed, runs=(run,)))
     known = other.filtered.noise[0]
     noise = Noise(np.asarray(known.latent), known.table, one.noise)
     filtered = run_filter(

@@ -12,9 +12,11 @@ the function itself gets SI.
 
 from __future__ import annotations
 
-import importlib.util
 import inspect
-from collections.abc import Callable, Sequence
+import os
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -23,13 +25,14 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 import numpy as np
-from numba.core.errors import NumbaError
 
+from pounding import bounds
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.calling import PARAMETERS, with_parameters
 from pounding.diagnosis.model.laws import Law
-from pounding.extras import extra_module
+from pounding.extras import MissingExtraError, extra_module
+from pounding.toml_text import shown
 
 PLACES = {"d": "storey", "u": "floor"}
 """Where a force acts, by the name of the first argument."""
@@ -39,18 +42,11 @@ TRIED = (
     np.array([0.0, 0.3, 7.0]),
 )
 """Drifts [m], rates [m/s] and times [s] at which a function is tried: those of frames of this size."""
-RAISED = (
-    ArithmeticError,
-    AttributeError,
-    ImportError,
-    LookupError,
-    NameError,
-    OSError,
-    RuntimeError,
-    TypeError,
-    ValueError,
-)
-"""What a user's own code may raise when it is read or tried."""
+MOST_OF_A_UNIT = 60
+"""Characters of a unit; what is longer is no unit."""
+_POWER = r"(?: *(?:\*\*|\^) *-?\d{1,2}+(?:\.\d{1,3}+)?)?"
+UNIT = re.compile(rf"(?:[^\W\d]++{_POWER}|\){_POWER}|\*(?!\*)|[1°%(/ ])+")
+"""Names with small exponents, products, quotients and brackets: towers of powers would take for ever."""
 
 
 @dataclass(frozen=True)
@@ -98,17 +94,18 @@ def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
     _units()  # Without pint nothing of the file can be read.
     module = _module(path)
     found: list[UserForce | type[Effect]] = []
-    for name, thing in vars(module).items():
+    for name, thing in list(vars(module).items()):
         if isinstance(thing, type) and issubclass(thing, Effect) and thing in CATALOGUE.optional():
             found.append(thing)
             continue
-        function = getattr(thing, "py_func", thing)
-        if (
-            not name.startswith("_")
-            and isinstance(function, FunctionType)
-            and function.__module__ == module.__name__
-        ):
-            found.append(_force(path, name, function))
+        with _user_code(f"{path}: {name} cannot be read"):
+            function = getattr(thing, "py_func", thing)
+            if (
+                not name.startswith("_")
+                and isinstance(function, FunctionType)
+                and function.__module__ == module.__name__
+            ):
+                found.append(_force(path, name, function))
     if not found:
         raise CaseError(
             f"{path} holds no candidate; write a function such as "
@@ -118,20 +115,36 @@ def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
     return found
 
 
-def _module(path: Path) -> ModuleType:
-    if not path.is_file():
-        raise CaseError(f"{path}: there is no such file of candidates; give --candidates a Python file")
-    name = "candidates_of_the_user"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise CaseError(f"{path} is not a Python file; its name must end in .py")
-    module = importlib.util.module_from_spec(spec)
+@contextmanager
+def _user_code(what: str) -> Iterator[None]:
+    """Turn whatever a user's code raises into a sentence, but Ctrl-C; also its own exceptions and `sys.exit`.
+
+    Args:
+        what: What was done with it, the beginning of the sentence.
+    """
     try:
-        spec.loader.exec_module(module)
-    except SyntaxError as error:
-        raise CaseError(f"{path} line {error.lineno}: {error.msg}; correct the file there") from None
-    except RAISED as error:
-        raise CaseError(f"{path} cannot be run: {type(error).__name__}: {error}") from error
+        yield
+    except (KeyboardInterrupt, CaseError, MissingExtraError):
+        raise
+    except BaseException as error:
+        reason = " ".join(str(error).split())
+        raise CaseError(f"{what}: {type(error).__name__}{reason and ': '}{reason}") from error
+
+
+def _module(path: Path) -> ModuleType:
+    if not os.path.isfile(path):
+        raise CaseError(f"{path}: there is no such file of candidates; give --candidates a Python file")
+    if path.suffix != ".py":
+        raise CaseError(f"{path} is not a Python file; its name must end in .py")
+    module = ModuleType("candidates_of_the_user")
+    module.__file__ = str(path)
+    with _user_code(f"{path} cannot be run"):
+        try:
+            # Not by import, which would leave a folder of compiled code beside the file.
+            code = compile(path.read_bytes(), str(path), "exec")
+        except SyntaxError as error:
+            raise CaseError(f"{path} line {error.lineno or 1}: {error.msg}; correct the file there") from None
+        exec(code, module.__dict__)
     return module
 
 
@@ -176,18 +189,20 @@ def _parameter(where: str, argument: inspect.Parameter) -> UserParameter:
             f"{where}: parameter {name!r} has no typical size; give it one as its default, "
             f'{name}: "{unit}" = 2.0, or a range, {name}: "{unit}" = (0.5, 4.0)'
         )
-    to_si = _to_si(where, name, unit).magnitude
+    to_si, default = _to_si(where, name, unit).magnitude, shown(argument.default)
     try:
         sizes = tuple(float(size) * to_si for size in np.atleast_1d(argument.default))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         sizes = ()
     if len(sizes) not in (1, 2) or not np.all(np.isfinite(sizes)) or not np.all(sizes):
         raise CaseError(
-            f"{where}: the typical size of {name!r} is {argument.default!r}; "
+            f"{where}: the typical size of {name!r} is {default}; "
             "write a number other than 0, or a range of two of them"
         )
+    for size in sizes:
+        bounds.PARAMETER.check(abs(size), f"{where}: the typical size {default} of {name!r}", CaseError)
     if len(sizes) == 2 and sizes[0] >= sizes[1]:
-        raise CaseError(f"{where}: the range of {name!r} must go from low to high, not {argument.default!r}")
+        raise CaseError(f"{where}: the range of {name!r} must go from low to high, not {default}")
     return UserParameter(name, unit, float(to_si), sizes)
 
 
@@ -200,19 +215,18 @@ def _units() -> Any:
 def _to_si(where: str, name: str, unit: str) -> Any:
     """Return one of a unit as a quantity in SI."""
     units = _units()
-    try:
+    told = f'{where}: the unit "{shown(unit)[1:-1]}" of {name!r} is not understood; write it like "N s/m" or "mm"'
+    if len(unit) > MOST_OF_A_UNIT or not UNIT.fullmatch(unit):
+        raise CaseError(told)
+    with _user_code(told):
         return (1.0 * units.parse_expression(unit) * units.dimensionless).to_base_units()
-    except (extra_module("pint").PintError, *RAISED, SyntaxError) as error:
-        raise CaseError(
-            f'{where}: the unit "{unit}" of {name!r} is not understood ({error}); write it like "N s/m" or "mm"'
-        ) from error
 
 
 def _compiled(where: str, function: Callable[..., float], count: int) -> Law:
     law = Law(with_parameters(function, count), cache=False)
     try:
         law.compile()
-    except (NumbaError, *RAISED) as error:
+    except Exception as error:
         # The first line names numba's own pipeline, the next what it stumbled on.
         lines = [line.strip(" -") for line in str(error).splitlines() if line.strip()] or [repr(error)]
         reason = next((line for line in lines if not line.startswith("Failed in nopython")), lines[0])
@@ -259,7 +273,7 @@ def _check_units(where: str, function: Callable[..., Any], parameters: Sequence[
             if str(error.units2) in ("dimensionless", ""):
                 return  # A function of plain numbers, such as math.sqrt, which knows no units: nothing to learn here.
             raise CaseError(f"{where} does not fit its units: {error}") from error
-        except RAISED:
+        except Exception:
             return  # What compiles need not work on quantities.
         plain = not isinstance(result, pint.Quantity)
         if (result if plain else result.magnitude) == 0.0:

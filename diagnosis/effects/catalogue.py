@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -33,12 +33,19 @@ CHANNEL_UNIT = "unit of the channel"
 
 @dataclass(frozen=True)
 class Quantity:
-    """A parameter of an effect: name, unit as reported, how many of that unit an SI unit is; some are not reported."""
+    """A parameter of an effect.
+
+    Attributes:
+        name, unit: Its name, and its unit as reported. per_si: How many of that unit an SI unit is.
+        reported: Whether it is reported.
+        logarithmic: Whether it keeps its sign, and is refined as a logarithm.
+    """
 
     name: str
     unit: str
     per_si: float = 1.0
     reported: bool = True
+    logarithmic: bool = False
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,7 @@ class Effect:
 
     Attributes:
         frame, storey, floor, channel, contact, left, right: The place as reported, counted from 1.
+        test: The only modal test in which it acts; None where it acts in all.
     """
 
     index: int = 0
@@ -78,11 +86,16 @@ class Effect:
     contact: int | None = None
     left: str | None = None
     right: str | None = None
+    test: str | None = None
 
     name: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
     where: ClassVar[str] = ""
     """``storey``, ``upper storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
+    amplitude: ClassVar[int] = 0
+    """Which parameter says how strong it is."""
+    typical: ClassVar[float]
+    """Prior standard deviation of the amplitude in SI, where it is the same in every case; else `size` gives it."""
     sign: ClassVar[int] = 0
     """+1 or -1 where only one sign of the amplitude makes sense, else 0."""
     linear: ClassVar[bool] = False
@@ -100,16 +113,23 @@ class Effect:
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
 
-    def place(self) -> dict[str, object]:
+    def place(self) -> dict[str, Any]:
         """Return effect and place as in the report."""
-        return {"effect": self.name} | {key: getattr(self, key) for key in KEYS}
+        tested = {} if self.test is None else {"test": self.test}
+        return {"effect": self.name} | {key: getattr(self, key) for key in KEYS} | tested
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Effect and place, by which it is told from others."""
+        return tuple(self.place().values())
 
     def label(self) -> str:
         """Return effect and place in words."""
         where = in_words(**{key: getattr(self, key) for key in KEYS})
-        return self.name.replace("_", " ") + (f", {where}" if where else "")
+        tested = "" if self.test is None else f"only in the {self.test.replace('_', ' ')}"
+        return ", ".join(word for word in (self.name.replace("_", " "), where, tested) if word)
 
-    def entries(self) -> list[dict[str, object]]:
+    def entries(self) -> list[dict[str, Any]]:
         """Return the places under which the effect is reported; more than one if it stands for several."""
         return [self.place()]
 
@@ -131,7 +151,8 @@ class Effect:
             scales: Typical sizes of the motion.
             shape: Values of what is not an amplitude, one of `grid`.
         """
-        raise NotImplementedError
+        del model, scales, shape
+        return self.typical
 
     def largest(self, model: Model) -> float:
         """Return the largest amplitude in SI that it can have."""
@@ -156,8 +177,7 @@ class Effect:
             amplitude: The amplitude in SI.
             shape: Values of what is not an amplitude, one of `grid`.
         """
-        del shape
-        return np.array([amplitude])
+        return np.array([amplitude, *shape])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Put the effect on an assembly.
@@ -171,7 +191,7 @@ class Effect:
 
     def logarithmic(self) -> tuple[bool, ...]:
         """Return which parameters are refined as logarithms, because they can only be positive."""
-        return tuple(False for _ in self.quantities)
+        return tuple(one.logarithmic for one in self.quantities)
 
 
 GROUPS = {

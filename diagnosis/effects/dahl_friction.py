@@ -43,7 +43,10 @@ class DahlFriction(StoreyEffect):
     name = "dahl_friction"
     law = bristles
     default = False
-    quantities = (Quantity("friction_force", "N"), Quantity("build_up_drift", "mm", 1000.0))
+    quantities = (
+        Quantity("friction_force", "N", logarithmic=True),
+        Quantity("build_up_drift", "mm", 1000.0, logarithmic=True),
+    )
     sign = 1
     nonlinear = True
     dissipates = True
@@ -62,14 +65,6 @@ class DahlFriction(StoreyEffect):
         """Return drifts [m] over which it builds up, from hardly any to the usual one."""
         return [(float(scales.drift[self.index]) * share,) for share in (0.03, 0.1, 0.3, 1.0)]
 
-    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return friction force and drift."""
-        return np.array([amplitude, shape[0]])
-
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return friction force and drift."""
         return (abs(float(values[0])), max(abs(float(values[1])), SHORTEST_M))
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """Both are positive."""
-        return (True, True)

@@ -7,29 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.bases import FrameEffect, LawEffect
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.laws import Numbers, PlacedLaw, memoryless
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
-from pounding.diagnosis.model.storeys import Modes, StoreyFrame
+from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
-
-
-@dataclass(frozen=True)
-class FrameEffect(Effect):
-    """An effect of a whole frame, or of one of its floors."""
-
-    where = "frame"
-
-    def storeys(self, model: Model) -> StoreyFrame:
-        """Return the frame."""
-        return model.structure.frames[model.structure.index(str(self.frame))]
-
-    def span(self, model: Model) -> slice:
-        """Return its floors among all."""
-        return model.structure.span(model.structure.index(str(self.frame)))
 
 
 @CATALOGUE.add
@@ -39,7 +25,9 @@ class JointFlexibility(FrameEffect):
 
     name = "joint_flexibility"
     absorbing = True
-    quantities = (Quantity("joint_stiffness", "N m/rad"),)
+    quantities = (Quantity("joint_stiffness", "N m/rad", logarithmic=True),)
+    typical = 0.5
+    """Of the logarithm of the stiffness."""
     described = Description(
         "rotational stiffness $k_j$ of each joint between column and floor differs from the baseline model's: $K(k_j)$ by "
         "the frame's own model",
@@ -47,10 +35,6 @@ class JointFlexibility(FrameEffect):
         relation("joints", "joint's turn", "moment", same, lambda x: 0.6 * x),
         told_by="A hammer test of the upper modes: soft joints lower the first mode more than the upper ones.",
     )
-
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 0.4 of the joints' stiffness, as a logarithm."""
-        return 0.5
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the force of the stiffness' derivative with respect to the logarithm of the joints' stiffness."""
@@ -71,10 +55,6 @@ class JointFlexibility(FrameEffect):
         changed = np.linalg.inv(flexibility + (1 / float(values[0]) - 1) * joints)
         assembly.stiffness[span, span] += changed - frame.stiffness
 
-    def logarithmic(self) -> tuple[bool, ...]:
-        """A stiffness is positive."""
-        return (True,)
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
@@ -83,7 +63,7 @@ class BaseRocking(FrameEffect):
 
     name = "base_rocking"
     absorbing = True
-    quantities = (Quantity("rotational_stiffness", "N m/rad"),)
+    quantities = (Quantity("rotational_stiffness", "N m/rad", logarithmic=True),)
     sign = 1
     described = Description(
         "the base turns on a spring $k_r$: "
@@ -115,10 +95,6 @@ class BaseRocking(FrameEffect):
             float(values[0])
         )
         assembly.stiffness[span, span] += np.linalg.inv(flexibility) - frame.stiffness
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """A stiffness is positive."""
-        return (True,)
 
 
 @CATALOGUE.add
@@ -196,11 +172,12 @@ def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers)
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class AirDrag(FrameEffect):
+class AirDrag(LawEffect, FrameEffect):
     """Drag c w abs(w) on each floor."""
 
     name = "air_drag"
-    quantities = (Quantity("coefficient", "N s^2/m^2"),)
+    law = drag
+    quantities = (Quantity("coefficient", "N s^2/m^2", logarithmic=True),)
     sign = 1
     nonlinear = True
     dissipates = True
@@ -216,27 +193,10 @@ class AirDrag(FrameEffect):
         inertia = float(np.mean(self.storeys(model).floor_mass * scales.acceleration[span]))
         return 0.2 * inertia / float(np.mean(scales.rate[span] ** 2))
 
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return w abs(w) at every floor."""
-
-        def term(floor: int) -> Term:
-            def pull(m: Motion) -> np.ndarray:
-                rate = m.floor_rate[:, floor] + m.table_rate
-                return -drag.along((1.0,), m.floor[:, floor], rate, np.arange(len(rate)) * m.run.step_s)
-
-            return force_term(motion, pull, modes.floors[floor])
-
-        span = self.span(model)
-        return [term(floor) for floor in range(span.start, span.stop)]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Add the drag."""
-        for row in np.eye(model.structure.floors)[self.span(model)]:
-            assembly.laws.append(PlacedLaw(drag, row, (abs(float(values[0])),), in_room=True))
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """Drag is positive."""
-        return (True,)
+    def placed(self, model: Model, numbers: tuple[float, ...]) -> list[PlacedLaw]:
+        """Return the drag of every floor in the room."""
+        rows = np.eye(model.structure.floors)[self.span(model)]
+        return [PlacedLaw(drag, row, numbers, in_room=True) for row in rows]
 
 
 @CATALOGUE.add
@@ -252,9 +212,9 @@ class TorsionalEccentricity(FrameEffect):
     name = "torsional_eccentricity"
     absorbing = True
     quantities = (
-        Quantity("eccentricity", "m"),
-        Quantity("torsional_frequency_ratio", "1", reported=False),
-        Quantity("torsional_damping_factor", "1", reported=False),
+        Quantity("eccentricity", "m", logarithmic=True),
+        Quantity("torsional_frequency_ratio", "1", reported=False, logarithmic=True),
+        Quantity("torsional_damping_factor", "1", reported=False, logarithmic=True),
     )
     sign = 1
     described = Description(
@@ -344,10 +304,6 @@ class TorsionalEccentricity(FrameEffect):
         assert floors >= n
         assembly.extensions.append(extend)
         assembly.influence.extend([0.0] * n)
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
 
 
 def oscillator(driving: np.ndarray, omega: float, ratio: float, step_s: float) -> np.ndarray:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pounding.diagnosis.effects.bases import FrameEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
-from pounding.diagnosis.effects.frame import FrameEffect, oscillator
+from pounding.diagnosis.effects.frame import oscillator
 from pounding.diagnosis.effects.storey import Bumper, CoulombFriction
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
@@ -25,7 +26,11 @@ class Appendage(FrameEffect):
     absorbing = True
     where = "floor"
     rival = True
-    quantities = (Quantity("mass", "kg"), Quantity("frequency", "Hz"), Quantity("damping_ratio", "1"))
+    quantities = (
+        Quantity("mass", "kg", logarithmic=True),
+        Quantity("frequency", "Hz", logarithmic=True),
+        Quantity("damping_ratio", "1", logarithmic=True),
+    )
     sign = 1
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
@@ -74,10 +79,6 @@ class Appendage(FrameEffect):
         assembly.extensions.append(extend)
         assembly.influence.append(1.0)
 
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ class FadingFriction(CoulombFriction):
     name = "fading_friction"
     rival = True
     default = False
-    quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s"))
+    quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s", logarithmic=True))
 
     def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
         """Return friction of 1 N that slides from the drift `shape` and has lost half of itself at 1 m/s."""
@@ -100,10 +101,6 @@ class FadingFriction(CoulombFriction):
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return friction that has lost half of itself at a rate."""
         return (*super().numbers(model, values)[:3], max(abs(float(values[2])), 1e-9))
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
 
 
 @CATALOGUE.add
@@ -118,10 +115,6 @@ class Tie(Bumper):
     def row(self, model: Model) -> np.ndarray:
         """Return the row of both storeys' drifts together, (floors,)."""
         return np.asarray(model.structure.drift[self.index - 1 : self.index + 1].sum(axis=0))
-
-    def along(self, storeys: np.ndarray) -> np.ndarray:
-        """Return both storeys' drifts, or their rates, together, (samples,)."""
-        return np.asarray(storeys[:, self.index - 1 : self.index + 1].sum(axis=1))
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return gaps [m] on both sides, of both storeys' drifts together."""

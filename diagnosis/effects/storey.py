@@ -8,14 +8,12 @@ from typing import ClassVar
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
+from pounding.diagnosis.effects.bases import Departure, LawEffect
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
-from pounding.diagnosis.model.laws import Law, Numbers, PlacedLaw, memoryless, remembering
+from pounding.diagnosis.model.laws import Numbers, memoryless, remembering
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import Assembly, floor_mass, storey_pattern, storey_stiffness
-from pounding.diagnosis.model.sensitivity import Term
-from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.terms import Motion, force_term, pattern_terms
+from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness
 
 SHARPNESS = 8.0
 SHARPEST = 30.0
@@ -29,51 +27,10 @@ STICKING = 15.0
 
 
 @dataclass(frozen=True)
-class StoreyEffect(Effect):
+class StoreyEffect(LawEffect):
     """An effect with a force f(d, v, t) in a storey, given by a law."""
 
     where = "storey"
-    law: ClassVar[Law]
-
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return the law's parameters [SI].
-
-        Args:
-            model: The baseline model.
-            values: SI parameters of the effect in the order of `quantities`, shape (parameters,).
-        """
-        raise NotImplementedError
-
-    def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
-        """Return the law's parameters [SI] for a unit amplitude."""
-        return self.numbers(model, self.values(1.0, shape))
-
-    def force(self, model: Model, motion: Motion, shape: tuple[float, ...]) -> np.ndarray:
-        """Return the force that opposes the drift [N] for a unit amplitude, shape (samples,).
-
-        Args:
-            model: The baseline model.
-            motion: Motion of a run of the filtered model.
-            shape: Values of what is not an amplitude, one of `grid`.
-        """
-        drift, rate = self.along(motion.drift), self.along(motion.drift_rate)
-        return self.law.along(self.unit(model, shape), drift, rate, np.arange(len(drift)) * motion.run.step_s)
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the force as a term."""
-        return [force_term(motion, lambda m: -self.force(model, m, shape), self.row(model) @ modes.floors)]
-
-    def row(self, model: Model) -> np.ndarray:
-        """Return the row of floors that gives the drift the law acts on, (floors,)."""
-        return np.asarray(model.structure.drift[self.index])
-
-    def along(self, storeys: np.ndarray) -> np.ndarray:
-        """Return that drift [m], or its rate, from those of all storeys (samples, storeys), shape (samples,)."""
-        return np.asarray(storeys[:, self.index])
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Add the law to the assembly."""
-        assembly.laws.append(PlacedLaw(self.law, self.row(model), self.numbers(model, values)))
 
     def stiffness(self, model: Model) -> float:
         """Return the stiffness of the storey in the baseline model [N/m]."""
@@ -82,11 +39,13 @@ class StoreyEffect(Effect):
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class StiffnessChange(StoreyEffect):
+class StiffnessChange(Departure):
     """The storey's stiffness times (1 + x) at all times: the force x k d."""
 
     name = "stiffness_change"
-    linear = True
+    where = "storey"
+    parameter = "storey_stiffness"
+    typical = 0.3
     quantities = (Quantity("relative_change", "1"),)
     described = Description(
         r"$f = x\,k\,d$ at all times",
@@ -99,20 +58,6 @@ class StiffnessChange(StoreyEffect):
     def largest(self, model: Model) -> float:
         """Return nearly all of the storey's stiffness."""
         return LARGEST_LOSS
-
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 0.3."""
-        return 0.3
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return k d, with what it does to the joints at its ends."""
-        return pattern_terms(motion, storey_pattern(model.structure, self.index), modes.floors)
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Change the matrix."""
-        assembly.stiffness += max(float(values[0]), -LARGEST_LOSS) * storey_pattern(
-            model.structure, self.index
-        )
 
 
 @memoryless
@@ -144,10 +89,6 @@ class DampingChange(StoreyEffect):
         first = float(scales.omega[model.structure.index(str(self.frame))][0])
         return 0.1 * self.stiffness(model) / first
 
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return the damper."""
-        return (float(values[0]),)
-
 
 @remembering
 def friction(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
@@ -169,8 +110,8 @@ class CoulombFriction(StoreyEffect):
     name = "coulomb_friction"
     law = friction
     quantities: ClassVar[tuple[Quantity, ...]] = (
-        Quantity("friction_force", "N"),
-        Quantity("sticking_stiffness", "1", reported=False),
+        Quantity("friction_force", "N", logarithmic=True),
+        Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
     )
     sign = 1
     nonlinear = True
@@ -203,10 +144,6 @@ class CoulombFriction(StoreyEffect):
         damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(model.structure, self.index) / 2)
         return (abs(float(values[0])), stiffness, float(damping), np.inf)
 
-    def logarithmic(self) -> tuple[bool, ...]:
-        """Both are positive."""
-        return (True, True)
-
 
 @memoryless
 def cubic_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
@@ -232,10 +169,6 @@ class CubicStiffness(StoreyEffect):
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes 0.3 of the linear force at twice the rms drift."""
         return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
-
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return the cubic spring."""
-        return (float(values[0]),)
 
 
 @njit(cache=True, error_model="numpy")
@@ -273,9 +206,9 @@ class Hysteresis(StoreyEffect):
     law = yielding
     absorbing = True
     quantities = (
-        Quantity("yield_force", "N"),
-        Quantity("stiffness", "N/m"),
-        Quantity("sharpness", "1", reported=False),
+        Quantity("yield_force", "N", logarithmic=True),
+        Quantity("stiffness", "N/m", logarithmic=True),
+        Quantity("sharpness", "1", reported=False, logarithmic=True),
     )
     sign = 1
     nonlinear = True
@@ -310,10 +243,6 @@ class Hysteresis(StoreyEffect):
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
         return (abs(float(values[0])), abs(float(values[1])), sharpness)
 
-    def logarithmic(self) -> tuple[bool, ...]:
-        """All are positive."""
-        return (True, True, True)
-
 
 @memoryless
 def growing_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
@@ -329,6 +258,7 @@ class Loosening(StoreyEffect):
     name = "loosening"
     law = growing_spring
     quantities = (Quantity("final_relative_change", "1"),)
+    typical = 0.3
     sign = -1
     described = Description(
         r"$f = x\,k\,(t/T)\,d$, in each run anew",
@@ -340,10 +270,6 @@ class Loosening(StoreyEffect):
     def largest(self, model: Model) -> float:
         """Return nearly all of the storey's stiffness."""
         return LARGEST_LOSS
-
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 0.3."""
-        return 0.3
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the stiffness at the end of the run, which is when it is whole."""
@@ -364,8 +290,9 @@ class Bumper(StoreyEffect):
     """A stop: k (d - g) beyond the gap g, or its mirror where g is negative."""
 
     name = "bumper"
+    amplitude = 1
     law = stop
-    quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m"))
+    quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m", logarithmic=True))
     sign = 1
     nonlinear = True
     described = Description(
@@ -388,11 +315,3 @@ class Bumper(StoreyEffect):
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return gap and stiffness."""
         return np.array([shape[0], amplitude])
-
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return gap and stiffness."""
-        return (float(values[0]), abs(float(values[1])))
-
-    def logarithmic(self) -> tuple[bool, ...]:
-        """The stiffness is positive."""
-        return (False, True)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
+from pounding.diagnosis.effects.bases import Departure
 from pounding.diagnosis.effects.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.model import Model
@@ -18,11 +20,12 @@ from pounding.diagnosis.model.tilt import tilt_series
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class TableGain(Effect):
+class TableGain(Departure):
     """What shook the frame is (1 + x) times the table channel."""
 
     name = "table_gain"
-    linear = True
+    parameter = "table_gain"
+    typical = 0.2
     quantities = (Quantity("relative_change", "1"),)
     described = Description(
         r"$a_g \to (1 + x)\,a_g$",
@@ -31,26 +34,15 @@ class TableGain(Effect):
         told_by="A second accelerometer of another make on the table.",
     )
 
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 0.2."""
-        return 0.2
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the table's own force."""
-        return [table_term(modes, motion.run.table)]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Scale the table."""
-        assembly.table_gain += float(values[0])
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class TableDelay(Effect):
+class TableDelay(Departure):
     """The frame was shaken later than the channel says."""
 
     name = "table_delay"
-    linear = True
+    parameter = "table_delay"
+    typical = 0.006
     quantities = (Quantity("delay", "ms", 1000.0),)
     described = Description(
         r"$a_g(t) \to a_g(t - \tau)$",
@@ -60,17 +52,33 @@ class TableDelay(Effect):
         told_by="Table and floor on one logger, or a hammer blow on the table that both record.",
     )
 
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 6 ms."""
-        return 0.006
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class TableClock(Effect):
+    """The clock of the table's channel runs at (1 + x) times the true rate, and was right when the run began."""
+
+    name = "table_clock_rate"
+    linear = True
+    default = False
+    typical = 0.01
+    quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$a_g(t) \to a_g((1 + x)\,t)$",
+        "a clock of all other sensors, `table_gain` where the table no longer fits the floors at all",
+        history("table", "table", sine, lambda t: sine(0.94 * t)),
+        ", negative where the table's clock is slow",
+        told_by="A hammer blow on the table at the begin and one at the end that all loggers record.",
+    )
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the table's rate of change."""
-        return [table_term(modes, -model.table_slope(motion.run))]
+        """Return the table's rate of change times the time since the run began."""
+        slope = model.table_slope(motion.run)
+        return [table_term(modes, motion.run.step_s * np.arange(len(slope)) * slope)]
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Delay the table."""
-        assembly.table_delay_s += float(values[0])
+        """Change the rate of the table's clock."""
+        assembly.table_clock += float(values[0])
 
 
 @CATALOGUE.add
@@ -107,20 +115,15 @@ class TableTilt(Effect):
         assembly.table_tilt += float(values[0])
 
 
-@dataclass(frozen=True)
-class ChannelEffect(Effect):
-    """An effect of one channel."""
-
-    where = "channel"
-
-
 @CATALOGUE.add
 @dataclass(frozen=True)
-class SensorGain(ChannelEffect):
+class SensorGain(Departure):
     """The channel reads (1 + x) times the truth."""
 
     name = "sensor_gain"
-    linear = True
+    where = "channel"
+    parameter = "channel_gain"
+    typical = 0.2
     quantities = (Quantity("relative_change", "1"),)
     described = Description(
         r"$y \to (1 + x)\,y$",
@@ -131,28 +134,18 @@ class SensorGain(ChannelEffect):
         told_by="The sensor exchanged with its neighbour: a fault of the sensor goes with it.",
     )
 
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 0.2."""
-        return 0.2
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the channel itself."""
-        return [channel_term(model, self.index, motion.outputs[:, self.index])]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Scale the channel; a sensor of the wrong polarity is a gain of -2."""
-        assembly.channel_gain[self.index] += float(values[0])
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class SensorDelay(ChannelEffect):
+class SensorDelay(Departure):
     """The channel reads later than the truth."""
 
     name = "sensor_delay"
-    linear = True
+    where = "channel"
+    parameter = "channel_delay"
+    typical = 0.006
     quantities = (Quantity("delay", "ms", 1000.0),)
-    described = Description(
+    described: ClassVar[Description | None] = Description(
         r"$y(t) \to y(t - \tau)$",
         "`table_delay`",
         history("sensor", "reading", sine, lambda t: sine(t - 0.06)),
@@ -160,59 +153,97 @@ class SensorDelay(ChannelEffect):
         told_by="A hammer blow that all loggers record, or the sensor moved to the logger of its neighbours.",
     )
 
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 6 ms."""
-        return 0.006
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the channel's rate, as it follows from the state."""
-        return [channel_term(model, self.index, -motion.output_rate[:, self.index])]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Delay the channel."""
-        assembly.channel_delay_s[self.index] += float(values[0])
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class LoggerDelay(ChannelEffect):
+class LoggerDelay(SensorDelay):
     """Several channels read late by the same time, as on a second logger: a sensor delay of each of them.
 
     Never early: that would be the other logger's delay, told by a table that is late too.
     """
 
-    name = "sensor_delay"
-    linear = True
-    quantities = (Quantity("delay", "ms", 1000.0),)
     where = "logger"
     sign = 1
+    described = None
     members: tuple[int, ...] = ()
     channels: tuple[str, ...] = ()
 
-    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
-        """Return 6 ms."""
-        return 0.006
+    @property
+    def places(self) -> tuple[int, ...]:
+        """The channels."""
+        return self.members
 
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return the rates of the channels."""
-        return [channel_term(model, channel, -motion.output_rate[:, channel]) for channel in self.members]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Delay the channels."""
-        assembly.channel_delay_s[list(self.members)] += float(values[0])
-
-    def entries(self) -> list[dict[str, object]]:
+    def entries(self) -> list[dict[str, Any]]:
         """Return a sensor delay of each channel."""
         return [self.place() | {"channel": channel} for channel in self.channels]
 
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class SensorOffset(ChannelEffect):
+class SensorClock(Effect):
+    """The clock of the channel runs at (1 + x) times the true rate, and was right when the run began.
+
+    The search tries it where an effect of table or sensors leads: a clock that is far off makes a channel look as
+    if it showed something else altogether, and no score about the right rate tells how far off it is.
+    """
+
+    name = "clock_rate"
+    where = "channel"
+    linear = True
+    default = False
+    typical = 0.01
+    quantities = (Quantity("relative_change", "1"),)
+    described: ClassVar[Description | None] = Description(
+        r"$y(t) \to y(t / (1 + x))$",
+        "`sensor_delay`, and `sensor_gain` where the channel no longer fits the others at all",
+        history("sensor", "reading", sine, lambda t: sine(t / 0.94)),
+        ", negative where the clock is slow; channels of one kind or of one frame may share a clock",
+        told_by="A hammer blow at the begin and one at the end that all loggers record.",
+    )
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """The channels that share the clock."""
+        return (self.index,)
+
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return each channel's rate times the time since the run began."""
+        since = motion.run.step_s * np.arange(len(motion.output_rate))
+        return [channel_term(model, one, -since * motion.output_rate[:, one]) for one in self.places]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+        """Change the rate of the clock."""
+        assembly.channel_clock[list(self.places)] += float(values[0])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class LoggerClock(SensorClock):
+    """Several channels share a clock of another rate, as on a second logger: a sensor's clock of each of them."""
+
+    where = "logger"
+    described = None
+    members: tuple[int, ...] = ()
+    channels: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """The channels."""
+        return self.members
+
+    def entries(self) -> list[dict[str, Any]]:
+        """Return a clock's rate of each channel."""
+        return [self.place() | {"channel": channel} for channel in self.channels]
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class SensorOffset(Departure):
     """The channel reads a constant more than the truth."""
 
     name = "sensor_offset"
-    linear = True
+    where = "channel"
+    parameter = "channel_offset"
     quantities = (Quantity("offset", CHANNEL_UNIT),)
     described = Description(
         r"$y \to y + b$",
@@ -224,11 +255,3 @@ class SensorOffset(ChannelEffect):
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return 0.3 of the channel's rms."""
         return 0.3 * float(scales.output[self.index])
-
-    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
-        """Return a constant."""
-        return [channel_term(model, self.index, np.ones(len(motion.outputs)))]
-
-    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        """Offset the channel."""
-        assembly.channel_offset[self.index] += float(values[0])

@@ -268,6 +268,19 @@ def sensor_offset(setting: Setting, size: float, rng: np.random.Generator) -> tu
     }
 
 
+def table_clock_rate(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+    """Let the clock of the table channel go wrong."""
+    rate = 0.02 * size
+    return replace(setting.scenario, table_clock=rate), {"relative_change": (rate, "-")}
+
+
+def clock_rate(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+    """Let the clock of a sensor go wrong."""
+    rate = 0.02 * size
+    faults = {**setting.scenario.sensor_clock, setting.channel: rate}
+    return replace(setting.scenario, sensor_clock=faults), {"relative_change": (rate, "-")}
+
+
 CATALOGUE: dict[str, Effect] = {
     "stiffness_change": Effect("storey", stiffness_change, 0.2, -0.5),
     "joint_flexibility": Effect("frame", joint_flexibility, 1.0, -1.0),
@@ -289,3 +302,9 @@ CATALOGUE: dict[str, Effect] = {
     "sensor_delay": Effect("channel", sensor_delay, 1.0, -1.0),
     "sensor_offset": Effect("channel", sensor_offset, 1.0, -1.0),
 }
+
+ASKED_FOR: dict[str, Effect] = {
+    "table_clock_rate": Effect("table", table_clock_rate, 1.0, -1.0),
+    "clock_rate": Effect("channel", clock_rate, 1.0, -1.0),
+}
+"""What is hidden only where it is asked for: a benchmark does not draw it."""

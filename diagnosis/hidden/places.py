@@ -11,10 +11,10 @@ from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contact_effects import CONTACT
-from pounding.diagnosis.hidden.effects import CATALOGUE, Effect
+from pounding.diagnosis.hidden.effects import ASKED_FOR, CATALOGUE, Effect
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 
-EFFECTS: dict[str, Effect] = {**CATALOGUE, **CONTACT, **OUTSIDE}
+EFFECTS: dict[str, Effect] = {**CATALOGUE, **ASKED_FOR, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""
 
 NOTHING = "nothing"

@@ -51,9 +51,11 @@ class Scenario:
         loads: Forces that nobody measured.
         table_gain: What shook the frames over what the table channel says, minus 1.
         table_delay_s: How much later the frames were shaken than the channel says [s].
+        table_clock: Relative change of the rate of the table channel's clock.
         table_tilt: Pitch of the table over its acceleration [rad s^2/m], top towards +x.
         sensor_gain: Fault of a channel: it reads (1 + x) times the truth.
         sensor_delay_s: Fault of a channel: it reads later by so much [s].
+        sensor_clock: Fault of a channel: its clock runs at (1 + x) times the true rate, right when a run begins.
         sensor_offset: Fault of a channel: a constant beside the truth, in SI.
     """
 
@@ -63,9 +65,11 @@ class Scenario:
     loads: tuple[Load, ...] = ()
     table_gain: float = 0.0
     table_delay_s: float = 0.0
+    table_clock: float = 0.0
     table_tilt: float = 0.0
     sensor_gain: Mapping[str, float] = field(default_factory=dict)
     sensor_delay_s: Mapping[str, float] = field(default_factory=dict)
+    sensor_clock: Mapping[str, float] = field(default_factory=dict)
     sensor_offset: Mapping[str, float] = field(default_factory=dict)
 
     def row(self, frame: str, floor: int) -> int:
@@ -109,7 +113,8 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     """
     whole = joined([modes(beams) for beams in scenario.frames.values()])
     step, count = motion.step_s, len(motion.acceleration)
-    table = (1 + scenario.table_gain) * shifted(motion.acceleration, scenario.table_delay_s / step)
+    said = at_rate(motion.acceleration, 1 + scenario.table_clock)
+    table = (1 + scenario.table_gain) * shifted(said, scenario.table_delay_s / step)
     pitch = scenario.table_tilt * table
     pitching = np.gradient(np.gradient(pitch, step), step)
     drive = -np.outer(whole.gamma, table - STANDARD_GRAVITY * pitch) - np.outer(whole.pitch, pitching)
@@ -167,6 +172,19 @@ def shifted(values: np.ndarray, samples: float) -> np.ndarray:
     return np.asarray(np.interp(at, np.arange(len(values)), values, left=0.0, right=values[-1]))
 
 
+def at_rate(values: np.ndarray, rate: float) -> np.ndarray:
+    """Return a signal that goes by at another rate from the same start on, shape (samples,); its last value is held.
+
+    Args:
+        values: The signal in any unit, shape (samples,).
+        rate: Its new rate over its own [-].
+    """
+    if rate == 1:
+        return values
+    at = np.arange(len(values))
+    return np.asarray(np.interp(rate * at, at, values))
+
+
 def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ...]) -> np.ndarray:
     """Return what perfect sensors with the scenario's faults would see, in SI, shape (samples, channels).
 
@@ -181,7 +199,8 @@ def observed(scenario: Scenario, happened: Happened, channels: tuple[Channel, ..
 def _seen(scenario: Scenario, happened: Happened, channel: Channel) -> np.ndarray:
     values = _true(scenario, happened, channel)
     delay = scenario.sensor_delay_s.get(channel.name, 0.0) / happened.motion.step_s
-    values = (1 + scenario.sensor_gain.get(channel.name, 0.0)) * shifted(values, delay)
+    values = at_rate(shifted(values, delay), 1 / (1 + scenario.sensor_clock.get(channel.name, 0.0)))
+    values = (1 + scenario.sensor_gain.get(channel.name, 0.0)) * values
     return values + scenario.sensor_offset.get(channel.name, 0.0)
 
 

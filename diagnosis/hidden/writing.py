@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,17 @@ from typing import Any
 from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.hide import Hidden
+from pounding.frames.files import write_whole
+
+
+def check_free(out: Path) -> None:
+    """Refuse a folder that holds a case already.
+
+    Raises:
+        CaseError: It does.
+    """
+    if (out / "case.toml").exists():
+        raise CaseError(f"{out} holds a case already; name another folder or remove it")
 
 
 def write_hidden(hidden: Hidden, out: Path, truth: Path | None = None) -> Path:
@@ -27,8 +37,7 @@ def write_hidden(hidden: Hidden, out: Path, truth: Path | None = None) -> Path:
     Raises:
         CaseError: There is a case already.
     """
-    if (out / "case.toml").exists():
-        raise CaseError(f"{out} holds a case already; name another folder or remove it")
+    check_free(out)
     written = write_case(replace(hidden.case, folder=out), out)
     if truth is not None:
         write_truth(hidden.truth, truth)
@@ -37,7 +46,4 @@ def write_hidden(hidden: Hidden, out: Path, truth: Path | None = None) -> Path:
 
 def write_truth(truth: dict[str, Any], path: Path) -> None:
     """Write a truth as JSON, the whole file or nothing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(truth, indent=2) + "\n", encoding="utf-8")
-    os.replace(part, path)
+    write_whole(path, (json.dumps(truth, indent=2) + "\n").encode())

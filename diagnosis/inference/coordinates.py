@@ -16,6 +16,10 @@ REACH = 1.0
 """Prior standard deviations that an effect's parameter may move in one step."""
 LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
+WIDEST = 4.0
+"""Prior standard deviations that a size may reach."""
+NUDGE = 1e-4
+"""Change of a size, in prior standard deviations, by which the slope of what is reported of it is taken."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +84,12 @@ class Coordinates:
         moved = np.where(
             self.logarithmic, self.start * np.exp(np.clip(own * self.width, -6, 6)), own * self.width
         )
+        return self.split(moved)
+
+    def split(self, flat: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return what belongs to each effect, (parameters,), of all effects' parameters in turn, shape (all parameters,)."""
         ends = np.cumsum([len(effect.quantities) for effect in self.effects])
-        return tuple(np.split(moved, ends[:-1])) if self.effects else ()
+        return tuple(np.split(flat, ends[:-1])) if self.effects else ()
 
     def acting(self, theta: np.ndarray) -> tuple[tuple[Acting, np.ndarray], ...]:
         """Return all effects that act, with their SI parameters at theta, shape (nuisance + effects' parameters,)."""
@@ -114,4 +122,38 @@ class Coordinates:
             np.concatenate([box, free]),
             np.concatenate([np.full(len(box), np.inf), np.full(own, REACH)]),
             kinked,
+        )
+
+
+@dataclass(frozen=True)
+class Amplitudes(Coordinates):
+    """Coordinates of effects of one size each, `width` being the sizes' prior standard deviations in SI."""
+
+    @classmethod
+    def of_sizes(cls, model: Model, effects: Sequence[Effect]) -> Amplitudes:
+        """Return the coordinates of nuisance parameters and sizes of effects, which need no motion to have one."""
+        sizes = np.array([one.size(model, None, ()) for one in effects])  # type: ignore[arg-type]
+        return cls(model.std, tuple(effects), np.zeros(len(sizes)), sizes, np.zeros(len(sizes), bool))
+
+    def values(self, theta: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the SI parameters of each effect at theta, shape (nuisance + effects,)."""
+        amplitudes = theta[len(self.scale) :] * self.width
+        return tuple(one.values(float(a), ()) for one, a in zip(self.effects, amplitudes, strict=True))
+
+    def slopes(self, theta: np.ndarray) -> np.ndarray:
+        """Return the derivative of each effect's first SI parameter by its coordinate at theta, shape (effects,)."""
+        moved = theta + NUDGE * (np.arange(len(theta)) >= len(self.scale))
+        both = zip(self.values(moved), self.values(theta), strict=True)
+        return np.array([float(there[0] - here[0]) / NUDGE for there, here in both])
+
+    def posterior(self, terms: Sequence[Likelihood]) -> Posterior:
+        """Return the posterior of terms; a size whose sign is known has a prior cut in half."""
+        signs = np.array([one.sign for one in self.effects], int)
+        free = np.full(len(self.scale), np.inf)
+        return Posterior(
+            tuple(terms),
+            np.concatenate([-free, np.where(signs > 0, 0.0, -WIDEST)]),
+            np.concatenate([free, np.where(signs < 0, 0.0, WIDEST)]),
+            np.concatenate([free, np.ones(len(signs))]),
+            truncated=tuple(len(free) + int(j) for j in np.flatnonzero(signs)),
         )

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
-from pounding.diagnosis.inference.filtering import Filtered, grouped_signatures, motions, whitened_innovations
-from pounding.diagnosis.inference.numbers import PROBE, Numbers, numbers_of
+from pounding.diagnosis.inference.filtering import Filtered, motions, run_signatures, whitened_innovations
+from pounding.diagnosis.inference.numbers import PROBE, Numbers
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.sensitivity import Term
@@ -108,19 +108,9 @@ def score(
     gram, slope = np.zeros((total, total)), np.zeros(total)
     residuals = whitened_innovations(model, filtered)
     for number, motion in enumerate(motions(model, filtered)):
-        one = Filtered(
-            filtered.values,
-            filtered.effects,
-            filtered.modes,
-            (filtered.noise[number],),
-            (filtered.filters[number],),
-            filtered.prediction,
-            0.0,
-            (filtered.runs[number],),
-        )
         groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
-        signature = grouped_signatures(model, one, [groups])[0]
+        signature = run_signatures(model, filtered, number, groups)
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
         signature = signature.astype(float) * np.concatenate([model.std, width])
         if present:
@@ -128,7 +118,7 @@ def score(
             signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
-    numbers = numbers_of(model, filtered.runs)
+    numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)
         if present:

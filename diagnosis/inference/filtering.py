@@ -83,8 +83,7 @@ def design(
         noise: Noise of each run.
         runs: Numbers of the runs.
     """
-    rows = model.structure.drift @ modes.floors
-    system = linear_system(modes, rows, model.observed.quantity, model.observed.floor)
+    system = model.linear_system(modes)
     return tuple(
         steady_filter(system, one, model.observed.runs[run].step_s)
         for one, run in zip(noise, runs, strict=True)
@@ -106,11 +105,29 @@ def log_likelihood(
         runs: Numbers of the runs.
     """
     total = 0.0
-    for series, steady, run in zip(innovations, filters, runs, strict=True):
+    white = whitened_runs(model, innovations, filters, runs)
+    for series, steady, run in zip(white, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
-        total -= 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
+        total -= 0.5 * float(np.sum(series**2))
         total -= float(np.sum(good.sum(axis=0) * np.log(np.diag(_factor(steady)))))
     return total
+
+
+def whitened_runs(
+    model: Model, series: Sequence[np.ndarray], filters: Sequence[SteadyFilter], runs: Sequence[int]
+) -> list[np.ndarray]:
+    """Return series of each run, (samples, channels), with the innovations' covariance divided out; zero where not measured.
+
+    Args:
+        model: The baseline model.
+        series: Innovations or their derivatives of each run in SI, shape (samples, channels).
+        filters: Steady filter of each run.
+        runs: Numbers of the runs.
+    """
+    return [
+        whitened(one, steady, np.isfinite(model.observed.runs[run].measured))
+        for one, steady, run in zip(series, filters, runs, strict=True)
+    ]
 
 
 def whitened(series: np.ndarray, steady: SteadyFilter, good: np.ndarray | None = None) -> np.ndarray:
@@ -177,9 +194,7 @@ def _output_rate(model: Model, modes: Modes, states: np.ndarray, run: RunData) -
 
     A difference between predicted samples would hold the innovation that it is to be compared with.
     """
-    system = linear_system(
-        modes, model.structure.drift @ modes.floors, model.observed.quantity, model.observed.floor
-    )
+    system = model.linear_system(modes)
     table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
     return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table))
 
@@ -194,26 +209,33 @@ def grouped_signatures(
         filtered: The filtered model.
         groups: For each run and each column the terms whose signatures are summed.
     """
-    found = []
-    for number, run in enumerate(filtered.runs):
-        steady = filtered.filters[number]
-        good = np.isfinite(model.observed.runs[run].measured)
-        if good.all():
-            each = signatures(steady, groups[number], np.linalg.inv(_factor(steady)))
-        else:
-            each = whitened(signatures(steady, groups[number], np.eye(good.shape[1])), steady, good)
-        found.append(each.reshape(-1, each.shape[2]))
-    return found
+    return [run_signatures(model, filtered, number, columns) for number, columns in enumerate(groups)]
+
+
+def run_signatures(
+    model: Model, filtered: Filtered, number: int, columns: Sequence[list[Term]]
+) -> np.ndarray:
+    """Return whitened signatures of one run, shape (samples * channels, columns).
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+        columns: For each column the terms whose signatures are summed.
+    """
+    steady = filtered.filters[number]
+    good = np.isfinite(model.observed.runs[filtered.runs[number]].measured)
+    if good.all():
+        each = signatures(steady, columns, np.linalg.inv(_factor(steady)))
+    else:
+        each = whitened(signatures(steady, columns, np.eye(good.shape[1])), steady, good)
+    return each.reshape(-1, each.shape[2])
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
     """Return the whitened innovations of each run, shape (samples * channels,)."""
-    return [
-        whitened(series, steady, np.isfinite(model.observed.runs[run].measured)).ravel()
-        for series, steady, run in zip(
-            filtered.prediction.innovations, filtered.filters, filtered.runs, strict=True
-        )
-    ]
+    innovations = filtered.prediction.innovations
+    return [white.ravel() for white in whitened_runs(model, innovations, filtered.filters, filtered.runs)]
 
 
 def matched_noise(model: Model, filtered: Filtered) -> tuple[Noise, ...]:

@@ -50,6 +50,15 @@ class Judged:
         aside = () if self.beside is None else self.beside.fit.effects
         return tuple(effect for effect in self.fit.effects if effect not in aside)
 
+    @property
+    def places(self) -> frozenset[tuple[object, ...]]:
+        """Effects and places, however they are reported."""
+        return frozenset(effect.key for effect in self.effects)
+
+    def label(self) -> str:
+        """Return the effects and their places in words."""
+        return " and ".join(effect.label() for effect in self.effects) or "nothing missing"
+
 
 @dataclass
 class Findings:

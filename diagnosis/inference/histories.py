@@ -12,8 +12,8 @@ from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     motions,
     run_filter,
-    whitened,
     whitened_innovations,
+    whitened_runs,
 )
 from pounding.diagnosis.inference.posterior import Likelihood
 from pounding.diagnosis.model.model import Acting, Model
@@ -78,13 +78,12 @@ class Histories(Likelihood):
         )
 
     def _half_squares(self, innovations: Sequence[np.ndarray]) -> float:
-        total = 0.0
-        for series, steady, run in zip(innovations, self.filtered.filters, self.filtered.runs, strict=True):
-            good = np.isfinite(self.model.observed.runs[run].measured)
-            # A trial step may well blow up: it costs infinitely much, and is not taken.
-            with np.errstate(over="ignore", invalid="ignore"):
-                total += 0.5 * float(np.sum(whitened(series, steady, good) ** 2))
-        return total
+        # A trial step may well blow up: it costs infinitely much, and is not taken.
+        with np.errstate(over="ignore", invalid="ignore"):
+            return sum(0.5 * float(np.sum(white**2)) for white in self._white(innovations))
+
+    def _white(self, series: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return whitened_runs(self.model, series, self.filtered.filters, self.filtered.runs)
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield whitened innovations and signatures of each run."""
@@ -160,12 +159,10 @@ class Histories(Likelihood):
         moved[len(coordinates.scale) + number] += delta
         gains = [steady.gain for steady in filtered.filters]
         prediction = self.model.predict(filtered.values, gains, coordinates.acting(moved), filtered.runs)
-        found = []
-        for index, run in enumerate(filtered.runs):
-            change = filtered.prediction.innovations[index] - prediction.innovations[index]
-            good = np.isfinite(self.model.observed.runs[run].measured)
-            with np.errstate(over="ignore", invalid="ignore"):
-                column = whitened(change / delta, filtered.filters[index], good).ravel()
-            # A model that blows up at the small change has no slope there.
-            found.append(column if np.all(np.abs(column) < LARGEST_SLOPE) else np.zeros_like(column))
-        return found
+        both = zip(filtered.prediction.innovations, prediction.innovations, strict=True)
+        with np.errstate(over="ignore", invalid="ignore"):
+            columns = [
+                white.ravel() for white in self._white([(here - there) / delta for here, there in both])
+            ]
+        # A model that blows up at the small change has no slope there.
+        return [one if np.all(np.abs(one) < LARGEST_SLOPE) else np.zeros_like(one) for one in columns]

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 from scipy.signal import fftconvolve
 
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.model.kalman import Noise, discretise, linear_system, noise_density
+from pounding.diagnosis.model.kalman import Noise, discretise, noise_density
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
@@ -119,17 +119,6 @@ def median(misfits: np.ndarray) -> np.ndarray:
         return np.asarray(np.nanmedian(misfits, axis=-1))
 
 
-def misfit(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[int]) -> float:
-    """Return the median of the channels' misfits.
-
-    Args:
-        model: The baseline model.
-        outputs: Simulated channels of each run in SI, shape (samples, channels).
-        runs: Numbers of the runs.
-    """
-    return float(median(channel_misfits(model, outputs, runs)))
-
-
 def simulate(
     model: Model, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
 ) -> list[np.ndarray]:
@@ -211,9 +200,7 @@ def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> n
         samples: Length of the run.
     """
     storeys = model.structure.floors
-    system = linear_system(
-        modes, model.structure.drift @ modes.floors, model.observed.quantity, model.observed.floor
-    )
+    system = model.linear_system(modes)
     density = noise_density(len(system.rate), Noise(np.zeros(storeys), 1.0, np.zeros(0)))
     step, covariance = discretise(system.rate, density, step_s)
     # Doubling: the covariance after 1, 2, 4, ... samples, up to half the run, where its mean lies.
@@ -240,7 +227,7 @@ def contact_response(model: Model, modes: Modes, number: int) -> np.ndarray:
     contact_events = [event for event in observed.contact_events if event.run == number]
     if not contact_events:
         return total
-    system = linear_system(modes, model.structure.drift @ modes.floors, observed.quantity, observed.floor)
+    system = model.linear_system(modes)
     swaying = slice(0, 2 * len(modes.omega))
     step = expm(system.rate[swaying, swaying] * run.step_s)
     times, samples = np.arange(len(run.table)) * run.step_s, len(run.table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from msgspec import Struct
@@ -47,7 +48,8 @@ def where(model: Model, filtered: Filtered, floor: np.ndarray, runs: Sequence[in
         difference = np.nan_to_num(levelled)
         rms = root_mean_square(data.measured)
         nyquist = 0.5 / data.step_s
-        for low, high in zip(edges[:-1], np.minimum(edges[1:], 0.95 * nyquist), strict=True):
+        # Bands beyond what the run can hold fall together.
+        for low, high in pairwise(np.unique(np.minimum(edges, 0.95 * nyquist))):
             part = band(difference, low, high, data.step_s)
             for window in np.array_split(np.arange(len(part)), SETTINGS.misfit_map.windows):
                 level = root_mean_square(part[window])
@@ -79,9 +81,11 @@ def band(series: np.ndarray, low: float, high: float, step_s: float) -> np.ndarr
     Args:
         series: The series, shape (samples, channels).
         low: Lower frequency [Hz]; at zero only the upper one cuts.
-        high: Upper frequency [Hz].
+        high: Upper frequency [Hz], below half the sampling rate.
         step_s: Sampling step [s].
     """
+    if low >= high:  # beyond what a run with this step can hold
+        return np.zeros_like(series)
     kind, edge = ("lowpass", high) if low <= 0 else ("bandpass", (low, high))
     sections = butter(3, edge, kind, fs=1 / step_s, output="sos")
     return np.asarray(sosfiltfilt(sections, series, axis=0))

@@ -11,8 +11,8 @@ from scipy.stats import chi2
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.numbers import ModalDatum
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.modal_evidence import (
-    Acting,
     Weighed,
     foretold_from_others,
     modal_candidates,
@@ -100,7 +100,7 @@ def examine(
         for first in leaders(singles):
             for one in candidates:
                 if (
-                    (one.effect.where == "frame" or one.test)
+                    (one.where == "frame" or one.test)
                     and one != first
                     and {one, first} not in [set(pair.acting) for pair in pairs]
                 ):
@@ -110,7 +110,7 @@ def examine(
     return ModalFindings(model, tuple(data), null, tuple(singles), tuple(pairs))
 
 
-def leaders(singles: Sequence[Weighed]) -> list[Acting]:
+def leaders(singles: Sequence[Weighed]) -> list[Effect]:
     """Return what the pairs are built on: the best single effect, and the best that acts in every test."""
     everywhere = next(one.acting[0] for one in singles if one.acting[0].test is None)
     return list(dict.fromkeys([singles[0].acting[0], everywhere]))

@@ -13,8 +13,8 @@ from scipy.interpolate import CubicSpline
 
 from pounding import frames
 from pounding.diagnosis.case.case import CaseFrame, Prior
+from pounding.diagnosis.effects.bases import FrameEffect
 from pounding.diagnosis.effects.catalogue import Quantity, Scales
-from pounding.diagnosis.effects.frame import FrameEffect
 from pounding.diagnosis.model.frames import definition
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import binary_dilation, find_objects, label, median_filter
 from scipy.stats import chi2
 
-from pounding.diagnosis.inference.filtering import Filtered, whitened
+from pounding.diagnosis.inference.filtering import Filtered, whitened_runs
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -48,12 +48,10 @@ def _tones(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each frequency at which several channels show a line that is nobody's."""
     own = filtered.modes.omega / (2.0 * np.pi)
     found: dict[float, str] = {}
-    for series, steady, number in zip(
-        filtered.prediction.innovations, filtered.filters, filtered.runs, strict=True
-    ):
+    white = whitened_runs(model, filtered.prediction.innovations, filtered.filters, filtered.runs)
+    for series, number in zip(white, filtered.runs, strict=True):
         run = model.observed.runs[number]
-        good = np.isfinite(run.measured)
-        for frequency in tones(whitened(series, steady, good), run.step_s):
+        for frequency in tones(series, run.step_s):
             mode = np.abs(frequency / own - 1.0).min() < SETTINGS.checks.own
             if (
                 not mode
@@ -88,10 +86,8 @@ def tones(series: np.ndarray, step_s: float) -> Sequence[float]:
     out = power > SETTINGS.checks.tone * np.maximum(beside, np.finfo(float).tiny)
     out[:3] = False
     # A window spreads a line over its neighbours.
-    near = out | np.roll(out, 1, axis=0) | np.roll(out, -1, axis=0)
+    near = binary_dilation(out, np.ones((3, 1), bool))
     several = near.sum(axis=1) >= min(2, channels)
-    starts = np.flatnonzero(several & ~np.roll(several, 1))
-    ends = np.flatnonzero(several & ~np.roll(several, -1))
     total = power.sum(axis=1)
-    peaks = [start + int(total[start : end + 1].argmax()) for start, end in zip(starts, ends, strict=True)]
+    peaks = [line.start + int(total[line].argmax()) for (line,) in find_objects(label(several)[0])]
     return [float(peak / (samples * step_s)) for peak in peaks]

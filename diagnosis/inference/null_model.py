@@ -24,7 +24,7 @@ def best_null(model: Model, null: Fit) -> Fit:
         return null
     noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
     start = run_filter(model, np.zeros(len(model.std)), noise, runs)
-    return max(null, refine(model, start, (), (), ()), key=lambda fit: fit.log_posterior)
+    return max(null, refine(model, start), key=lambda fit: fit.log_posterior)
 
 
 def null_again(found: Findings) -> Fit:
@@ -34,7 +34,7 @@ def null_again(found: Findings) -> Fit:
         return null
     led = best(found).fit.filtered
     starts = [run_filter(model, led.values, noise, led.runs) for noise in (led.noise, null.filtered.noise)]
-    tried = [refine(model, start, (), (), ()) for start in starts]
+    tried = [refine(model, start) for start in starts]
     return max([null, *tried], key=lambda fit: fit.log_posterior)
 
 
@@ -50,8 +50,8 @@ def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, 
     if pair is None:
         return model, null
     observed = exchanged(model.observed, *pair)
-    again = Model(model.structure, observed, model.prior)
-    fit = refine(again, calibrated(again, training), (), (), ())
+    again = model.seeing(observed)
+    fit = refine(again, calibrated(again, training))
     runs = tuple(training)
     before, after = (
         fit_misfits(model, one.filtered, runs)[list(pair)].max()

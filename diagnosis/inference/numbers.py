@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -34,12 +33,13 @@ class Numbers:
     Args:
         model: The baseline model.
         runs: Numbers of the runs whose peaks count; those of held-out runs do not.
+        modal: Other modal data than those of the observations.
     """
 
-    def __init__(self, model: Model, runs: Sequence[int]) -> None:
+    def __init__(self, model: Model, runs: Sequence[int], modal: Sequence[ModalDatum] | None = None) -> None:
         names = {model.observed.runs[run].name for run in runs}
         self.model, self.runs = model, tuple(runs)
-        self.modal = model.observed.modal
+        self.modal = model.observed.modal if modal is None else tuple(modal)
         self.peaks = tuple(peak for peak in model.observed.peaks if peak.run in names)
         data: tuple[ModalDatum | Peak, ...] = (*self.modal, *self.peaks)
         self.measured = np.log(np.array([one.value for one in data], float))
@@ -50,10 +50,7 @@ class Numbers:
 
     def shown(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]] = ()) -> np.ndarray:
         """Return the logarithms of the numbers in SI at nuisance parameters in their own units, shape (numbers,)."""
-        assembly = self.model.assemble(nuisance, acting)
-        shown = np.concatenate(
-            [modal_numbers(self.model.structure, assembly, self.modal), self._peaks(nuisance, acting)]
-        )
+        shown = np.concatenate([self._tests(nuisance, acting), self._peaks(nuisance, acting)])
         good = np.isfinite(shown) & (shown > 0)
         return np.where(good, np.log(np.where(good, shown, 1.0)), NONE)
 
@@ -68,11 +65,31 @@ class Numbers:
         here = self.residual(nuisance, acting)
         columns = np.zeros((len(self), len(self.model.std)))
         for number, parameter in enumerate(self.model.parameters):
-            if not parameter.kind.startswith("channel"):  # A sensor of the runs has no part in these numbers.
+            # Of sensors no number knows, and of damping and the table only peaks.
+            if parameter.kind.endswith(("stiffness", "mass")) or (
+                self.peaks and not parameter.kind.startswith("channel")
+            ):
                 moved = nuisance.copy()
                 moved[number] += STEP * parameter.std
                 columns[:, number] = (here - self.residual(moved, acting)) / STEP
         return columns
+
+    def _tests(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]]) -> np.ndarray:
+        """Return the modal data as each test shows them, with what acts in all tests or in this one, SI, (modal data,)."""
+        found = np.zeros(len(self.modal))
+        only = [getattr(effect, "test", None) for effect, _ in acting]
+        # A test in which nothing acts alone shows what all the others show.
+        tests = [datum.test if datum.test in only else None for datum in self.modal]
+        for test in set(tests):
+            which = [i for i, one in enumerate(tests) if one == test]
+            # What a test alone shows comes on top of what all show.
+            present = [
+                acting[j] for wanted in dict.fromkeys((None, test)) for j, t in enumerate(only) if t == wanted
+            ]
+            assembly = self.model.assemble(nuisance, present)
+            data = [self.modal[i] for i in which]
+            found[which] = modal_numbers(self.model.structure, assembly, data)
+        return found
 
     def _peaks(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]]) -> np.ndarray:
         """Return the peaks [m] of simulated runs, shape (peaks,)."""
@@ -108,22 +125,18 @@ class Numbers:
         return model, {place: i for i, place in enumerate(places)}
 
 
-_KNOWN: WeakKeyDictionary[Model, dict[tuple[int, ...], Numbers]] = WeakKeyDictionary()
-
-
-def numbers_of(model: Model, runs: Sequence[int]) -> Numbers:
-    """Return the numbers that stand beside runs; their slopes are found once for a model."""
-    known = _KNOWN.setdefault(model, {})
-    return known.setdefault(tuple(runs), Numbers(model, runs))
-
-
 class NumbersTerm(Likelihood):
-    """Numbers as a likelihood of nuisance parameters and effects."""
+    """Numbers as a likelihood of nuisance parameters and effects.
 
-    log_normaliser = 0.0
+    Args:
+        numbers: The numbers.
+        coordinates: Nuisance parameters and effects.
+        quick: Whether the slopes of the nuisance parameters stay as they first were: they hardly change, and cost most.
+    """
 
-    def __init__(self, numbers: Numbers, coordinates: Coordinates) -> None:
-        self.numbers, self.coordinates = numbers, coordinates
+    def __init__(self, numbers: Numbers, coordinates: Coordinates, quick: bool = False) -> None:
+        self.numbers, self.coordinates, self._quick = numbers, coordinates, quick
+        self._nuisance: np.ndarray | None = None
 
     def _residual(self, theta: np.ndarray) -> np.ndarray:
         return self.numbers.residual(self.coordinates.nuisance(theta), self.coordinates.acting(theta))
@@ -132,24 +145,20 @@ class NumbersTerm(Likelihood):
         """Return half the sum of squares."""
         return 0.5 * float(np.sum(self._residual(theta) ** 2))
 
-    def effect_columns(self, theta: np.ndarray) -> np.ndarray:
-        """Return whitened slopes with respect to the effects' coordinates, (numbers, coordinates)."""
+    def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
+        """Return whitened slopes with respect to the effects' coordinates, one array (numbers, coordinates)."""
         here = self._residual(theta)
-        columns = np.zeros((len(here), len(self.coordinates.start)))
+        columns = np.zeros((len(here), len(theta) - len(self.coordinates.scale)))
         for j in range(columns.shape[1]):
             moved, delta = theta.copy(), self.coordinates.nudge(theta, j)
             moved[len(self.coordinates.scale) + j] += delta
             columns[:, j] = (here - self._residual(moved)) / delta
-        return columns
+        return [columns]
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield residuals and slopes."""
-        nuisance = self.numbers.nuisance_columns(
-            self.coordinates.nuisance(theta), self.coordinates.acting(theta)
-        )
-        yield self._residual(theta), np.hstack([nuisance, self.effect_columns(theta)])
-
-    def settled(self, theta: np.ndarray) -> NumbersTerm:
-        """Return the term itself."""
-        del theta
-        return self
+        if self._nuisance is None or not self._quick:
+            self._nuisance = self.numbers.nuisance_columns(
+                self.coordinates.nuisance(theta), self.coordinates.acting(theta)
+            )
+        yield self._residual(theta), np.hstack([self._nuisance, *self.effect_columns(theta)])

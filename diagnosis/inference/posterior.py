@@ -72,6 +72,7 @@ class Likelihood(Protocol):
     @property
     def log_normaliser(self) -> float:
         """What the log likelihood has beside the sum of squares, up to a constant of the data."""
+        return 0.0
 
     def cost(self, theta: np.ndarray) -> float:
         """Return half the sum of squares; infinite where the model blows up.
@@ -93,6 +94,8 @@ class Likelihood(Protocol):
         Args:
             theta: The parameters in units of their priors, shape (parameters,).
         """
+        del theta
+        return self
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
-from pounding.diagnosis.inference.numbers import NumbersTerm, numbers_of
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Likelihood, Posterior, Trials, descend
+from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Trials, descend
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -40,9 +40,9 @@ class Fit:
 def refine(
     model: Model,
     filtered: Filtered,
-    effects: Sequence[Effect],
-    values: Sequence[np.ndarray],
-    widths: Sequence[np.ndarray],
+    effects: Sequence[Effect] = (),
+    values: Sequence[np.ndarray] = (),
+    widths: Sequence[np.ndarray] | None = None,
     iterations: int = 3,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
@@ -54,12 +54,14 @@ def refine(
         filtered: Where to start: nuisance parameters, noise and runs are taken from it.
         effects: Effects to put in; may be none.
         values: SI parameters of each effect to start from, each of shape (parameters,).
-        widths: Prior standard deviations of those that are not logarithmic [SI], each of shape (parameters,).
+        widths: Prior standard deviations of those that are not logarithmic [SI], each of shape (parameters,); as
+            large as `values` by default.
         iterations: Gauss-Newton steps for each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
     """
-    coordinates = Coordinates.of(model, effects, values, widths)
+    usual = [np.maximum(np.abs(one), 1e-12) for one in values]
+    coordinates = Coordinates.of(model, effects, values, usual if widths is None else widths)
     theta = _start(model, filtered, coordinates, nuisance)
     current, theta = _descended(
         model, _at(model, filtered, coordinates, theta), coordinates, theta, iterations
@@ -74,11 +76,13 @@ def refine(
         if trial.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
             break
         current, theta = trial, moved
-    current = _table_noise(model, current)
-    noise = matched_noise(model, current)
-    trial = run_filter(model, current.values, noise, current.runs, current.effects)
-    current = max(current, trial, key=lambda one: one.log_likelihood)
-    current, theta = _descended(model, current, coordinates, theta, SETTINGS.refinement.last * iterations)
+    current, theta = _quieted(model, current, coordinates, theta, iterations)
+    # What has more freedom than the start cannot be less likely: where it is, a bad start was taken for noise.
+    gained = np.inf if current.log_likelihood < filtered.log_likelihood else 0.0
+    while gained > SETTINGS.refinement.likelier:
+        before = current.log_likelihood
+        current, theta = _quieted(model, current, coordinates, theta, iterations)
+        gained = current.log_likelihood - before
     return _finished(model, current, coordinates, theta)
 
 
@@ -102,17 +106,19 @@ def _descended(
     iterations: int,
     trials: Trials = DAMPED,
 ) -> tuple[Filtered, np.ndarray]:
-    posterior, theta = descend(_posterior(model, filtered, coordinates), theta, iterations, trials)
+    posterior, theta = descend(
+        coordinates.posterior(_terms(model, filtered, coordinates)), theta, iterations, trials
+    )
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.filtered, theta
 
 
-def _posterior(model: Model, filtered: Filtered, coordinates: Coordinates) -> Posterior:
-    """Return the posterior of the runs' histories and of the numbers that stand beside them, the histories first."""
-    numbers = numbers_of(model, filtered.runs)
+def _terms(model: Model, filtered: Filtered, coordinates: Coordinates) -> list[Histories | NumbersTerm]:
+    """Return the runs' histories and the numbers that stand beside them, the histories first."""
+    numbers = Numbers(model, filtered.runs)
     beside = [NumbersTerm(numbers, coordinates)] if len(numbers) else []
-    return coordinates.posterior([Histories(model, filtered, coordinates), *beside])
+    return [Histories(model, filtered, coordinates), *beside]
 
 
 def _start(
@@ -123,7 +129,8 @@ def _start(
     starts = [coordinates.theta(values) for values in tried]
 
     def cost(theta: np.ndarray) -> float:
-        return _posterior(model, _at(model, filtered, coordinates, theta), coordinates).cost(theta)
+        there = _at(model, filtered, coordinates, theta)
+        return coordinates.posterior(_terms(model, there, coordinates)).cost(theta)
 
     return min(starts, key=cost)
 
@@ -132,6 +139,21 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
     return run_filter(
         model, coordinates.nuisance(theta), filtered.noise, filtered.runs, coordinates.acting(theta)
     )
+
+
+def _quieted(
+    model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray, iterations: int
+) -> tuple[Filtered, np.ndarray]:
+    """Return the fit after its noise was estimated, that of the table first, and the last descent with it."""
+    quiet = _quieter(model, _table_noise(model, filtered))
+    return _descended(model, quiet, coordinates, theta, SETTINGS.refinement.last * iterations)
+
+
+def _quieter(model: Model, filtered: Filtered) -> Filtered:
+    """Return the filtered model with the noise of its channels that its innovations show, where that is likelier."""
+    noise = matched_noise(model, filtered)
+    trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
+    return max(filtered, trial, key=lambda one: one.log_likelihood)
 
 
 def _table_noise(model: Model, filtered: Filtered) -> Filtered:
@@ -164,25 +186,19 @@ def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
     return run_filter(model, one.values, noise, one.runs, one.effects)
 
 
-def _effect_columns(term: Likelihood, theta: np.ndarray) -> list[np.ndarray]:
-    if isinstance(term, Histories):
-        return term.effect_columns(theta)
-    return [term.effect_columns(theta)] if isinstance(term, NumbersTerm) else []
-
-
 def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray) -> Fit:
-    posterior = _posterior(model, filtered, coordinates)
+    terms = _terms(model, filtered, coordinates)
+    posterior = coordinates.posterior(terms)
     gram, _ = posterior.normal_equations(theta)
     own = len(model.std)
     spread = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))[own:] * np.abs(
         coordinates.slopes(theta)
     )
-    ends = np.cumsum([len(effect.quantities) for effect in coordinates.effects])
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(theta),
-        std=tuple(np.split(spread, ends[:-1])) if coordinates.effects else (),
+        std=coordinates.split(spread),
         filtered=filtered,
         log_posterior=posterior.log_evidence(theta, gram),
-        columns=tuple(column for term in posterior.terms for column in _effect_columns(term, theta)),
+        columns=tuple(column for term in terms for column in term.effect_columns(theta)),
     )

@@ -6,7 +6,6 @@ storey in which nothing is left over gives its share to the one where something 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +18,6 @@ from pounding.diagnosis.model.kalman import (
     Noise,
     SteadyFilter,
     discretise,
-    linear_system,
     noise_density,
 )
 from pounding.diagnosis.model.model import Model
@@ -47,18 +45,14 @@ class ResidualForce:
     drift_rate: np.ndarray
 
 
-def residual_forces(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[ResidualForce]:
-    """Return the residual force of every storey in each run, from all of the run's measurements.
+def residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce:
+    """Return the residual force of every storey in a run, from all of the run's measurements.
 
     Args:
         model: The baseline model.
         filtered: The model: its nuisance parameters and effects.
-        runs: Numbers of the runs.
+        run: Number of the run.
     """
-    return [_residual_force(model, filtered, run) for run in runs]
-
-
-def _residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce:
     (noise,) = starting_noise(model, [run], FIRST_LEVEL)
     # Noise that the fit has found in this run is better than that of the spectrum alone.
     if run in filtered.runs:
@@ -68,8 +62,9 @@ def _residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce
     for _ in range(ROUNDS):
         found = run_filter(model, filtered.values, [noise], [run], filtered.effects)
         rows = model.structure.drift @ found.modes.floors
-        system = linear_system(found.modes, rows, model.observed.quantity, model.observed.floor)
-        states, spread = smoothed(system, found, noise, model.observed.runs[run].step_s)
+        states, spread = smoothed(
+            model.linear_system(found.modes), found, noise, model.observed.runs[run].step_s
+        )
         latent = slice(2 * len(found.modes.omega), 2 * len(found.modes.omega) + len(noise.latent))
         size = np.sqrt(np.mean(states[:, latent] ** 2, axis=0) + spread[latent] ** 2)
         noise = replace(noise, latent=np.maximum(size, least))

@@ -10,6 +10,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
+from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
@@ -43,7 +44,7 @@ def search(
     """
     progress("calibrating the baseline model", 0.05)
     start = start or calibrated(model, training)
-    null = best_null(model, refine(model, start, (), (), ()))
+    null = best_null(model, refine(model, start))
     model, null = unswapped(model, null, training)
     runs = (tuple(training), tuple(held_out))
     found = _refined_best(model, null, effects, runs, progress)
@@ -90,6 +91,7 @@ def _refined_best(
         if isinstance(chosen[i].effect, BaseRocking):
             _keep(found, softer(found, fit))
     _turned(found, effects)
+    _ticked(found)
     if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
@@ -199,7 +201,7 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
 def softer(found: Findings, fit: Fit) -> Fit:
     """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values."""
     values = SETTINGS.search.softer * fit.values[0]
-    return refine(found.model, found.null.fit.filtered, fit.effects, (values,), (values,))
+    return refine(found.model, found.null.fit.filtered, fit.effects, (values,))
 
 
 def _turned(found: Findings, effects: Sequence[Effect]) -> None:
@@ -211,13 +213,23 @@ def _turned(found: Findings, effects: Sequence[Effect]) -> None:
     for effect in effects:
         if isinstance(effect, TorsionalEccentricity) and effect.frame == rival.frame:
             values = effect.like_appendage(found.model, fit.filtered.values, rival.index, fit.values[0])
-            width = np.maximum(np.abs(values), 1e-12)
-            _keep(
-                found,
-                refine(
-                    found.model, fit.filtered, (effect,), (values,), (width,), nuisance=fit.filtered.values
-                ),
-            )
+            turned = refine(found.model, fit.filtered, (effect,), (values,), nuisance=fit.filtered.values)
+            _keep(found, turned)
+
+
+def _ticked(found: Findings) -> None:
+    """Refine clocks of another rate where an effect of table or sensors leads.
+
+    They start from the baseline model, as what is rescued: a null model that follows a table out of step bears no other.
+    """
+    leading = best(found).effects
+    if not leading or any(effect.where not in ("", "channel", "logger") for effect in leading):
+        return
+    start = _anew(found)
+    for clock, values in clocks(found.model, start, leading)[: SETTINGS.search.rescues]:
+        filtered = run_filter(found.model, start.values, start.noise, found.training, [(clock, values)])
+        width = widths(found.model, clock, found.sizes, ())
+        _keep(found, refine(found.model, filtered, (clock,), (values,), (width,)))
 
 
 def _faded(found: Findings) -> None:
@@ -233,8 +245,7 @@ def _faded(found: Findings) -> None:
     usual = float(found.sizes.drift_rate[plain.index])
     for share in SETTINGS.search.faded:
         values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
-        width = np.maximum(np.abs(values), 1e-12)
-        faded = refine(found.model, fit.filtered, (rival,), (values,), (width,))
+        faded = refine(found.model, fit.filtered, (rival,), (values,))
         if faded.values[0][2] < usual:
             _keep(found, faded)
 
@@ -245,13 +256,16 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
     A strong effect is not near the null model, and a null model that imitates one may hold its refinement back.
     """
     model = found.model
-    nuisance = np.zeros(len(model.std))
-    noise = starting_noise(model, found.training, SETTINGS.start.rescue_level)
-    start = run_filter(model, nuisance, noise, found.training)
+    start = _anew(found)
     for effect, values in _hopeful(found, effects, start):
-        filtered = run_filter(model, nuisance, noise, found.training, [(effect, values)])
-        width = np.maximum(np.abs(values), 1e-12)
-        _keep(found, refine(model, filtered, (effect,), (values,), (width,)))
+        filtered = run_filter(model, start.values, start.noise, found.training, [(effect, values)])
+        _keep(found, refine(model, filtered, (effect,), (values,)))
+
+
+def _anew(found: Findings) -> Filtered:
+    """Return the baseline model with small latent forces."""
+    noise = starting_noise(found.model, found.training, SETTINGS.start.rescue_level)
+    return run_filter(found.model, np.zeros(len(found.model.std)), noise, found.training)
 
 
 def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> list[tuple[Effect, np.ndarray]]:

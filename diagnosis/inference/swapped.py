@@ -25,7 +25,7 @@ def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
     for one, other in combinations(range(len(observed.names)), 2):
         if observed.quantity[one] != observed.quantity[other] or frames[one] != frames[other]:
             continue
-        trial = Model(model.structure, exchanged(observed, one, other), model.prior)
+        trial = model.seeing(exchanged(observed, one, other))
         prediction = trial.predict(null.values, gains, (), null.runs)
         gained = log_likelihood(trial, prediction.innovations, null.filters, null.runs) - null.log_likelihood
         if gained > gain:

@@ -7,13 +7,39 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import csd, welch
 
+from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION, VELOCITY
+from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.settings import SETTINGS
 
 SEGMENT_CYCLES = 16
 """Length of the segments of a spectrum in cycles of the first frequency of the baseline model."""
+
+
+def check_resolved(model: Model) -> None:
+    """Refuse runs whose samples are too far apart to show the first mode of a frame.
+
+    Raises:
+        CaseError: A frame's first frequency is not below half the sampling rate.
+    """
+    modes = model.modes(model.assemble(np.zeros(len(model.std))))
+    for number, frame in enumerate(model.structure.frames):
+        first = _first(model, modes, number)
+        for run in model.observed.runs:
+            if first * run.step_s >= 0.5:
+                raise CaseError(
+                    f"{run.name}: samples {run.step_s:g} s apart cannot show the first frequency of {frame.name}, "
+                    f"{first:g} Hz in the baseline model; check the times, or the frame's masses and frequencies"
+                )
+
+
+def _first(model: Model, modes: Modes, number: int) -> float:
+    """Return the first frequency of a frame in the baseline model [Hz]."""
+    floors = modes.floors[model.structure.span(number)]
+    own = np.flatnonzero(np.abs(floors).max(axis=0) > 1e-6 * np.abs(modes.floors).max())
+    return float(modes.omega[own].min()) / (2 * np.pi)
 
 
 def frequency_warnings(model: Model) -> list[str]:
@@ -22,9 +48,7 @@ def frequency_warnings(model: Model) -> list[str]:
     prior = model.prior
     said = []
     for number, frame in enumerate(model.structure.frames):
-        floors = modes.floors[model.structure.span(number)]
-        own = np.flatnonzero(np.abs(floors).max(axis=0) > 1e-6 * np.abs(modes.floors).max())
-        first = float(modes.omega[own].min()) / (2 * np.pi)
+        first = _first(model, modes, number)
         found = measured_frequency(model, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         unlikely = SETTINGS.screening.frequency_unlikely * spread

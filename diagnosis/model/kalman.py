@@ -56,8 +56,8 @@ class LinearSystem:
 
 @dataclass(frozen=True)
 class SteadyFilter:
-    """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the standard
-    deviation of each state after a sample (states,).
+    """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the
+    covariance of the states after a sample (states, states).
     """
 
     gain: np.ndarray
@@ -67,7 +67,7 @@ class SteadyFilter:
     force_end: np.ndarray
     output: np.ndarray
     direct: np.ndarray
-    spread: np.ndarray
+    updated: np.ndarray
 
 
 def linear_system(
@@ -136,9 +136,8 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
     full = np.eye(len(measured))
     full[np.ix_(measured, measured)] = innovation / np.outer(scale, scale)
     start, end = _first_order_hold(system.rate, system.force, step_s)
-    left = np.diag(predicted) - np.einsum("ic,ci->i", gain[:, measured], output @ predicted)
-    spread = np.sqrt(np.maximum(left, 0.0))
-    return SteadyFilter(gain, full, step, start, end, system.output, system.direct, spread)
+    updated = predicted - gain[:, measured] @ output @ predicted
+    return SteadyFilter(gain, full, step, start, end, system.output, system.direct, updated)
 
 
 def noise_density(states: int, noise: Noise) -> np.ndarray:
@@ -215,20 +214,3 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
             return np.asarray(new_h)
         h = new_h
     return h
-
-
-def filtered_covariance(system: LinearSystem, noise: Noise, step_s: float) -> np.ndarray:
-    """Return the steady covariance of the state after each sample, shape (states, states).
-
-    Args:
-        system: The system.
-        noise: Latent forces and noise of table and channels.
-        step_s: Sampling step [s].
-    """
-    step, covariance = discretise(system.rate, noise_density(len(system.rate), noise), step_s)
-    measured = np.isfinite(noise.channel)
-    output = system.output[measured] / noise.channel[measured, None]
-    predicted = _riccati(step, output, covariance)
-    innovation = output @ predicted @ output.T + np.eye(len(output))
-    seen = output @ predicted
-    return np.asarray(predicted - seen.T @ np.linalg.solve(innovation, seen))

@@ -12,13 +12,16 @@ from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.calling import PARAMETERS
-from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE
+from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE, LinearSystem, linear_system
 from pounding.diagnosis.model.laws import filled
 from pounding.diagnosis.model.nuisance import Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
 from pounding.diagnosis.model.tilt import tilt_inputs
+
+FINER = 4
+"""Points in a sampling step between which a series is interpolated for another clock."""
 
 
 class Acting(Protocol):
@@ -62,7 +65,7 @@ class Model:
         self._splines = [
             CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
         ]
-        self._shifted: dict[tuple[int, int, float], np.ndarray] = {}
+        self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
         self._own: np.ndarray | None = None
 
     def at_frame(self, frame: int) -> np.ndarray:
@@ -91,9 +94,11 @@ class Model:
             log_damping=np.log(np.concatenate([frame.damping_ratio for frame in structure.frames])),
             table_gain=0.0,
             table_delay_s=0.0,
+            table_clock=0.0,
             table_tilt=0.0,
             channel_gain=np.zeros(channels),
             channel_delay_s=np.zeros(channels),
+            channel_clock=np.zeros(channels),
             channel_offset=np.zeros(channels),
             event_gain=np.zeros(len(self.observed.contact_events)),
         )
@@ -102,15 +107,21 @@ class Model:
             assembly.mass[span, span] += frame.mass
             assembly.stiffness[span, span] += frame.stiffness
         for parameter, value in zip(self.parameters, values, strict=True):
-            vary(assembly, structure, parameter, float(value))
+            vary(assembly, structure, parameter.kind, parameter.place, float(value))
         for effect, numbers in effects:
             effect.apply(assembly, np.asarray(numbers, float), self)
         return assembly
 
     def modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly, with the coordinates that effects added."""
-        plain = self.plain_modes(assembly)
-        return _extended(assembly, plain) if assembly.extensions else plain
+        return self._extended(assembly) if assembly.extensions else self.plain_modes(assembly)
+
+    def _extended(self, assembly: Assembly) -> Modes:
+        """Return the modes with the coordinates that effects added; coupling by damping between modes is left out."""
+        mass, stiffness, damping, influence = self.matrices(assembly)
+        omega, shapes = solve_modes(mass, stiffness)
+        ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * omega)
+        return Modes(omega, ratio, shapes[: len(assembly.mass)], shapes.T @ (mass @ influence))
 
     def plain_modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly's floors alone, frame by frame."""
@@ -125,6 +136,40 @@ class Model:
             shapes[span, span] = block
             rows.append(block.T @ mass[span, span].sum(axis=1))
         return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
+
+    def linear_system(self, modes: Modes) -> LinearSystem:
+        """Return the linear system of these modes with the model's channels."""
+        rows, observed = self.structure.drift @ modes.floors, self.observed
+        return linear_system(modes, rows, observed.quantity, observed.floor)
+
+    def matrices(self, assembly: Assembly) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return mass [kg], stiffness [N/m] and damping [N s/m] of an assembly, and how far a unit of the table moves it.
+
+        Coordinates that effects added are included: shapes (n, n), the last (n,).
+        """
+        plain, mass, stiffness = self.plain_modes(assembly), assembly.mass, assembly.stiffness
+        weighted = mass @ plain.floors
+        damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
+        for extend in assembly.extensions:
+            mass, stiffness, damping = extend(mass, stiffness, damping)
+        return mass, stiffness, damping, np.concatenate([np.ones(len(plain.floors)), assembly.influence])
+
+    def seeing(self, observed: Observations) -> Model:
+        """Return the same frames and priors with other observations."""
+        return Model(self.structure, observed, self.prior)
+
+    def table_at(self, assembly: Assembly, number: int, times_s: np.ndarray) -> np.ndarray:
+        """Return the table's acceleration [m/s^2] with an assembly's gain, delay and clock, shape of `times_s`.
+
+        Args:
+            assembly: The assembly.
+            number: Number of the run.
+            times_s: Times from the start of the run [s], any shape.
+        """
+        run = self.observed.runs[number]
+        true = (times_s - assembly.table_delay_s) * (1 + assembly.table_clock)
+        late = np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
+        return np.asarray((1 + assembly.table_gain) * self._splines[number](late))
 
     def overlap(self, modes: Modes) -> np.ndarray:
         """Return which part of each of `modes` is each of the baseline frames' own modes, shape (floors, modes)."""
@@ -205,9 +250,10 @@ class Model:
             parameters,
         )
         if gain is None:
-            for channel in np.flatnonzero(assembly.channel_delay_s):
+            for channel in _untimely(assembly):
+                late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
                 outputs[:, channel] = shift(
-                    outputs[:, channel], run.step_s, -assembly.channel_delay_s[channel]
+                    outputs[:, channel], run.step_s, -late * (1 + clock), -clock / (1 + clock)
                 )
         factor = 1.0 + assembly.channel_gain
         return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
@@ -218,10 +264,7 @@ class Model:
         """Return known modal forces at midpoints and samples, the table at midpoints, and what the tilt adds."""
         samples, substeps = len(run.table), run.substeps
         middle = (np.arange(samples)[:, None] + (np.arange(substeps)[None, :] + 0.5) / substeps) * run.step_s
-        end = (samples - 1) * run.step_s
-        table_mid = (1 + assembly.table_gain) * self._splines[number](
-            np.clip(middle - assembly.table_delay_s, 0.0, end)
-        )
+        table_mid = self.table_at(assembly, number, middle)
         known_mid = np.zeros((samples, substeps, len(modes.omega)))
         known_at = np.zeros((samples, len(modes.omega)))
         added = np.zeros((samples, len(self.observed.names)))
@@ -250,37 +293,48 @@ class Model:
         return force
 
     def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray) -> np.ndarray:
-        """Return the measured channels without the gain, delay and offset that the assembly gives their sensors."""
+        """Return the measured channels without the gain, delay, clock and offset that the assembly gives their sensors."""
         measured = run.measured
-        delayed = np.flatnonzero(assembly.channel_delay_s)
-        if len(delayed):
+        untimely = _untimely(assembly)
+        if len(untimely):
             measured = measured.copy()
-            for channel in delayed:
-                measured[:, channel] = self._shift(
-                    number, int(channel), float(assembly.channel_delay_s[channel])
-                )
+            for channel in untimely:
+                late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
+                measured[:, channel] = self._retimed(number, int(channel), late, clock)
         return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added)
 
-    def _shift(self, number: int, channel: int, delay_s: float) -> np.ndarray:
-        key = (number, channel, round(delay_s, 8))
+    def _retimed(self, number: int, channel: int, delay_s: float, clock: float) -> np.ndarray:
+        key = (number, channel, round(delay_s, 8), round(clock, 9))
         if key not in self._shifted:
             if len(self._shifted) > 400:
                 self._shifted.clear()
             run = self.observed.runs[number]
-            self._shifted[key] = shift(run.measured[:, channel], run.step_s, delay_s)
+            moved = shift(run.measured[:, channel], run.step_s, delay_s, clock)
+            if clock > 0.0:
+                # What a fast clock would have shown at the end was never recorded.
+                moved[int(np.ceil(len(moved) / (1 + clock))) :] = np.nan
+            self._shifted[key] = moved
         return self._shifted[key]
 
 
-def shift(series: np.ndarray, step_s: float, delay_s: float) -> np.ndarray:
-    """Return a series as it was before a delay [s]; NaN samples stay NaN.
+def _untimely(assembly: Assembly) -> np.ndarray:
+    """Return the channels that are late or have a clock of another rate."""
+    late = (assembly.channel_delay_s != 0.0) | (assembly.channel_clock != 0.0)
+    return np.asarray(np.flatnonzero(late))
 
-    The shift is a phase and nothing else: an interpolation between samples would average their noise away, and a
-    likelihood would pay for that.
+
+def shift(series: np.ndarray, step_s: float, delay_s: float, clock: float = 0.0) -> np.ndarray:
+    """Return a series as it was before a delay and a clock of another rate, shape (samples,); NaN samples stay NaN.
+
+    At time t it is what the series shows at (t + delay) (1 + clock). The shift is a phase and nothing else: an
+    interpolation between samples would average their noise away, and a likelihood would pay for that. For the clock
+    the series is interpolated between samples FINER times as close, which leaves the noise as it is.
 
     Args:
         series: Samples, NaN where missing, shape (samples,).
         step_s: Sampling step [s].
         delay_s: The delay [s].
+        clock: Relative change of the clock's rate [-].
     """
     good = np.isfinite(series)
     if good.sum() < 4:
@@ -295,36 +349,23 @@ def shift(series: np.ndarray, step_s: float, delay_s: float) -> np.ndarray:
     ramp = np.linspace(padded[-1], padded[0], length - len(padded) + 2)[1:-1]
     frequency = np.fft.rfftfreq(length, step_s)
     spectrum = np.fft.rfft(np.concatenate([padded, ramp])) * np.exp(2j * np.pi * frequency * delay_s)
-    moved = np.fft.irfft(spectrum, length)[pad : pad + len(series)]
-    moved[~good] = np.nan
+    if clock == 0.0:
+        moved = np.fft.irfft(spectrum, length)[pad : pad + len(series)]
+        moved[~good] = np.nan
+        return moved
+    # The delay is the phase's, in time of the channel's own clock.
+    spectrum *= np.exp(2j * np.pi * frequency * delay_s * clock)
+    finer = FINER * np.fft.irfft(spectrum, FINER * length)[FINER * pad : FINER * (pad + len(series))]
+    at = FINER * index * (1 + clock)
+    moved = np.asarray(CubicSpline(np.arange(len(finer)), finer)(np.clip(at, 0, len(finer) - 1)))
+    moved[~good[np.clip(np.rint(at / FINER).astype(int), 0, len(series) - 1)]] = np.nan
     return moved
-
-
-def _extended(assembly: Assembly, plain: Modes) -> Modes:
-    """Return the modes with the coordinates that effects added; coupling by damping between modes is left out."""
-    mass, stiffness = assembly.mass, assembly.stiffness
-    weighted = mass @ plain.floors
-    damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
-    for extend in assembly.extensions:
-        mass, stiffness, damping = extend(mass, stiffness, damping)
-    omega, shapes = solve_modes(mass, stiffness)
-    ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * omega)
-    influence = np.concatenate([np.ones(len(plain.floors)), assembly.influence])
-    return Modes(omega, ratio, shapes[: len(plain.floors)], shapes.T @ (mass @ influence))
 
 
 def _steps(modes: Modes, step: float) -> np.ndarray:
     """Return the exact step of each mode under a constant force, shape (modes, 6)."""
-    omega, ratio = modes.omega, np.minimum(modes.ratio, 0.95)
-    damped = omega * np.sqrt(1 - ratio**2)
-    decay = np.exp(-ratio * omega * step)
-    cosine, sine = decay * np.cos(damped * step), decay * np.sin(damped * step)
-    a11 = cosine + ratio * omega / damped * sine
-    a12 = sine / damped
-    return np.stack(
-        [a11, a12, -(omega**2) * a12, cosine - ratio * omega / damped * sine, (1 - a11) / omega**2, a12],
-        axis=1,
-    )
+    a11, a12, a21, a22 = (one[0] for one in modes.swing(np.array([step])))
+    return np.stack([a11, a12, a21, a22, (1 - a11) / modes.omega**2, a12], axis=1)
 
 
 def _laws(

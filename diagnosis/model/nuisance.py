@@ -46,9 +46,13 @@ class Assembly:
     log_damping: np.ndarray
     table_gain: float
     table_delay_s: float
+    table_clock: float
+    """Relative change of the rate of the table's clock, which was right when the run began."""
     table_tilt: float
     channel_gain: np.ndarray
     channel_delay_s: np.ndarray
+    channel_clock: np.ndarray
+    """Relative change of the rate of each channel's clock, which was right when the run began."""
     channel_offset: np.ndarray
     event_gain: np.ndarray
     """Relative change of the contact force in each of the observations' contact events."""
@@ -106,39 +110,40 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
     return found
 
 
-def vary(assembly: Assembly, structure: Structure, parameter: Parameter, value: float) -> None:
-    """Change an assembly by a nuisance parameter.
+def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value: float) -> None:
+    """Change an assembly by a nuisance parameter, or by an effect that is one beyond its prior.
 
     Args:
         assembly: The assembly, which is changed in place.
         structure: The frames.
-        parameter: The nuisance parameter.
+        kind, place: Kind of the parameter, and the index of its place.
         value: Its value in units of its own.
     """
-    place = parameter.place
-    if parameter.kind == "frame_stiffness":
+    if kind == "frame_stiffness":
         span = structure.span(place)
         assembly.stiffness[span, span] += value * structure.frames[place].stiffness
-    elif parameter.kind == "frame_damping":
+    elif kind == "frame_damping":
         assembly.log_damping[structure.span(place)] += value
-    elif parameter.kind == "mode_damping":
+    elif kind == "mode_damping":
         assembly.log_damping[place] += value
-    elif parameter.kind in ("storey_stiffness", "base_stiffness"):
+    elif kind in ("storey_stiffness", "base_stiffness"):
         assembly.stiffness += value * storey_pattern(structure, place)
-    elif parameter.kind == "joint_stiffness":
+    elif kind == "joint_stiffness":
         span, derivative = structure.span(place), structure.frames[place].joint_derivative
         assembly.stiffness[span, span] += value * np.asarray(derivative)
-    elif parameter.kind == "floor_mass":
+    elif kind == "floor_mass":
         assembly.mass[place, place] += value * floor_mass(structure, place)
-    elif parameter.kind == "table_gain":
+    elif kind == "table_gain":
         assembly.table_gain += value
-    elif parameter.kind == "table_delay":
+    elif kind == "table_delay":
         assembly.table_delay_s += value
-    elif parameter.kind == "channel_gain":
+    elif kind == "channel_gain":
         assembly.channel_gain[place] += value
-    elif parameter.kind == "channel_delay":
+    elif kind == "channel_delay":
         assembly.channel_delay_s[place] += value
-    elif parameter.kind == "event_gain":
+    elif kind == "channel_offset":
+        assembly.channel_offset[place] += value
+    elif kind == "event_gain":
         assembly.event_gain[place] += value
 
 

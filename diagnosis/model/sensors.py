@@ -38,8 +38,10 @@ def screened(observed: Observations) -> Observations:
                     observed.warnings.append(_sentence(observed, run, channel, name, fault, bad))
         runs.append(replace(run, measured=measured))
     if not any(_shaken(run) for run in runs):
-        where = ", ".join(run.name for run in runs)
-        raise CaseError(f"{where}: nothing moves in any run; check that the files hold the measurements")
+        still = [_still(run) for run in runs if _moved(run)] or [
+            f"{', '.join(run.name for run in runs)}: nothing moves in any run; check that the files hold the measurements"
+        ]
+        raise CaseError(still[0])
     return replace(observed, runs=tuple(runs))
 
 
@@ -47,7 +49,9 @@ def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
     """Return the runs in which the table moves and something is measured; the others get a warning."""
     found = [number for number in runs if _shaken(observed.runs[number])]
     for number in set(runs) - set(found):
-        observed.warnings.append(f"{observed.runs[number].name}: nothing moves in this run; it was left out")
+        run = observed.runs[number]
+        said = _still(run) if _moved(run) else f"{run.name}: nothing moves in this run"
+        observed.warnings.append(f"{said}; it was left out")
     return found
 
 
@@ -63,7 +67,19 @@ def _ended(run: RunData) -> RunData:
 
 
 def _shaken(run: RunData) -> bool:
-    return float(root_mean_square(run.table)) > 0 and bool(np.any(root_mean_square(run.measured) > 0))
+    return float(np.ptp(run.table)) > 0 and _moved(run)
+
+
+def _moved(run: RunData) -> bool:
+    return bool(np.any(root_mean_square(run.measured) > 0))
+
+
+def _still(run: RunData) -> str:
+    """Return what is wrong with a run in which something is measured and the table reads one value."""
+    return (
+        f"{run.name}: the table's channel reads {run.table[0]:g} m/s^2 throughout while floors move: its sensor is dead, "
+        "or the table was at rest; give its motion by another channel, or a run in which it shakes"
+    )
 
 
 def _sentence(

@@ -110,6 +110,22 @@ class Modes:
     floors: np.ndarray
     participation: np.ndarray
 
+    def swing(self, times_s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return what becomes of a displacement and of a rate of one when nothing pushes, each (times, modes).
+
+        Displacement by displacement, displacement by rate [s], rate by displacement [1/s], rate by rate.
+
+        Args:
+            times_s: Times since [s], shape (times,).
+        """
+        ratio = np.minimum(self.ratio, 0.95)
+        damped = self.omega * np.sqrt(1 - ratio**2)
+        decay = np.exp(-np.outer(times_s, ratio * self.omega))
+        phase = np.outer(times_s, damped)
+        cosine, sine = decay * np.cos(phase), decay * np.sin(phase)
+        lost, moved = ratio * self.omega / damped * sine, sine / damped
+        return cosine + lost, moved, -(self.omega**2) * moved, cosine - lost
+
 
 @dataclass(frozen=True)
 class Structure:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import floor_mass, storey_pattern
 from pounding.diagnosis.model.observations import RunData
@@ -57,10 +58,18 @@ def nuisance_terms(model: Model, modes: Modes, motion: Motion) -> list[list[Term
         modes: Modes of the filtered model.
         motion: Motion of a run.
     """
-    return [_terms(model, modes, motion, parameter.kind, parameter.place) for parameter in model.parameters]
+    return [parameter_terms(model, modes, motion, one.kind, one.place) for one in model.parameters]
 
 
-def _terms(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place: int) -> list[Term]:
+    """Return the terms that a unit of a nuisance parameter adds, or of an effect that is one beyond its prior.
+
+    Args:
+        model: The baseline model.
+        modes: Modes of the filtered model.
+        motion: Motion of a run.
+        kind, place: Kind of the parameter, and the index of its place.
+    """
     shapes = modes.floors
     structure = model.structure
     if kind in ("storey_stiffness", "base_stiffness"):
@@ -88,7 +97,26 @@ def _terms(model: Model, modes: Modes, motion: Motion, kind: str, place: int) ->
         return _event_terms(model, modes, motion, place)
     if kind == "channel_gain":
         return [channel_term(model, place, motion.outputs[:, place])]
+    if kind == "channel_offset":
+        return [channel_term(model, place, np.ones(len(motion.outputs)))]
     return [channel_term(model, place, -motion.output_rate[:, place])]
+
+
+def law_term(motion: Motion, modes: Modes, placed: PlacedLaw) -> Term:
+    """Return the term of a law at its place.
+
+    Args:
+        motion: Motion of a run.
+        modes: Modes of the filtered model.
+        placed: The law.
+    """
+
+    def pull(m: Motion) -> np.ndarray:
+        rate = m.floor_rate @ placed.row + placed.in_room * m.table_rate
+        time = np.arange(len(rate)) * motion.run.step_s
+        return -placed.law.along(placed.parameters, m.floor @ placed.row, rate, time)
+
+    return force_term(motion, pull, placed.row @ modes.floors)
 
 
 def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:

@@ -30,6 +30,8 @@ from pounding.diagnosis.model.predictor import TABLE_VELOCITY
 from pounding.diagnosis.model.tilt import tilt_series
 from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.contacts import Within
+from pounding.experiments.rig.exact import run_exact
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
 
@@ -69,16 +71,10 @@ def simulate_engine(
         CaseError: The engine did not get through a run.
     """
     assembly = model.assemble(values, effects)
-    found = []
-    for number in runs:
-        try:
-            found.append(_run(model, assembly, number, values, effects))
-        except ExperimentError as error:
-            name = model.observed.runs[number].name
-            raise CaseError(
-                f"{name}: the exudyn model with the effect in it did not finish: {error}"
-            ) from error
-    return found
+    return [
+        channels(model, assembly, run, _shaken(model, assembly, run, values, effects), values, effects)
+        for run in runs
+    ]
 
 
 def simulate_pair(
@@ -90,7 +86,8 @@ def simulate_pair(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the channels (samples, channels) in SI of a run in which two floors may touch, and the force (samples,) [N].
 
-    Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter.
+    Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter. Frames that
+    are linear apart from the contact are run by the exact solver, others by exudyn.
 
     Args:
         model: The baseline model, without contact forces.
@@ -104,12 +101,7 @@ def simulate_pair(
     """
     assembly = model.assemble(values, effects)
     run = model.observed.runs[number]
-    try:
-        motion = _shaken(model, assembly, number, values, effects, between)
-    except ExperimentError as error:
-        raise CaseError(
-            f"{run.name}: the exudyn model with the contact in it did not finish: {error}"
-        ) from error
+    motion = _shaken(model, assembly, number, values, effects, between)
     shown = channels(model, assembly, number, motion, values, effects, run.step_s)
     return shown, _mean_force(motion, between, len(run.table), run.step_s)
 
@@ -134,15 +126,9 @@ def _mean_force(motion: FrameMotion, between: Between, samples: int, step_s: flo
 def reduced_frame(model: Model, assembly: Assembly) -> frames.ReducedFrame:
     """Return all frames of an assembly as one reduced frame on the table (they share nothing but the table)."""
     modes = model.modes(assembly)
-    mass, stiffness = assembly.mass, assembly.stiffness
-    plain = model.plain_modes(assembly)
-    weighted = mass @ plain.floors
-    damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
-    for extend in assembly.extensions:
-        mass, stiffness, damping = extend(mass, stiffness, damping)
+    mass, stiffness, damping, influence = model.matrices(assembly)
     squares, shapes = eigh(stiffness, mass)
     floors = model.structure.floors
-    influence = np.concatenate([np.ones(floors), assembly.influence])
     height = np.concatenate([frame.height_m for frame in model.structure.frames])
     definition = frames.StickFrame(
         name="diagnosed",
@@ -173,17 +159,6 @@ def reduced_frame(model: Model, assembly: Assembly) -> frames.ReducedFrame:
     )
 
 
-def _run(
-    model: Model,
-    assembly: Assembly,
-    number: int,
-    values: np.ndarray,
-    effects: Sequence[tuple[Acting, np.ndarray]],
-) -> np.ndarray:
-    motion = _shaken(model, assembly, number, values, effects)
-    return channels(model, assembly, number, motion, values, effects)
-
-
 def _shaken(
     model: Model,
     assembly: Assembly,
@@ -197,20 +172,33 @@ def _shaken(
     finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
     step = run.step_s / finer
     at = np.arange(finer * (len(run.table) - 1) + 1) * step
-    spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
-    table = (1 + assembly.table_gain) * spline(np.clip(at - assembly.table_delay_s, 0.0, at[-1]))
+    table = model.table_at(assembly, number, at)
     reduced = reduced_frame(model, assembly)
     # The table's velocity is the prediction's, which forgets what is slow; a law may act on it.
     moved = model.predict(values, None, effects, [number]).before[0]
     rate = CubicSpline(np.arange(len(moved)) * run.step_s, moved[:, TABLE_VELOCITY])(at)
     loads = _known_forces(model, assembly, number, at)
+    if between is not None and _linear(assembly, loads):
+        contact = Within(between.law, between.gap_m, between.left + 1, between.right + 1)
+        return run_exact([reduced], [contact], table, step).frames[0]
     additions: list[Any] = [
         _Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)
     ]
     if between is not None:
         additions.append(partial(_touching, between))
     accuracy = ACCURACY if between is None else COLLIDING
-    return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0]
+    try:
+        return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0]
+    except ExperimentError as error:
+        what = "effect" if between is None else "contact"
+        raise CaseError(
+            f"{run.name}: the exudyn model with the {what} in it did not finish: {error}"
+        ) from error
+
+
+def _linear(assembly: Assembly, loads: np.ndarray | None) -> bool:
+    """Whether nothing but the table and a contact drives frames that are linear, so that the exact solver applies."""
+    return not assembly.laws and loads is None
 
 
 def _touching(between: Between, rig: Any) -> ContactConnector:

@@ -46,15 +46,15 @@ def channels(
     place = CubicHermiteSpline(motion.time_s, motion.displacement_m, motion.velocity_m_s)
     rate = CubicHermiteSpline(motion.time_s, motion.velocity_m_s, motion.acceleration_m_s2)
     table = CubicSpline(times, model.predict(values, None, effects, [number]).before[0][:, TABLE_MOVED])
-    floors = model.structure.floors
     outputs = np.zeros((len(times), len(observed.names)))
     modes = model.plain_modes(assembly)
     tilted = tilt_series(model, modes, run) if assembly.table_tilt else None
     for c, (quantity, f) in enumerate(zip(observed.quantity, observed.floor, strict=True)):
-        late = np.clip(times - assembly.channel_delay_s[c], 0.0, motion.time_s[-1])
+        true = times / (1 + assembly.channel_clock[c]) - assembly.channel_delay_s[c]
+        late = np.clip(true, 0.0, motion.time_s[-1])
         if quantity == ACCELERATION:
             relative = rate(late, 1) if mean_s == 0.0 else _mean_rate(rate, late, mean_s, motion.time_s[-1])
-            shown = _absolute(model, assembly, number, relative[:, :floors], late)[:, f]
+            shown = relative[:, f] + model.table_at(assembly, number, late)
         elif quantity == VELOCITY:
             shown = rate(late)[:, f]
         elif quantity == TABLE_DISPLACEMENT:
@@ -77,12 +77,3 @@ def _mean_rate(velocity: CubicHermiteSpline, at: np.ndarray, over_s: float, end_
     """Return the mean acceleration over `over_s` about each time."""
     before, after = np.maximum(at - over_s / 2, 0.0), np.minimum(at + over_s / 2, end_s)
     return np.asarray((velocity(after) - velocity(before)) / (after - before)[:, None])
-
-
-def _absolute(
-    model: Model, assembly: Assembly, number: int, relative: np.ndarray, late: np.ndarray
-) -> np.ndarray:
-    run = model.observed.runs[number]
-    spline = CubicSpline(np.arange(len(run.table)) * run.step_s, run.table)
-    table = (1 + assembly.table_gain) * spline(np.clip(late - assembly.table_delay_s, 0.0, None))
-    return np.asarray(relative + table[:, None])

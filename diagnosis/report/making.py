@@ -14,7 +14,7 @@ from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.misfit import median, misfit
+from pounding.diagnosis.inference.misfit import channel_misfits, median
 from pounding.diagnosis.inference.misfit_map import Spot, where
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
@@ -142,8 +142,9 @@ def _likeliest(found: Findings) -> Judged | None:
 def _misfit(diagnosis: Diagnosis, which: int, outputs: Outputs) -> Misfit:
     found = diagnosis.found
     runs = (found.training, found.held_out)[which]
-    before = found.null.misfit[which]
-    after = misfit(found.model, [outputs[run] for run in runs], runs) if outputs else before
+    before = after = found.null.misfit[which]
+    if outputs:
+        after = float(median(channel_misfits(found.model, [outputs[run] for run in runs], runs)))
     return Misfit(
         before=finite(before), after=finite(after), noise_floor=finite(float(median(found.floor[which])))
     )

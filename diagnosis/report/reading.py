@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
@@ -55,38 +53,8 @@ def report_from(text: bytes | str, source: str) -> Report:
             "diagnose the case again"
         )
     try:
-        return msgspec.convert(raw if schema == SCHEMA else _upgraded(raw), Report)
-    except (msgspec.ValidationError, AttributeError, TypeError, RecursionError) as error:
+        if schema == FORMER_SCHEMA:
+            raw = {"where": []} | with_new_names(raw) | {"schema": SCHEMA}
+        return msgspec.convert(raw, Report)
+    except (msgspec.ValidationError, TypeError, RecursionError) as error:
         raise CaseError(f"{source}: is not a whole report ({error}); {WHOLE}") from error
-
-
-def _upgraded(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a report of schema 1 with the keys of schema 2."""
-    new = _renamed(raw, {"gap": "misfit"}) | {"schema": SCHEMA}
-    new["where"] = [_renamed(one, {"gap": "misfit"}) for one in raw.get("where", ())]
-    for key, change in _CHANGED.items():
-        if key in new:
-            new[key] = change(new[key])
-    return new
-
-
-def _renamed(entry: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
-    return {names.get(key, key): value for key, value in entry.items()}
-
-
-def _misfits(entry: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value and _renamed(value, {"closed": "explained"}) for key, value in entry.items()}
-
-
-def _basis(entry: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        key: with_new_names(value) if key in ("features", "contact") else value
-        for key, value in entry.items()
-    }
-
-
-def _modal(rows: list[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    return [_renamed(row, {"believed": "baseline", "foretold": "predicted"}) for row in rows]
-
-
-_CHANGED: dict[str, Callable[[Any], Any]] = {"misfit": _misfits, "confidence_basis": _basis, "modal": _modal}

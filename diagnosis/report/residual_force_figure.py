@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.residual_force import ResidualForce, residual_forces
+from pounding.diagnosis.inference.residual_force import ResidualForce, residual_force
 from pounding.diagnosis.inference.storey_force import storey_force
 from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
 
@@ -29,7 +29,7 @@ def residual_force_figure(diagnosis: Diagnosis) -> Figure:
     model, named = found.model, decision.named
     fit = (decision.judged if named else found.null).fit.filtered
     run = max(found.training, key=lambda number: float(np.ptp(model.observed.runs[number].table)))
-    left = residual_forces(model, replace(fit, effects=()), [run])[0]
+    left = residual_force(model, replace(fit, effects=()), run)
     storey = _storey(diagnosis, left)
     frame, number = model.structure.place(storey)
     force, std = left.force[:, storey], float(left.std[storey])

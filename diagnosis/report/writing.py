@@ -47,7 +47,6 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
     Raises:
         CaseError: The folder cannot be made or written.
     """
-    check_folder(folder)
     report = detailed(diagnosis, made)
     pictures = figures(diagnosis, report, made.outputs)
     case, stated = diagnosis.case, assumptions(diagnosis.case, report)
@@ -75,19 +74,8 @@ def write_modal_report(case: Case, report: Report, folder: Path) -> None:
     Raises:
         CaseError: The folder cannot be made or written.
     """
-    check_folder(folder)
     pictures = {"numbers": drawing(report.modal or ())}
     _write(folder, case, report, pictures, "modal.html.jinja", tables=contents(report))
-
-
-def check_folder(folder: Path) -> None:
-    """Refuse a folder for a report that is a file.
-
-    Raises:
-        CaseError: It is one.
-    """
-    if folder.exists() and not folder.is_dir():
-        raise CaseError(f"{folder}: is a file, not a folder; give --out another name")
 
 
 def _write(folder: Path, case: Case, report: Report, pictures: Pictures, template: str, **more: Any) -> None:

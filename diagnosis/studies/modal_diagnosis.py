@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json as jsonlib
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.frame import AddedMass, BaseRocking, PDelta
 from pounding.diagnosis.effects.storey import StiffnessChange
-from pounding.diagnosis.inference.modal_evidence import Acting, Softening, Weighed, foretell, weigh
+from pounding.diagnosis.inference.modal_evidence import Softening, Weighed, foretell, weigh
 from pounding.diagnosis.inference.modal_model import Joints
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.studies.thesis_modal import (
@@ -51,17 +52,16 @@ def without_swept_first(data: Sequence[ModalDatum]) -> list[ModalDatum]:
     return [datum for datum in data if not (datum.test == SWEEP and datum.mode == 1)]
 
 
-def single(model: Model, flexible: Joints) -> dict[str, list[Acting]]:
+def single(model: Model, flexible: Joints) -> dict[str, list[Effect]]:
     """Return the single effects by type, at each of their places."""
     name = model.structure.frames[0].name
-    whole: dict[str, list[Effect]] = {
+    return {
         "joint_flexibility": [flexible],
         "base_rocking": [BaseRocking(frame=name)],
         "p_delta": [PDelta(frame=name)],
         "stiffness_change (one storey)": list(places(StiffnessChange, model)),
         "added_mass (one floor)": list(places(AddedMass, model)),
     }
-    return {kind: [Acting(effect) for effect in effects] for kind, effects in whole.items()}
 
 
 def best_single(name: str) -> list[dict[str, Any]]:
@@ -94,7 +94,7 @@ def _single_row(
         "frame": name,
         "effect": kind,
         "log_evidence": float(evidence - null.log_evidence),
-        "place": best.acting[0].effect.storey or best.acting[0].effect.floor if best.acting else None,
+        "place": best.acting[0].storey or best.acting[0].floor if best.acting else None,
         "value": float(best.value[0]) if best.acting else None,
         "std": float(best.std[0]) if best.acting else None,
         "misfit": best.misfit,
@@ -107,9 +107,9 @@ def with_gravity(name: str) -> dict[str, Any]:
     data = without_swept_first(thesis_data(name))
     plain_belief, plain_joints = thesis_belief(name, p_delta=False)
     heavy_belief, heavy_joints = thesis_belief(name, p_delta=True)
-    bare = weigh(plain_belief, data, [Acting(plain_joints)])
-    gravity = weigh(heavy_belief, data, [Acting(heavy_joints)])
-    free = weigh(plain_belief, data, [Acting(plain_joints), Acting(PDelta(frame=name))])
+    bare = weigh(plain_belief, data, [plain_joints])
+    gravity = weigh(heavy_belief, data, [heavy_joints])
+    free = weigh(plain_belief, data, [plain_joints, PDelta(frame=name)])
     return {
         "frame": name,
         "joints": float(bare.value[0]),
@@ -124,7 +124,7 @@ def with_gravity(name: str) -> dict[str, Any]:
 def why_the_sweep(name: str) -> list[dict[str, Any]]:
     """Return the evidence for what acts in the sweep only, beside joints and gravity, with the sweep's f1."""
     model, flexible = thesis_belief(name, p_delta=True)
-    data, first = thesis_data(name), Acting(flexible)
+    data, first = thesis_data(name), flexible
     roof = model.structure.floors
     seconds: dict[str, Effect] = {
         "softer first mode (amplitude)": Softening(frame=name),
@@ -145,7 +145,7 @@ def why_the_sweep(name: str) -> list[dict[str, Any]]:
         }
     ]
     for kind, effect in seconds.items():
-        found = weigh(model, data, [first, Acting(effect, SWEEP)])
+        found = weigh(model, data, [first, replace(effect, test=SWEEP)])
         rows.append(
             {
                 "frame": name,

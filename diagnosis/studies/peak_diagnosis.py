@@ -163,7 +163,7 @@ def row(
 def main(
     *, records: options.Records = None, json: options.Json = False, out: options.Out = None
 ) -> dict[str, Any]:
-    """Diagnose Table 4.1: which effect, fitted to two records, closes how much of the gap on the other two."""
+    """Diagnose Table 4.1: which effect, fitted to two records, explains how much of the misfit on the other two."""
     found = [shaking(name, records) for name in RECORDS]
     runs = [run for _, run in found]
     with Progress(console=progress_console(), transient=True) as progress:
@@ -215,7 +215,7 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
         [
             "effect",
             "all",
-            "closed %",
+            "explained %",
             "worse in",
             "ln Bayes factor",
             "sizes in six splits",

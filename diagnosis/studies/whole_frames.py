@@ -16,7 +16,7 @@ from scipy.special import logsumexp
 
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.case.numbers import Peak
-from pounding.diagnosis.effects.catalogue import places
+from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.frame import AddedMass, AirDrag, BaseRocking, PDelta
 from pounding.diagnosis.effects.storey import (
     CoulombFriction,
@@ -25,7 +25,6 @@ from pounding.diagnosis.effects.storey import (
     Hysteresis,
     Loosening,
     StiffnessChange,
-    StoreyEffect,
 )
 from pounding.diagnosis.effects.table_and_sensors import TableGain, TableTilt
 from pounding.diagnosis.model.model import Acting, Model
@@ -61,7 +60,7 @@ class WholeFrame:
 
 
 def _storeys(
-    kind: type[StoreyEffect], values: Callable[[Model, Any, float], Any]
+    kind: type[Effect], values: Callable[[Model, Any, float], Any]
 ) -> Callable[[Model, float], Loads]:
     def make(model: Model, size: float) -> Loads:
         if size == 0:

@@ -8,18 +8,21 @@ its name: ``15B_relative_displacement_floor10_mm``, ``table_acceleration_g``.
 from __future__ import annotations
 
 import re
-import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate, correlation_lags
 
+from pounding import bounds
 from pounding.experiments import csv_table
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.measurements.quantities import UNITS
+from pounding.experiments.measurements.quantities import BOUNDS, UNITS
+from pounding.experiments.text_file import read_text
+from pounding.toml_text import tree_of
 from pounding.units import named
 
 Real = NDArray[np.floating[Any]]
@@ -58,21 +61,26 @@ def read(path: str | Path) -> list[Channel]:
             sentence names file, line and column.
     """
     path = Path(path)
-    header, table = _table(path)
+    header, lines, table = _table(path)
     described = _described(path.parent / "case.toml")
     found = []
     for place, column in enumerate(header[1:], start=1):
         what = described.get(column) or _by_name(column)
         if what is None:
             continue
-        quantity, unit = what["quantity"], what["unit"]
+        quantity, unit = what.quantity, what.unit
         factors = UNITS[quantity]
         if unit not in factors:
             raise ExperimentError(
                 f"{path}: column {column!r}: unit {unit!r}; {quantity} takes {', '.join(factors)}"
             )
         values = table[:, place] * factors[unit]
-        found.append(Channel(column, quantity, what.get("frame"), what.get("floor"), table[:, 0], values))
+        row = BOUNDS[quantity].beyond(values)
+        if row is not None:
+            BOUNDS[quantity].check(
+                values[row], f"{path} line {lines[row]}, column {column!r} in SI", ExperimentError
+            )
+        found.append(Channel(column, quantity, what.frame, what.floor, table[:, 0], values))
     if not found:
         raise ExperimentError(
             f"{path}: none of its columns ({', '.join(header[1:]) or 'none'}) is a channel; describe them as "
@@ -81,13 +89,11 @@ def read(path: str | Path) -> list[Channel]:
     return found
 
 
-def _table(path: Path) -> tuple[list[str], Real]:
+def _table(path: Path) -> tuple[list[str], list[int], Real]:
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ExperimentError(
-            f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})"
-        ) from error
+        text = read_text(path, str(path), ExperimentError)
+    except OSError as error:
+        raise ExperimentError(f"{path}: cannot be read ({error.strerror})") from error
     cells = csv_table.split(text, str(path), ExperimentError)
     header = cells.rows[0] if cells.rows else []
     if not header or header[0] != "time_s" or len(cells.rows) < 3:
@@ -96,32 +102,54 @@ def _table(path: Path) -> tuple[list[str], Real]:
         )
     below = csv_table.Cells(cells.lines[1:], cells.rows[1:])
     table = csv_table.numbers(header, below, str(path), ExperimentError)
-    wrong = np.flatnonzero(~(np.diff(table[:, 0]) > 0.0))
+    time = table[:, 0]
+    for row in np.flatnonzero(~(np.abs(time) <= bounds.CLOCK.high)):
+        bounds.CLOCK.check(time[row], f"{path} line {below.lines[row]}: time_s", ExperimentError)
+    wrong = np.flatnonzero(np.diff(time) <= 0.0)
     if wrong.size:
-        raise ExperimentError(f"{path} line {below.lines[wrong[0] + 1]}: time_s does not increase")
-    return header, table
+        line = below.lines[wrong[0] + 1]
+        raise ExperimentError(f"{path} line {line}: time_s does not increase; remove or sort the row")
+    bounds.DURATION.check(time[-1] - time[0], f"{path}: the history's length", ExperimentError)
+    return header, below.lines, table
 
 
-def _described(path: Path) -> dict[str, dict[str, Any]]:
+class _Column(msgspec.Struct):
+    """What a column of the file is."""
+
+    name: str
+    quantity: str
+    unit: str
+    frame: str | None = None
+    floor: int | None = None
+
+
+class _Described(msgspec.Struct):
+    """A `case.toml` as far as it describes columns."""
+
+    channel: list[_Column] = []
+
+
+def _described(path: Path) -> dict[str, _Column]:
     if not path.is_file():
         return {}
     try:
-        entries = tomllib.loads(path.read_text(encoding="utf-8")).get("channel", [])
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        tree = tree_of(path.read_bytes(), str(path), ExperimentError)
+    except OSError as error:
         raise ExperimentError(f"{path}: {error}") from error
-    known = [
-        entry for entry in entries if entry.get("quantity") in UNITS and {"name", "unit"} <= entry.keys()
-    ]
-    return {entry["name"]: entry for entry in known}
+    try:
+        entries = msgspec.convert(tree, _Described).channel
+    except (msgspec.ValidationError, OverflowError) as error:
+        raise ExperimentError(f"{path}: {error}; correct the value") from error
+    return {entry.name: entry for entry in entries if entry.quantity in UNITS}
 
 
-def _by_name(column: str) -> dict[str, Any] | None:
+def _by_name(column: str) -> _Column | None:
     match = NAME.fullmatch(column)
     if match is None:
         return None
     unit = named(match["unit"]) or match["unit"]
     floor = None if match["floor"] is None else int(match["floor"])
-    return {"quantity": match["quantity"], "frame": match["frame"], "floor": floor, "unit": unit}
+    return _Column(column, match["quantity"], unit, match["frame"], floor)
 
 
 def aligned(channels: list[Channel], times_s: Real, table_m_s2: Real) -> tuple[list[Channel], float]:

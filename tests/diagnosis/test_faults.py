@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
 from pounding.diagnosis.decision import verdict
@@ -103,6 +104,38 @@ def test_a_second_logger_that_is_late_is_a_delay_of_its_channels(plain: Case) ->
     assert report.effects[0].parameters[0].value == pytest.approx(3.0, abs=0.1)
 
 
+def slowed(columns: tuple[int, ...], rate: float) -> Any:
+    """Return a change by which a clock at (1 + rate) times the true rate recorded the columns."""
+
+    def change(number: int, values: np.ndarray) -> None:
+        at = np.arange(len(values)) * STEP_S
+        for column in columns:
+            values[:, column] = CubicSpline(at, values[:, column])(np.clip(at / (1 + rate), 0, at[-1]))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("columns", "names"),
+    [((2,), {"a2"}), ((4, 5), {"d1", "d3"}), pytest.param((5,), {"d3"}, marks=pytest.mark.slow)],
+)
+@pytest.mark.parametrize("rate", [-0.01, pytest.param(0.008, marks=pytest.mark.slow)])
+def test_a_logger_whose_clock_is_slow_or_fast_is_named(
+    plain: Case, columns: tuple[int, ...], names: set[str], rate: float
+) -> None:
+    report = diagnosed(with_values(plain, slowed(columns, rate)))
+    assert report.verdict == "effect_named"
+    assert {(e.effect, e.channel) for e in report.effects} == {("clock_rate", name) for name in names}
+    assert report.effects[0].parameters[0].value == pytest.approx(rate, abs=1e-4)
+
+
+@pytest.mark.slow
+def test_a_table_whose_clock_is_slow_is_named(plain: Case) -> None:
+    report = diagnosed(with_values(plain, slowed((0,), -0.01)))
+    assert [e.effect for e in report.effects] == ["table_clock_rate"]
+    assert report.effects[0].parameters[0].value == pytest.approx(-0.01, abs=2e-4)
+
+
 @pytest.mark.parametrize(("factor", "change"), [(-1.0, -2.0), (9.80665, 8.80665)])
 def test_a_wrong_polarity_or_unit_is_a_sensors_gain(plain: Case, factor: float, change: float) -> None:
     def scaled(number: int, values: np.ndarray) -> None:
@@ -174,6 +207,27 @@ def test_seconds_of_zeros_before_the_shaking_do_no_harm(plain: Case) -> None:
         runs=tuple(replace(run, time_s=STEP_S * np.arange(len(run.values))) for run in case.runs),
     )
     assert diagnosed(case).verdict == "nothing_missing"
+
+
+def test_a_dead_table_is_said_where_floors_move(plain: Case) -> None:
+    def dead(number: int, values: np.ndarray) -> None:
+        values[:, 0] = 0.3
+
+    with pytest.raises(
+        CaseError, match=r"run1\.csv: the table's channel reads 0\.3 m/s\^2 throughout while floors"
+    ):
+        diagnosed(with_values(plain, dead))
+
+
+def test_a_run_with_a_dead_table_is_left_out(plain: Case) -> None:
+    dead = replace(plain.runs[0], file="dead.csv", values=plain.runs[0].values * np.array([0, 1, 1, 1, 1, 1]))
+    report = diagnosed(replace(plain, runs=(*plain.runs, dead)))
+    assert any(
+        "dead.csv: the table's channel reads 0 m/s^2 throughout while floors move" in said
+        for said in report.warnings
+    )
+    assert not any("dead.csv: nothing moves" in said for said in report.warnings)
+    assert report.verdict == "nothing_missing"
 
 
 def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:

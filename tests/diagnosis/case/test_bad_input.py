@@ -118,7 +118,7 @@ def test_out_that_is_a_file_is_refused_and_kept(folder: Path, capsys: pytest.Cap
     with pytest.raises(SystemExit) as left:
         main(["diagnose", str(folder), "--out", str(out)])
     assert left.value.code == 2
-    assert "is a file" in capsys.readouterr().err
+    assert "cannot be written (Not a directory)" in capsys.readouterr().err
     assert out.read_text() == "mine"
 
 

@@ -114,12 +114,11 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
     better = replace(chosen, misfit=(0.05, 0.05))
     nothing: Any = None
-    model: Any = SimpleNamespace(structure=None, observed=Observed(), prior=None)
+    model: Any = SimpleNamespace(observed=Observed(), seeing=lambda observed: "as measured")
 
     def decided(found: Findings, explained: Judged) -> Decision:
         return Decision("effect_named" if found.judged[0] is explained else "unknown_effect", found.judged[0])
 
-    monkeypatch.setattr(diagnose, "Model", lambda *given: "as measured")
     monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
     for explained, after in ((better, better), (None, chosen)):

@@ -105,7 +105,7 @@ def test_only_the_kinds_that_are_asked_for_are_fitted_anew(tmp_path: Path) -> No
 
 def test_calibrations_and_features_of_before_are_read_by_their_names_of_then(tmp_path: Path) -> None:
     written = FILE.read_text(encoding="utf-8")
-    for new, old in FORMER.items():
+    for old, new in FORMER.items():
         written = written.replace(f"\n{new} =", f"\n{old} =")
     (tmp_path / "former.toml").write_text(written, encoding="utf-8")
     assert read_calibration(tmp_path / "former.toml") == shipped()

@@ -11,6 +11,7 @@ from pounding.diagnosis.effects.candidates import candidates, kinds
 from pounding.diagnosis.effects.catalogue import CATALOGUE, GROUPS, Effect
 from pounding.diagnosis.effects.catalogue_page import shown, tables
 from pounding.diagnosis.hidden.contact_effects import CONTACT
+from pounding.diagnosis.hidden.effects import ASKED_FOR
 from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import run_filter
@@ -39,7 +40,7 @@ def test_the_catalogue_has_every_effect_of_a_single_frame() -> None:
 def test_what_is_not_tried_by_default_is_no_candidate() -> None:
     tried = {type(effect) for effect in candidates(BELIEVED)}
     assert tried == {kind for kind in kinds() if kind.default}
-    assert {kind.name for kind in CATALOGUE.optional()} == {"dahl_friction"}
+    assert {kind.name for kind in CATALOGUE.optional()} == set(ASKED_FOR) | {"dahl_friction"}
 
 
 def test_the_order_of_candidates_is_that_of_places_and_not_that_of_imports() -> None:

@@ -94,8 +94,9 @@ def test_what_is_scored_is_the_derivative_of_the_prediction(effect: Effect) -> N
     change = (innovations(effect, shape, size) - innovations(effect, shape, 2 * size)) / size
     cosine = column @ change / np.linalg.norm(column) / np.linalg.norm(change)
     # A late sensor is the measured series moved, with its noise; its rate is that of the prediction.
-    assert cosine > (0.5 if effect.name == "sensor_delay" else 0.95)
-    if effect.name != "sensor_delay":
+    moved = effect.name in ("sensor_delay", "clock_rate")
+    assert cosine > (0.5 if moved else 0.95)
+    if not moved:
         assert np.linalg.norm(column) == pytest.approx(np.linalg.norm(change), rel=0.1)
 
 
@@ -145,7 +146,7 @@ def test_the_engine_agrees_with_the_prediction_within_one_per_cent(effect: Effec
     assert difference(fast, without) > max(0.05, 5 * error)
 
 
-@pytest.mark.parametrize("kind", ["sensor_gain", "sensor_delay", "sensor_offset"])
+@pytest.mark.parametrize("kind", ["sensor_gain", "sensor_delay", "sensor_offset", "clock_rate"])
 def test_the_engine_has_the_sensors_faults(kind: str) -> None:
     effect = next(effect for effect in EVERYWHERE if effect.name == kind)
     fast, engine = both([(effect, strong(effect))])

@@ -175,6 +175,23 @@ def test_scoring_simulator_and_engine_are_the_same_function(kinds: list[type[Eff
         ("_x = 1", "holds no candidate"),
         ("def a(:", "line 1"),
         ("import nonsense_module", "cannot be run: ModuleNotFoundError"),
+        ("assert False", "cannot be run: AssertionError"),
+        ("class Mine(Exception): pass\nraise Mine('so it is')", "cannot be run: Mine: so it is"),
+        ("class Mine(BaseException): pass\nraise Mine", "cannot be run: Mine"),
+        ("import sys\nsys.exit()", "cannot be run: SystemExit"),
+        ("raise SystemExit(0)", "cannot be run: SystemExit: 0"),
+        ("x = 1 \0", "line 1"),
+        ("x = " + "(" * 5000 + ")" * 5000, "own.py"),
+        ('def a(d, v, t, k: "N/m" = 1.0): assert False', "own.py line 1: a"),
+        ('def a(d, v, t, k: "N/m**9**9**9" = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "N/m**9**11**11**11" = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "' + "a" * 59 + '!" = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "N/m^999999999" = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "9**9**9**9 N/m" = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "N" + "/m" * 100 = 1.0): return k * d', "is not understood"),
+        ('def a(d, v, t, k: "N/m" = 1e300): return k * d', "'k' is 1e+300 in SI; it must be 1e-15 to 1e+15"),
+        ('def a(d, v, t, k: "N/m" = 10**400): return k * d', "write a number other than 0"),
+        ('def a(d, v, t, k: "N/m" = "soft"): return k * d', "write a number other than 0"),
     ],
 )  # fmt: skip
 def test_a_bad_file_is_one_sentence(tmp_path: Path, text: str, said: str) -> None:
@@ -182,9 +199,22 @@ def test_a_bad_file_is_one_sentence(tmp_path: Path, text: str, said: str) -> Non
     file.write_text(text + "\n")
     with pytest.raises(CaseError) as caught:
         user_kinds(read_candidates(file))
+    assert list(tmp_path.iterdir()) == [file]
     assert said in str(caught.value)
     assert str(file) in str(caught.value) or "rename" in said
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "unit", ["N/m", "kN/mm", "N s/m", "N*s/m", "N/(m/s)", "kg / s ** 2", "N m^-1", "N/m^1.5*m^0.5"]
+)
+def test_units_are_read(tmp_path: Path, unit: str) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(
+        f'def a(d, v, t, k: "{unit}" = 2.0): return k * {"v" if "s/m" in unit or "m/s" in unit else "d"}'
+    )
+    (force,) = read_candidates(file)
+    assert force.parameters[0].unit == unit
 
 
 def test_a_missing_file_is_one_sentence(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffnes
 from pounding.diagnosis.hidden.motions import Motion, draw
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.rigging import draw_rig
-from pounding.diagnosis.hidden.scenario import Scenario, Spring, happen
+from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
 from pounding.diagnosis.hidden.writing import write_hidden
 
 HIDDEN = Path(__file__).parents[3] / "diagnosis" / "hidden"
@@ -36,10 +36,11 @@ MAY_USE = {
     "pounding.diagnosis.case.quantities",
     "pounding.constants",
     "pounding.frames",
+    "pounding.frames.files",
     "pounding.experiments.errors",
     "pounding.experiments.records",
 }
-"""Frames as data, ground motions, and the format's reading, writing and units; nothing that knows an effect."""
+"""Frames as data, ground motions, whole files, and the format's reading, writing and units; nothing that knows an effect."""
 
 
 @pytest.mark.parametrize("path", sorted(HIDDEN.glob("*.py")), ids=lambda path: path.stem)
@@ -336,3 +337,18 @@ def test_a_contact_effect_needs_a_pair() -> None:
         hide(["gap_offset"], ["5A"], source="artificial", duration_s=1.0)
     with pytest.raises(CaseError, match="give one, or two different ones"):
         hide([], ["5A", "5A"], source="artificial", duration_s=1.0)
+
+
+def test_a_clock_of_another_rate_can_be_hidden() -> None:
+    (truth,) = hide(["clock_rate"], ["5A"], seed=4, source="artificial", duration_s=3.0).truth["effects"]
+    assert truth["effect"] == "clock_rate"
+    assert truth["channel"].startswith("5A_")
+    assert 0 < abs(truth["parameters"][0]["value"]) < 0.03
+
+
+def test_a_signal_at_another_rate_keeps_its_start_and_holds_its_end() -> None:
+    time = np.arange(4000) / 1000
+    np.testing.assert_allclose(at_rate(np.sin(time), 0.99), np.sin(0.99 * time), atol=1e-6)
+    fast = at_rate(np.sin(time), 1.01)
+    np.testing.assert_allclose(fast[:3900], np.sin(1.01 * time[:3900]), atol=1e-6)
+    assert (fast[-30:] == np.sin(time[-1])).all()

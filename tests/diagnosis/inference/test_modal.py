@@ -13,17 +13,18 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.modal import examine
 from pounding.diagnosis.inference.modal_evidence import (
-    Acting,
     foretell,
     foretold_from_others,
     modal_candidates,
-    shows,
     weigh,
 )
 from pounding.diagnosis.inference.modal_model import alone
+from pounding.diagnosis.inference.numbers import Numbers
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
 from pounding.diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
 from tests.diagnosis.models import three_storeys
@@ -39,7 +40,15 @@ damping_ratio = [0.01]
 """
 
 
-def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0.01) -> list[ModalDatum]:
+def shows(
+    model: Model, data: Sequence[ModalDatum], effects: Sequence[Effect], values: Sequence[float]
+) -> np.ndarray:
+    """What the model with effects of one parameter each shows of data."""
+    acting = [(effect, np.array([value])) for effect, value in zip(effects, values, strict=True)]
+    return np.asarray(np.exp(Numbers(model, (), data).shown(np.zeros(len(model.std)), acting)))
+
+
+def numbers(effects: Sequence[Effect], values: Sequence[float], noise: float = 0.01) -> list[ModalDatum]:
     """What two tests of the bench would find with effects in it, exactly."""
     model = alone(three_storeys().frames[0], Prior())
     blank = [
@@ -49,22 +58,20 @@ def numbers(effects: Sequence[Acting], values: Sequence[float], noise: float = 0
     ]
     blank.append(ModalDatum("bench", "roof_stiffness", None, "push", 1.0, noise))
     blank.append(ModalDatum("bench", "mass", None, "scales", 1.0, noise))
-    found = shows(model, blank, effects, [np.array([value]) for value in values])
+    found = shows(model, blank, effects, values)
     return [
         ModalDatum("bench", one.quantity, one.mode, one.test, float(value), noise * float(value))
         for one, value in zip(blank, found, strict=True)
     ]
 
 
-def acting(name: str, test: str | None = None, storey: int | None = None) -> Acting:
+def acting(name: str, test: str | None = None, storey: int | None = None) -> Effect:
     model = alone(three_storeys().frames[0], Prior())
     data = numbers([], [])
     return next(
         one
         for one in modal_candidates(model, None, data)
-        if one.effect.name == name
-        and one.test == test
-        and storey in (None, one.effect.storey, one.effect.floor)
+        if one.name == name and one.test == test and storey in (None, one.storey, one.floor)
     )
 
 
@@ -77,9 +84,9 @@ def acting(name: str, test: str | None = None, storey: int | None = None) -> Act
         (acting("base_rocking"), 1.2e4),
         (acting("hysteresis", "sweep"), -0.25),
     ],
-    ids=lambda one: one.label() if isinstance(one, Acting) else "",
+    ids=lambda one: one.label() if isinstance(one, Effect) else "",
 )
-def test_what_was_put_in_is_found_with_its_size(hidden: Acting, value: float) -> None:
+def test_what_was_put_in_is_found_with_its_size(hidden: Effect, value: float) -> None:
     model = alone(three_storeys().frames[0], Prior())
     data = numbers([hidden], [value])
     null = weigh(model, data)
@@ -139,9 +146,7 @@ def test_the_fall_of_the_swept_frequency_grows_with_drift() -> None:
 def test_joints_are_followed_from_rigid_to_soft() -> None:
     model, flexible = thesis_belief("5A", p_delta=False)
     data = thesis_data("5A")
-    stiff, soft = (
-        shows(model, data, [Acting(flexible)], [np.array([stiffness])]) for stiffness in (1e9, 1015.0)
-    )
+    stiff, soft = (shows(model, data, [flexible], [stiffness]) for stiffness in (1e9, 1015.0))
     # Table 3.1 of the docs, with the frame rebuilt: 8.46 Hz rigid; 6.93, 21.12, 35.89 Hz and 29.97 N/mm at 1015 N m/rad.
     assert stiff[0] == pytest.approx(8.46, rel=1e-3)
     assert soft[[0, 2, 3]] == pytest.approx([6.93, 21.12, 35.89], rel=2e-3)
@@ -179,7 +184,7 @@ def test_a_modal_case_is_diagnosed_from_its_folder(tmp_path: Path) -> None:
         (modal(), "a frequency needs `mode`"),
         (modal(more="mode = 4"), "mode 4 is not one of bench's 3"),
         (modal(std=0, more="mode = 1"), "state how uncertain the number is"),
-        (modal(value=-6, more="mode = 1"), "it must be above 0"),
+        (modal(value=-6, more="mode = 1"), "value is -6 Hz; it must be 0.001 to 1000 Hz"),
         (modal(more='mode = 1\nframe = "5C"'), "frame '5C' is not in the case"),
         (modal(more="mode = 1\nmodel = 2"), "unknown key 'model'"),
     ],

@@ -49,6 +49,13 @@ def test_a_tone_in_two_channels_is_found_and_in_one_of_two_it_is_not() -> None:
     assert tones(noise(1) + tone, STEP_S) == pytest.approx([33.3], abs=0.3)
 
 
+def test_a_line_at_the_highest_frequency_is_a_tone_there_and_not_at_the_lowest() -> None:
+    highest = 0.5 / STEP_S
+    every_other = np.cos(2 * np.pi * highest * TIME)[:, None]
+    for channels in (1, 3):
+        assert tones(noise(channels) + every_other, STEP_S) == pytest.approx([highest], abs=0.3)
+
+
 def test_a_good_model_is_not_doubted() -> None:
     model = measured()
     assert model_checks(model, null_model(model)) == []

@@ -29,6 +29,16 @@ def test_another_start_leads_to_the_same_optimum(problem: Problem) -> None:
     assert (np.abs(one.values[0] - other.values[0]) < 0.1 * one.std[0])[: problem.reported].all()
 
 
+@pytest.mark.parametrize("storey", [1, 3])
+def test_a_bad_start_leaves_no_noise_behind(storey: int) -> None:
+    """What is far off at the start was taken for noise, and a good fit had thousands less likelihood than none."""
+    weak = Problem("stiffness_change", storey, (-0.15,))
+    fits = [weak.fitted(factor) for factor in (1.0, 1.4, 3.0, -1.0)]
+    assert fits[0].log_posterior > weak.null().log_posterior + 3.0
+    for fit in fits[1:]:
+        assert fit.log_posterior == pytest.approx(fits[0].log_posterior, abs=0.5)
+
+
 @pytest.mark.parametrize("problem", PROBLEMS, ids=str)
 def test_an_effect_that_is_not_in_the_data_gets_no_evidence(problem: Problem) -> None:
     null, size = NOTHING.null(), np.array(problem.truth)

@@ -105,7 +105,7 @@ def test_its_covariances_are_those_that_its_gain_has(sampled: Sampled) -> None:
     crossed = steady.gain @ steady.covariance / sampled.size[:, None]
     assert crossed == pytest.approx(p @ (sampled.output * sampled.size).T, abs=1e-9 * np.abs(crossed).max())
     left = p - crossed @ np.linalg.solve(steady.covariance, crossed.T)
-    assert (steady.spread / sampled.size) ** 2 == pytest.approx(np.diag(left), rel=1e-6)
+    assert np.diag(steady.updated) / sampled.size**2 == pytest.approx(np.diag(left), rel=1e-6)
 
 
 def test_no_other_gain_has_smaller_innovations(sampled: Sampled) -> None:
