@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import os
+import random
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from datetime import date
 from pathlib import Path
 
 import pytest
@@ -27,3 +33,41 @@ def test_records() -> Path:
 def open_cases() -> Path:
     """Folder with measured cases made by another simulator."""
     return _folder("POUNDING_CASES", "the open cases are not part of the project")
+
+
+def pytest_configure() -> None:
+    """Let Ctrl-C reach the commands that tests start: a shell has what it runs in the background ignore it."""
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture
+def chance() -> random.Random:
+    """Random moments for kills and interruptions: others every day, and again those of a day by its number."""
+    seed = int(os.environ.get("POUNDING_SEED", date.today().toordinal()))
+    print(f"POUNDING_SEED={seed} gives the same moments again")
+    return random.Random(seed)
+
+
+KILLED_WHILE_WRITING = """
+import os, signal, sys
+from pounding.frames.files import replacing
+with replacing(sys.argv[1]) as part:
+    part.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.fixture(scope="session")
+def killed_while_writing() -> Callable[[Path], Path]:
+    """Has a file begun by a process that is then killed; returns what it leaves in the folder."""
+
+    def begin(path: Path) -> Path:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        before = set(path.parent.iterdir())
+        subprocess.run([sys.executable, "-c", KILLED_WHILE_WRITING, str(path)], timeout=60)
+        (left,) = set(path.parent.iterdir()) - before
+        assert left.read_text() == "half"
+        return left
+
+    return begin

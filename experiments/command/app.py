@@ -59,6 +59,7 @@ STUDIES = {
     "contact-laws": "pounding.experiments.studies.contact_laws:main",
     "contact-accuracy": "pounding.experiments.studies.contact_accuracy:main",
     "campaign-speed": "pounding.experiments.studies.campaign_speed:main",
+    "exact-convergence": "pounding.experiments.studies.exact_convergence:main",
     "modal-diagnosis": "pounding.diagnosis.studies.modal_diagnosis:main",
     "peak-diagnosis": "pounding.diagnosis.studies.peak_diagnosis:main",
 }
@@ -66,6 +67,9 @@ STUDIES = {
 
 for _name, _function in STUDIES.items():
     study.command(_function, name=_name, help=described(_function))
+
+# What the Tab key then runs is the shell alone: it completes without starting Python.
+app.register_install_completion_command(help="Let the Tab key complete verbs and options in this shell.")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console
 from rich.progress import Progress
+from rich.text import Text
 
 from pounding import frames
 from pounding.contact import thesis_law
 from pounding.experiments.command.pound import pound
 from pounding.experiments.command.shake import shake
 from pounding.experiments.console import options
-from pounding.experiments.console.output import progress_console, warn
+from pounding.experiments.console.output import printer, progress_console, warn
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures.films import film, require
@@ -42,11 +42,14 @@ MOTIONS = ("elcentro", "elcentro-peer180")
 
 def demo(
     *,
-    out: Annotated[Path, Parameter(help="Folder for pictures, films and VTK files.")] = Path("results/demo"),
+    out: Annotated[
+        Path,
+        Parameter(help="Folder for pictures, films and VTK files.", validator=options.writable_folder),
+    ] = Path("results/demo"),
     records: options.Records = None,
 ) -> None:
     """Build, test and shake the five frames, let two collide, and print the results beside the published values."""
-    console = Console(highlight=False)
+    console = printer()
     began = time.perf_counter()
     keeping.prepare(out)
     motion = _motion(records)
@@ -64,7 +67,7 @@ def demo(
             lambda: collide(motion, records, out / "pounding", filmed),
         ),
     ):
-        console.rule(f"[bold]{title}")
+        console.rule(Text(title, style="bold"))
         step()
     console.print(f"\nAll of it in {time.perf_counter() - began:.0f} s; pictures, films and VTK files: {out}")
 
@@ -77,9 +80,7 @@ def draw_frames(folder: Path) -> None:
     reduced = frames.build(frames.load("10"))
     _drawn(lambda: mesh_picture(reduced, folder / "mesh-10.png"))
     _drawn(lambda: modes_picture(reduced, folder / "modes-10.png"))
-    Console(highlight=False).print(
-        f"written: {len(FRAMES)} files of modes for ParaView and two pictures in {folder}"
-    )
+    printer().print(f"written: {len(FRAMES)} files of modes for ParaView and two pictures in {folder}")
 
 
 def collide(motion: Record, records: Path | None, folder: Path, filmed: bool = True) -> None:
@@ -94,7 +95,7 @@ def collide(motion: Record, records: Path | None, folder: Path, filmed: bool = T
     left, right = (frames.build(frames.load(name)) for name in PAIR)
     needed_mm = 1e3 * pair_gap(left, right, motion).closing_m
     gap_mm = round(SHARE_OF_REQUIRED_GAP * needed_mm, 1)
-    Console(highlight=False).print(
+    printer().print(
         f"without contact the floors would close by {needed_mm:.1f} mm: the gap is set to {gap_mm} mm"
     )
     pound(*PAIR, gap=[gap_mm], record=motion.name, law="all", records=records, out=folder)
@@ -149,7 +150,7 @@ def _can_film() -> bool:
     return True
 
 
-def _drawn(draw: Callable[[], None]) -> None:
+def _drawn(draw: Callable[[], object]) -> None:
     """Draw, or print one sentence that this machine cannot draw, and continue."""
     try:
         draw()

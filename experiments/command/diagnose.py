@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group, Parameter
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+from pounding import bounds
 from pounding.diagnosis.errors import CaseError
-from pounding.experiments.console import options
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, progress_console
 from pounding.extras import extra_module
+from pounding.frames import load
+
+if TYPE_CHECKING:
+    from pounding.diagnosis.case.case import Case
 
 OF_BENCHMARK = Group("Judging the diagnosis instead (docs/diagnosis/benchmark.md)", sort_key=1)
 
@@ -24,13 +30,20 @@ def diagnose(
         Path | None,
         Parameter(
             help="Folder for report.html, report.json and the pictures, made if it is not there; "
-            "without it the findings are only printed. With --benchmark: for benchmark.json and finished cases."
+            "without it the findings are only printed. With --benchmark: for benchmark.json and finished cases.",
+            validator=options.writable_folder,
         ),
     ] = None,
     candidates: Annotated[
         Path | None,
-        Parameter(help="Python file with candidates of your own (docs/diagnosis/own-candidates.md)."),
+        Parameter(
+            help="Python file with candidates of your own (docs/diagnosis/own-candidates.md). It is executed: "
+            "on a terminal you are asked first, elsewhere --trust must say so."
+        ),
     ] = None,
+    trust: Annotated[
+        bool, Parameter(negative=(), help="Execute the file of --candidates without being asked.")
+    ] = False,
     calibrate: Annotated[
         bool,
         Parameter(
@@ -42,11 +55,18 @@ def diagnose(
     benchmark: Annotated[
         int | None,
         Parameter(
-            group=OF_BENCHMARK, help="Hide, diagnose and judge so many cases; an interrupted one goes on."
+            group=OF_BENCHMARK,
+            help="Hide, diagnose and judge so many cases; an interrupted one goes on.",
+            validator=options.bounded(bounds.CASES),
         ),
     ] = None,
     seed: Annotated[
-        int | None, Parameter(group=OF_BENCHMARK, help="Seed of the cases that are drawn; default: 0.")
+        int | None,
+        Parameter(
+            group=OF_BENCHMARK,
+            help="Seed of the cases that are drawn; default: 0.",
+            validator=options.bounded(bounds.SEED),
+        ),
     ] = None,
     first: Annotated[
         int | None,
@@ -81,10 +101,11 @@ def diagnose(
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
     """
     if benchmark is not None:
-        if case is not None or candidates is not None or calibrate:
+        if case is not None or candidates is not None or calibrate or trust:
             raise CaseError(
-                "--benchmark draws its own cases; leave out the case, --candidates and --calibrate"
+                "--benchmark draws its own cases; leave out the case, --candidates, --trust and --calibrate"
             )
+        estimates.announce(estimates.of_benchmark(first or benchmark))
         _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", out, json)
         return
     asked = {"--seed": seed, "--first": first, "--only": only, "--pairs": pairs or None, "--way": way}
@@ -93,16 +114,46 @@ def diagnose(
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
+    if trust and candidates is None:
+        raise CaseError("--trust belongs to --candidates; leave it out or name the file that you trust")
+    # Said before the diagnosis, which takes minutes.
     if calibrate:
-        extra_module("joblib")  # said before the diagnosis, which takes minutes
+        extra_module("joblib")
+    if candidates is not None:
+        extra_module("pint")
     from msgspec import to_builtins
 
     from pounding.diagnosis import workflow
+    from pounding.diagnosis.case.reading import read_case
     from pounding.diagnosis.report.tables import tables
 
+    read = read_case(case)
+    if candidates is not None and not trust:
+        _ask_to_execute(candidates)
+    estimates.announce(*_works(read))
     with _bar() as told:
-        report = workflow.diagnose(case, out, told, candidates_file=candidates, calibrate=calibrate)
+        report = workflow.diagnose(read, out, told, candidates_file=candidates, calibrate=calibrate)
     emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
+
+
+def _ask_to_execute(candidates: Path) -> None:
+    """Ask whether a file of candidates may be executed; refuse where nobody can be asked."""
+    if not candidates.is_file():
+        raise CaseError(f"{candidates}: there is no such file of candidates; give --candidates a Python file")
+    what = f"--candidates executes the Python code in {candidates} with all your rights"
+    if sys.stdin is None or sys.stdin.closed or not sys.stdin.isatty():
+        raise CaseError(f"{what}; read it, and add --trust if you trust it")
+    console = progress_console()
+    console.print(f"{what}. Do you trust this file? [y/N]", markup=False, end=" ")
+    if sys.stdin.readline().strip().lower() not in ("y", "yes"):
+        raise CaseError(f"{candidates} was not executed; leave --candidates out, or trust the file")
+
+
+def _works(case: Case) -> list[estimates.Work]:
+    samples = sum(len(run.time_s) for run in case.runs)
+    built = [load(frame.file or frame.name) for frame in case.frames if frame.kind != "modal"]
+    floors = sum(frame.storeys for frame in case.frames)
+    return [estimates.of_diagnosis(samples, floors), *map(estimates.of_frame, built)]
 
 
 def _written(out: Path | None) -> list[str]:

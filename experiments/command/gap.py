@@ -10,9 +10,8 @@ from cyclopts import Parameter
 from rich.console import RenderableType
 
 from pounding import frames
-from pounding.experiments.console import options
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
-from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import MODEL_TIME_FACTOR, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.separation import pictures
@@ -24,7 +23,11 @@ FullScale = Annotated[
     bool, Parameter(negative=(), help="Frames of full-scale buildings: the record's time is not compressed.")
 ]
 Report = Annotated[
-    Path | None, Parameter(help="HTML file to write: the answer with its picture, self-contained.")
+    Path | None,
+    Parameter(
+        help="HTML file to write: the answer with its picture, self-contained.",
+        validator=options.writable_file,
+    ),
 ]
 
 
@@ -53,16 +56,14 @@ def gap(
         right: Frame on the right.
         record: Name or file of the ground motion.
     """
-    if pga is not None and pga <= 0.0:
-        raise ExperimentError(
-            f"--pga {pga:g}: a peak acceleration must be above zero; without shaking no gap is needed"
-        )
-    built = [
-        frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
-        for name in (left, right)
-    ]
+    definitions = [frames.load(name) for name in (left, right)]
     time_factor = 1.0 if full_scale else MODEL_TIME_FACTOR
     motion = find(record, records).scaled(time_factor, pga)
+    estimates.announce(*map(estimates.of_frame, definitions))
+    built = [
+        frames.build(definition, joints=joints, p_delta=p_delta, damping=damping)
+        for definition in definitions
+    ]
     answer = gap_answer(
         built[0],
         built[1],

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from pounding.diagnosis.hidden.hide import hide as hide_effects
-from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.diagnosis.hidden.writing import check_free, write_hidden
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
@@ -16,7 +16,9 @@ from pounding.experiments.results.provenance import stamp
 
 def hide(
     *effects: str,
-    out: Annotated[Path, Parameter(help="Folder of the case; created if missing.")],
+    out: Annotated[
+        Path, Parameter(help="Folder of the case; created if missing.", validator=options.writable_folder)
+    ],
     frame: Annotated[
         list[str] | None,
         Parameter(negative=(), help="Frame of the thesis on the table, repeatable for a pair; default: 5A."),
@@ -34,9 +36,12 @@ def hide(
     duration: Annotated[
         float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8, 4 to 5.5 for pairs.")
     ] = None,
-    seed: Annotated[int, Parameter(help="Seed of all random numbers.")] = 0,
+    seed: options.Seed = 0,
     truth: Annotated[
-        Path | None, Parameter(help="File for the truth; default: the truth is not written.")
+        Path | None,
+        Parameter(
+            help="File for the truth; default: the truth is not written.", validator=options.writable_file
+        ),
     ] = None,
     json: options.Json = False,
 ) -> None:
@@ -47,6 +52,7 @@ def hide(
             coulomb_friction:3 (storey or floor) or sensor_gain:5A_a5 (channel); the word nothing for a case without
             an effect. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
+    check_free(out)
     hidden = hide_effects(
         effects,
         tuple(frame or ["5A"]),

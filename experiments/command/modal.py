@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import msgspec
 from cyclopts import Parameter
 
-from pounding import frames
-from pounding.experiments.console import options
+from pounding import bounds, frames
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
 from pounding.frames.fe.assembly import Options
@@ -26,7 +26,12 @@ def modal(
     calibration: Annotated[
         str | None, Parameter(help="Joint calibration in the frame file, such as free_vibration or sweep.")
     ] = None,
-    up_to_hz: Annotated[float, Parameter(help="Show the modes up to this frequency [Hz].")] = 60.0,
+    up_to_hz: Annotated[
+        float,
+        Parameter(
+            help="Show the modes up to this frequency [Hz].", validator=options.bounded(bounds.FREQUENCY)
+        ),
+    ] = 60.0,
     json: options.Json = False,
 ) -> None:
     """Show the natural modes of a frame, its mass and its roof stiffness, beside the published ones.
@@ -60,6 +65,7 @@ def modes(
         up_to_hz: Highest frequency that is shown [Hz].
     """
     definition = frames.load(name)
+    estimates.announce(estimates.of_frame(definition, up_to_hz))
     reduced = frames.build(
         definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration
     )

@@ -11,9 +11,10 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
+from pounding import bounds
 from pounding.contact.laws import BUILT_IN, Law
 from pounding.contact.parameters import make_law, thesis_law
-from pounding.experiments.console import options
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
@@ -23,6 +24,8 @@ from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOL
 from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig_of, shaking
 from pounding.experiments.rig.pounding import pound as run_one
 from pounding.experiments.rig.required_gap import is_left_lower
+from pounding.frames import load
+from pounding.units import LENGTH
 
 DEFAULT_LAW = "linear_viscoelastic"
 
@@ -31,7 +34,13 @@ def pound(
     left: str,
     right: str,
     *,
-    gap: Annotated[list[float], Parameter(help="Gap at rest [mm], one for all floors or one per floor.")],
+    gap: Annotated[
+        list[float],
+        Parameter(
+            help="Gap at rest [mm], one for all floors or one per floor.",
+            validator=options.bounded(bounds.GAP, per=LENGTH["mm"], unit="mm"),
+        ),
+    ],
     record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
     floor: Annotated[
         list[int] | None, Parameter(help="Floor with a contact, repeatable; default: the lower frame's roof.")
@@ -44,7 +53,11 @@ def pound(
         Parameter(help="Contact parameters: from the thesis' tables, or from its formulas."),
     ] = "printed",
     stiffness: Annotated[
-        float | None, Parameter(help="Contact stiffness [N/m; Hertz family N/m^1.5] instead of the set's.")
+        float | None,
+        Parameter(
+            help="Contact stiffness [N/m; Hertz family N/m^1.5] instead of the set's.",
+            validator=options.bounded(bounds.CONTACT_STIFFNESS),
+        ),
     ] = None,
     restitution: Annotated[
         float | None, Parameter(help="Coefficient of restitution from which the law's damping is computed.")
@@ -56,6 +69,7 @@ def pound(
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     records: options.Records = None,
+    solver: options.Solver = "exudyn",
     out: options.Out = None,
     film: Annotated[
         bool, Parameter(negative=(), help="Write a film of the hardest impact to --out.")
@@ -68,8 +82,9 @@ def pound(
         left: Frame on the left (name or frame file); it moves in +x towards the right frame.
         right: Frame on the right.
     """
-    pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
     shaken = shaking(record, None if records is None else str(records), pga_g=pga, flip=flip)
+    estimates.announce(*(estimates.of_frame(load(name)) for name in (left, right)))
+    pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
     floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
     masses = floor_masses(*pair, floors[0])
     laws = [
@@ -78,6 +93,7 @@ def pound(
     ]
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
+    estimates.announce(estimates.of_run(pair, shaken.duration_s, len(laws)))
     if film and out is None:
         warn("--film needs a folder: nothing is written without --out")
     elif film:
@@ -96,6 +112,7 @@ def pound(
                     gaps_m,
                     floors=floors,
                     progress=partial(_tell, progress, bar),
+                    solver=solver,
                 )
             )
     asked = {
@@ -108,6 +125,7 @@ def pound(
         "contact": {chosen.name: vars(chosen) for chosen in laws},
         "flip": flip,
         "pga_g": pga,
+        "solver": solver,
         "frames": [frame.options for frame in pair],
         "impact_threshold_n": THRESHOLD_N,
         "impact_merging_s": MERGING_S,
@@ -115,7 +133,9 @@ def pound(
     }
     result = stamp(asked, [shaken]) | {"runs": [run.result() for run in runs]}
     if out is not None:
-        for note in _keep(runs, result, out, film):
+        kept = _keep(runs, result, out, film)
+        result |= {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
+        for note in kept.notes:
             warn(note)
     emit(result, as_json=json, show=lambda: _show(result))
 
@@ -142,7 +162,7 @@ def _progress() -> Progress:
     return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
-def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> list[str]:
+def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> keeping.Kept:
     with _progress() as progress:
         bar = progress.add_task("film" if film else "writing", total=1.0)
 
@@ -180,6 +200,7 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
         f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
         f"touches less than {1e3 * MERGING_S:g} ms apart are one."
     )
+    yield from keeping.written(result)
 
 
 def _row(impact: dict[str, Any]) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,7 +11,7 @@ from cyclopts import Parameter
 from rich.progress import Progress
 
 from pounding import frames
-from pounding.experiments.console import options
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.measurements import history as measured
 from pounding.experiments.output import result_folder as keeping
@@ -58,8 +59,11 @@ def shake(
     elif film:
         films.require()
     channels = measured.read(measured_file) if measured_file else []
-    reduced = frames.build(frames.load(frame), joints=joints, p_delta=p_delta, damping=damping)
+    definition = frames.load(frame)
     motion = find(record, records).scaled(pga_g=pga)
+    estimates.announce(estimates.of_frame(definition))
+    reduced = frames.build(definition, joints=joints, p_delta=p_delta, damping=damping)
+    estimates.announce(estimates.of_run([reduced], motion.duration_s))
     if out is not None:
         keeping.prepare(out)
     done = _run(reduced, motion)
@@ -70,8 +74,9 @@ def shake(
         result["measured"] = compare(done, data, channels)
         result["measured_shift_s"] = shift
     if out is not None:
-        result["files"], notes = _keep(done, data, result, out, keeping.Wish(csv, film, channels))
-        for note in notes:
+        kept = _keep(done, data, result, out, keeping.Wish(csv, film, channels))
+        result |= {"files": kept.files, "film": kept.film and asdict(kept.film)}
+        for note in kept.notes:
             warn(note)
     for warning in result["warnings"]:
         warn(warning)
@@ -104,9 +109,7 @@ def _run(reduced: frames.ReducedFrame, record: Record) -> Shaking:
         return run(reduced, record, progress=lambda time_s: progress.update(bar, completed=time_s))
 
 
-def _keep(
-    done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: keeping.Wish
-) -> tuple[list[str], list[str]]:
+def _keep(done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: keeping.Wish) -> keeping.Kept:
     with Progress(console=progress_console(), transient=True) as progress:
         bar = progress.add_task("writing", total=1.0)
         return keeping.keep(
@@ -139,8 +142,7 @@ def _show(result: dict[str, Any], done: Shaking) -> Iterable[Any]:
             else row
         )
     yield f"{result['model_s']:.2f} simulated s in {result['wall_s']:.2f} s"
-    if "files" in result:
-        yield f"written: {', '.join(result['files'])}"
+    yield from keeping.written(result)
 
 
 def _row(peak: dict[str, Any], published: tuple[float, float] | None) -> list[Any]:

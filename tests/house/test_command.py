@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -26,6 +28,56 @@ def test_help(words: list[str]) -> None:
     done = pounding(*words, "--help")
     assert done.returncode == 0, done.stderr
     assert "Usage: pounding" in done.stdout
+
+
+HEAVY = {
+    "exudyn",
+    "h5py",
+    "jinja2",
+    "matplotlib",
+    "meshio",
+    "numba",
+    "pandas",
+    "pyfe3d",
+    "pyvista",
+    "scipy",
+    "xarray",
+}
+
+
+@pytest.mark.parametrize("words", [["--help"], ["list"], ["list", "--json"], ["--version"]])
+def test_what_only_tells_about_the_command_loads_no_heavy_library(words: list[str]) -> None:
+    """Also where the folder of records holds motions of the tests, which are known again by their samples."""
+    probe = (
+        "import atexit, sys; from pounding.experiments.command import main;"
+        "atexit.register(lambda: print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr));"
+        f"main({words})"
+    )
+    done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    loaded = set(done.stderr.split())
+    assert "cyclopts" in loaded
+    assert not loaded & HEAVY
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+def test_the_tab_key_completes_without_python(tmp_path: Path) -> None:
+    script = tmp_path / "completion"
+    words = ["--install-completion", "--shell", "bash", "--output", str(script)]
+    done = subprocess.run(
+        [sys.executable, "-m", "pounding.experiments.command", *words],
+        env=dict(os.environ) | {"HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    for typed, offered in (["po"], {"pound"}), (["pound", "15B", "5B", "--ga"], {"--gap"}):
+        line = f"source {script}; COMP_WORDS=(pounding {' '.join(typed)}); COMP_CWORD={len(typed)};"
+        shell = [str(shutil.which("bash")), "--norc", "-c", f'{line} _pounding; echo "${{COMPREPLY[@]}}"']
+        # Without a PATH no other program can be started.
+        answer = subprocess.run(shell, env={"PATH": ""}, capture_output=True, text=True, timeout=60)
+        assert set(answer.stdout.split()) == offered, answer.stderr
 
 
 SCRIPTS = [
@@ -112,7 +164,7 @@ def test_a_folder_that_cannot_be_is_said_before_anything_is_computed(verb: list[
     (tmp_path / "file").touch()
     done = pounding(*verb, "--record", "elcentro-chopra", "--out", str(tmp_path / "file"))
     assert done.returncode == 2
-    assert done.stderr.endswith("file: cannot be made (File exists)\n")
+    assert done.stderr.endswith("file: cannot be written (Not a directory); choose another\n")
 
 
 @pytest.mark.parametrize("function", [*VERBS.values(), *STUDIES.values()])
@@ -120,3 +172,49 @@ def test_every_verb_and_study_says_in_the_list_what_it_does(function: str) -> No
     said = described(function)
     assert said.split("\n")[0].endswith(".")
     assert "Args:" not in said
+
+
+def shell(line: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    """The command in a shell; `status` of a pipe is the one of the command itself."""
+    command = line.replace("pounding", f"{sys.executable} -m pounding.experiments.command")
+    return subprocess.run(
+        ["bash", "-c", command], capture_output=True, timeout=300, env=os.environ | environment
+    )
+
+
+@pytest.mark.parametrize(
+    "words", ["list", "list --json", "modal 15B", "design --tall 30 --short 10 --pga 0.2"]
+)
+def test_a_reader_that_has_seen_enough_is_no_error(words: str) -> None:
+    done = shell(f"pounding {words} | head -c 1 > /dev/null; exit ${{PIPESTATUS[0]}}")
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("words", ["list", "list --json"])
+def test_a_closed_standard_output_is_one_sentence(words: str) -> None:
+    done = shell(f"pounding {words} >&-")
+    assert done.returncode == 2
+    assert done.stderr == b"pounding: standard output is closed; send it to a file, or to /dev/null\n"
+    assert shell(f"pounding {words} >&- 2>&-").returncode == 2
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device here")
+@pytest.mark.parametrize("words", ["list", "list --json"])
+def test_a_full_disk_is_one_sentence(words: str) -> None:
+    done = shell(f"pounding {words} > /dev/full")
+    assert done.returncode == 2
+    assert done.stderr == b"pounding: No space left on device\n"
+
+
+@pytest.mark.parametrize(
+    "environment",
+    [{"PYTHONIOENCODING": "ascii"}, {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}],
+)
+@pytest.mark.parametrize(
+    "words", ["list", "modal 15B", "design --tall 30 --short 10 --pga 0.2", "modal 5Ä", "--help"]
+)
+def test_a_terminal_of_ascii_gets_ascii(words: str, environment: dict[str, str]) -> None:
+    done = shell(f"pounding {words}", **environment)
+    assert done.returncode == (2 if "Ä" in words else 0), done.stderr
+    assert (done.stdout + done.stderr).isascii()
+    assert b"Traceback" not in done.stderr

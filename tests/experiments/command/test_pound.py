@@ -126,8 +126,9 @@ def test_restitution_of_one_is_the_spring_alone_and_any_stiffness_is_resolved(
         ([*SHORT, "--restitution", "0"], "restitution of 0 cannot be"),
         ([*SHORT, "--restitution", "1.2"], "restitution of 1.2 cannot be"),
         ([*SHORT, "--restitution", "0.5", "--law", "hertz"], "hertz: restitution is given"),
-        ([*SHORT, "--stiffness", "0"], "stiffness is 0 N/m; it must be positive"),
-        ([*SHORT, "--pga", "1000"], "moved by more than its height"),
+        ([*SHORT, "--stiffness", "0"], "--stiffness: the value is 0 N/m or N/m^1.5; it must be 1 to 1e+15"),
+        ([*SHORT, "--stiffness", "1e25"], "--stiffness: the value is 1e+25"),
+        ([*SHORT, "--pga", "90"], "moved by more than its height"),
     ],
 )
 def test_bad_input_is_one_sentence(
@@ -140,3 +141,33 @@ def test_bad_input_is_one_sentence(
     assert out == ""
     assert sentence in said
     assert said.count("\n") == 1
+
+
+def test_the_exact_solver_gives_what_the_engine_gives(
+    all_laws: tuple[dict[str, Any], Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    printed, _ = run([*SHORT, "--law", "all", "--solver", "exact", "--json"], capsys)
+    result = json.loads(printed)
+    for mine, theirs in zip(result["runs"], all_laws[0]["runs"], strict=True):
+        assert (mine["solver"], theirs["solver"]) == ("exact", "exudyn")
+        assert mine["peaks"]["right"][-1]["max_mm"] == pytest.approx(
+            theirs["peaks"]["right"][-1]["max_mm"], rel=0.02
+        )
+        assert mine["impacts"][0]["peak_force_n"] == pytest.approx(
+            theirs["impacts"][0]["peak_force_n"], rel=1e-3
+        )
+        assert mine["energy_error"] < 1e-3
+
+
+def test_the_exact_solver_writes_the_same_files(
+    tmp_path: Path, all_laws: tuple[dict[str, Any], Path]
+) -> None:
+    main([*SHORT, "--law", "all", "--solver", "exact", "--out", str(tmp_path)])
+    _, folder = all_laws
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(path.name for path in folder.iterdir())
+
+
+def test_an_unknown_solver_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([*SHORT, "--solver", "magic"])
+    assert left.value.code == 2

@@ -111,10 +111,10 @@ def test_the_published_peaks_stand_beside_ours(capsys, test_records):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (["--pga", "0"], "must be positive"),
+        (["--pga", "0"], "--pga: the value is 0 g; it must be 1e-06 to 100 g"),
         (["--damping", "5"], "not a fraction"),
         (["--measured", "no.csv"], "cannot be read"),
-        (["--out", "shop.toml"], "cannot be made"),
+        (["--out", "shop.toml"], "--out: folder shop.toml: cannot be written (Not a directory)"),
     ],
 )
 def test_bad_input_is_one_sentence_and_status_2(inputs, capsys, monkeypatch, change, words):

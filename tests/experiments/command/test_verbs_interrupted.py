@@ -1,0 +1,90 @@
+"""Every verb, interrupted at a random moment by Ctrl-C as a terminal sends it: to all of its processes."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from pounding.experiments.command.app import VERBS
+from pounding.frames.files import PART
+
+pytestmark = pytest.mark.slow
+
+PROGRAM = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from pounding.experiments.command import main
+print("begun", file=sys.stderr, flush=True)
+main(sys.argv[1:])
+print("ended", file=sys.stderr, flush=True)
+"""
+
+ELCENTRO = ["--record", "elcentro-peer180"]
+
+WORDS = {
+    "list": ["list"],
+    "demo": ["demo", "--out", "OUT"],
+    "modal": ["modal", "15B"],
+    "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
+    "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],
+    "gap": ["gap", "10", "5B", *ELCENTRO, "--report", "OUT/gap.html"],
+    "design": ["design", "--tall", "30", "--short", "15", "--pga", "0.3", "--report", "OUT/design.html"],
+    "diagnose": ["diagnose", "CASE", "--out", "OUT"],
+    "hide": ["hide", "nothing", "--out", "OUT", "--motions", "artificial"],
+    "benchmark": ["diagnose", "--benchmark", "4", "--out", "OUT"],
+    "calibration": ["diagnose", "CASE", "--calibrate"],
+    "study": ["study", "chapter-6", "--kept", "OUT"],
+}
+"""The words of each verb, and of what else may take long: a benchmark, a calibration, a study in processes."""
+
+LONGEST_S = 4.0
+"""Random moments lie in so long a time after the start: imports, preparation and work."""
+
+
+def test_every_verb_is_here() -> None:
+    assert set(VERBS) <= set(WORDS)
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("case") / "case"
+    words = ["hide", "nothing", "--out", str(folder), "--motions", "artificial", "--duration", "4"]
+    subprocess.run([sys.executable, "-m", "pounding.experiments.command", *words], check=True, timeout=120)
+    return folder
+
+
+@pytest.mark.parametrize("verb", WORDS)
+def test_an_interrupted_verb_says_so_and_leaves_nothing_half_made(
+    verb: str, case: Path, tmp_path: Path, chance: random.Random
+) -> None:
+    out, scratch = tmp_path / "out", tmp_path / "scratch"
+    scratch.mkdir()
+    words = [word.replace("OUT", str(out)).replace("CASE", str(case)) for word in WORDS[verb]]
+    environment = os.environ | {"TMPDIR": str(scratch), "POUNDING_CACHE": str(tmp_path / "cache")}
+    process = subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, *words], start_new_session=True, env=environment, text=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stderr is not None
+    assert process.stderr.readline() == "begun\n"
+    moment = random.Random(f"{chance.random()} {verb}").uniform(0.02, LONGEST_S)
+    time.sleep(moment)
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert "Traceback" not in errors, f"{moment} s: {errors}"
+    # What had already shown its result may have ended before the signal came.
+    if not errors.endswith("ended\n"):
+        assert process.returncode == 130, f"{moment} s: {errors}"
+        assert errors.splitlines()[-1].startswith("pounding: interrupted"), f"{moment} s: {errors}"
+    left = [path for path in tmp_path.rglob("*") if PART.fullmatch(path.name) or ".part" in path.name]
+    assert not left
+    assert not out.is_dir() or any(out.iterdir()), "an empty folder is left"
+    assert not list(scratch.glob("*pounding*"))
