@@ -23,8 +23,9 @@ from rich.table import Table
 from pounding import frames
 from pounding.contact import thesis_law
 from pounding.contact.parameters import PRINTED
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.pounding import shaking
-from pounding.experiments.rig.rig import Contact, Rig
+from pounding.experiments.rig.rig import Rig
 
 mpl.use("Agg")
 from matplotlib import pyplot as plt

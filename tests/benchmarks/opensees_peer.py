@@ -17,6 +17,7 @@ import argparse
 import dataclasses
 import json
 import sys
+import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -31,12 +32,15 @@ from pounding import frames
 from pounding.contact import BUILT_IN, HertzDamp, Law, NonlinearViscoelastic, thesis_law
 from pounding.contact.damping import hertz_damp_ratio
 from pounding.experiments.records import find
-from pounding.experiments.rig.rig import Accuracy, Contact, Rig
+from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.exact import ExactRig
+from pounding.experiments.rig.rig import Accuracy, Rig
 
 LAWS = BUILT_IN
 INTEGRATORS = ("Newmark", "CentralDifference")
 STEPS_S = (4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7)
+EXACT_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5)
 LONGEST_STEP_S = 2e-3
 REFERENCE = Accuracy(relative=1e-9, absolute=1e-11, longest_step_s=1e-4)
 REPEATS = 3
@@ -131,6 +135,24 @@ class Pair:
         setting = f"tolerance {accuracy.relative:g}"
         return Sample(engine, setting, float(force), float(peak), motion.processor_s / motion.model_s)
 
+    def exact(self, law: Law, tolerance: float, longest_step_s: float) -> Sample:
+        """Return what the exact solver gives on the lumped frames, its steps read as those of the rig are."""
+        bodies = [stick("lumped-15", self.left), stick("lumped-5", self.right)]
+        rig = ExactRig(bodies, [Contact(law, self.gap_m, 5)])
+        costs = []
+        for _ in range(3 * REPEATS):
+            started = time.thread_time()
+            solution = rig.solve(
+                self.record.acceleration_m_s2, self.record.step_s, duration_s=self.duration_s,
+                tolerance=tolerance, longest_s=longest_step_s,
+            )  # fmt: skip
+            costs.append(time.thread_time() - started)
+        motion = rig.motion(solution, (0.0, 0.0))
+        peak = max(np.abs(frame.displacement_m[:, frame.reduced.floor_x]).max() for frame in motion.frames)
+        force = motion.contacts[0].sampled(1.0 / SAMPLE_S)[1].max()
+        setting = f"tolerance {tolerance:g}"
+        return Sample("exact", setting, float(force), float(peak), min(costs) / self.duration_s)
+
 
 def compare(pair: Pair) -> Iterator[dict]:
     """Yield one row a law: every run with its errors, and the speed ratio at equal force accuracy."""
@@ -138,19 +160,23 @@ def compare(pair: Pair) -> Iterator[dict]:
         law = thesis_law(name, tension=True)  # OpenSees' materials pull before separation
         reference = pair.rig(law, REFERENCE)
         ours = [pair.rig(law, Accuracy(r, r * 1e-2, pair.longest_step_s)) for r in TOLERANCES]
+        closed = [pair.exact(law, tolerance, pair.longest_step_s) for tolerance in EXACT_TOLERANCES]
         peers = {
             integrator: [
                 peer for step in STEPS_S if (peer := pair.opensees(law, integrator, step)) is not None
             ]
             for integrator in INTEGRATORS
         }
-        runs = [*ours, *(sample for samples in peers.values() for sample in samples)]
+        runs = [*ours, *closed, *(sample for samples in peers.values() for sample in samples)]
         yield {
             "law": name,
             "reference": dataclasses.asdict(reference),
             "runs": [_described(sample, reference) for sample in runs],
             "speed_ratio_at_force_error": {
                 f"{limit:g}": _ratio(ours, peers, reference, limit) for limit in FORCE_ERRORS
+            },
+            "exact_speed_ratio_at_force_error": {
+                f"{limit:g}": _ratio(closed, peers, reference, limit) for limit in FORCE_ERRORS
             },
             "craig_bampton": dataclasses.asdict(pair.rig(law, Accuracy(), full=True)),
         }
@@ -201,13 +227,14 @@ def show(rows: list[dict], console: Console) -> None:
         table.add_section()
     console.print(table)
     for row in rows:
-        ratios = ", ".join(
-            f"{ratio:.1f} times at {float(limit):.0%}"
-            if ratio
-            else f"no settings in common at {float(limit):.0%}"
-            for limit, ratio in row["speed_ratio_at_force_error"].items()
-        )
-        console.print(f"{row['law']}: faster than OpenSees by {ratios} of force error")
+        for key, engine in (("speed", "exudyn"), ("exact_speed", "the exact solver")):
+            ratios = ", ".join(
+                f"{ratio:.1f} times at {float(limit):.0%}"
+                if ratio
+                else f"no settings in common at {float(limit):.0%}"
+                for limit, ratio in row[f"{key}_ratio_at_force_error"].items()
+            )
+            console.print(f"{row['law']}: {engine} is faster than OpenSees by {ratios} of force error")
 
 
 def main() -> None:
