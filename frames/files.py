@@ -11,6 +11,7 @@ import os
 import platform
 import re
 import shutil
+import signal
 import sys
 import tempfile
 import warnings
@@ -51,10 +52,24 @@ def replacing(path: str | Path) -> Iterator[Path]:
     except OSError as error:
         raise FrameError(f"{path}: cannot be written ({error.strerror or error})") from error
     finally:
-        _remove(part)
-        for made in missing:  # unless there is something in it now
-            with suppress(OSError):
-                made.rmdir()
+        with uninterrupted():
+            _remove(part)
+            for made in missing:  # unless there is something in it now
+                with suppress(OSError):
+                    made.rmdir()
+
+
+@contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let Ctrl-C and a request to end wait until a short block has ended, where the system can."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager
@@ -102,19 +117,20 @@ def tried_folder(folder: str | Path) -> None:
     """
     folder = Path(folder)
     made: list[Path] = []
-    try:
-        for place in reversed([one for one in (folder, *folder.parents) if not one.exists()]):
-            place.mkdir()
-            made.append(place)
-        with tempfile.TemporaryFile(dir=folder) as stream:
-            stream.write(b"0")
-    except (OSError, ValueError) as error:  # a zero byte in a name is no OSError
-        reason = getattr(error, "strerror", None) or error
-        raise FrameError(f"folder {folder}: cannot be written ({reason}); choose another") from error
-    finally:
-        for place in reversed(made):
-            with suppress(OSError):
-                place.rmdir()
+    with uninterrupted():
+        try:
+            for place in reversed([one for one in (folder, *folder.parents) if not one.exists()]):
+                place.mkdir()
+                made.append(place)
+            with tempfile.TemporaryFile(dir=folder) as stream:
+                stream.write(b"0")
+        except (OSError, ValueError) as error:  # a zero byte in a name is no OSError
+            reason = getattr(error, "strerror", None) or error
+            raise FrameError(f"folder {folder}: cannot be written ({reason}); choose another") from error
+        finally:
+            for place in reversed(made):
+                with suppress(OSError):
+                    place.rmdir()
 
 
 def tried_file(path: str | Path) -> None:

@@ -1,7 +1,9 @@
 import json
 import os
+import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -121,3 +123,16 @@ def test_every_change_of_an_entry_is_noticed(tmp_path):
         path.write_bytes(damaged)
         with pytest.warns(DamageWarning, match="is damaged"):
             assert read_entry(path) is None
+
+
+def test_an_interruption_in_the_middle_of_a_trial_leaves_no_folder(tmp_path, monkeypatch):
+    made = Path.mkdir
+
+    def interrupted(path, *words, **more):
+        made(path, *words, **more)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr(Path, "mkdir", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        files.tried_folder(tmp_path / "a" / "b")
+    assert list(tmp_path.iterdir()) == []
