@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy.linalg import expm
 from scipy.signal import fftconvolve
 
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.model.kalman import Noise, discretise, noise_density
+from pounding.diagnosis.model.kalman import TABLE_NOISE_RATE, Noise, discretise, noise_density
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
@@ -136,6 +137,7 @@ def simulate(
 def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
     """Return the misfit that a perfect model would leave in each channel, (channels,): its and the inputs' noise.
 
+    What a fit takes for noise may be what its model lacks: no channel has more than it shows where nothing moves it.
     Contact forces are as uncertain as their contact events say in runs that were not fitted.
 
     Args:
@@ -147,13 +149,39 @@ def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
     for number, noise in zip(runs, expected_noise(model, filtered, runs), strict=True):
         run = model.observed.runs[number]
         rms = np.nan_to_num(model.observed.rms(run))
-        own = np.where(np.isfinite(noise.channel), noise.channel, 0.0)
-        carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * noise.table
+        known = np.isfinite(noise.channel)
+        own = np.where(known, np.fmin(noise.channel, run.largest_noise), 0.0)
+        shaken = min(noise.table, run.largest_table_noise)
+        carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * shaken
+        carried = carried * _held(model, filtered, number, shaken)
         pushed = 0.0 if number in filtered.runs else contact_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
         total = total + len(run.table) * rms**2
     ratio = np.divide(squares, total, out=np.full(np.shape(total), np.nan), where=np.asarray(total) > 0)
     return np.asarray(np.sqrt(ratio))
+
+
+def _held(model: Model, filtered: Filtered, number: int, table: float) -> np.ndarray:
+    """Return which part of the table's noise is carried on with the laws of the fit, each channel's rms, (channels,).
+
+    Friction that sticks and dampers carry less of it than the frame alone; both are simulated with noise and without.
+    """
+    if not model.assemble(filtered.values, filtered.effects).laws:
+        return np.ones(len(model.observed.names))
+    run = model.observed.runs[number]
+    white = table / np.sqrt(TABLE_NOISE_RATE * run.step_s / 2)
+    noisy = run.table + white * np.random.default_rng(number).standard_normal(len(run.table))
+    both = [
+        model.seeing(replace(model.observed, runs=(one,), contact_events=()))
+        for one in (run, replace(run, table=noisy))
+    ]
+    carried = []
+    for effects in (filtered.effects, ()):
+        values = filtered.values[: len(both[0].std)]
+        quiet, shaken = (simulate(one, values, effects, [0])[0] for one in both)
+        carried.append(root_mean_square(levelled(model, shaken - quiet, run.step_s)))
+    ratio = np.divide(carried[0], carried[1], out=np.ones(len(carried[0])), where=carried[1] > 0)
+    return np.asarray(ratio)
 
 
 def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:

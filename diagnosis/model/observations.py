@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -10,6 +11,8 @@ from scipy.interpolate import CubicSpline
 from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.kalman import TABLE_NOISE_RATE
+from pounding.diagnosis.model.noise import largest_noise
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
     ACCELERATION,
@@ -52,6 +55,21 @@ class RunData:
     contact: np.ndarray
     fine_contact: np.ndarray | None = None
     fine_step_s: float = 0.0
+
+    @cached_property
+    def largest_noise(self) -> np.ndarray:
+        """The largest noise that each channel can have in SI, shape (channels,); infinite where samples were made fewer."""
+        if self.fine_contact is not None:
+            return np.full(self.measured.shape[1], np.inf)
+        return np.array([largest_noise(column, self.step_s, self.table) for column in self.measured.T])
+
+    @cached_property
+    def largest_table_noise(self) -> float:
+        """The largest noise that the table's channel can have [m/s^2], as slow as the model's table noise is."""
+        if self.fine_contact is not None:
+            return float("inf")
+        white = largest_noise(self.table, self.step_s, self.table)
+        return float(white * np.sqrt(TABLE_NOISE_RATE * self.step_s / 2))
 
     def contact_at(self, times_s: np.ndarray, column: int) -> np.ndarray:
         """Return a contact force [N] at times [s] from the start of the run."""
