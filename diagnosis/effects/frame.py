@@ -164,25 +164,41 @@ class AddedMass(FrameEffect):
         assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
 
 
+DRAG_RATE = 0.1
+"""Rate [m/s] at which a drag of another power is as large as that of the second; about the floors' on a shaking table."""
+POWER_SPREAD = 0.1
+"""Share of the prior's width, that of a logarithm, by which the power of the rate may depart from the second."""
+
+
 @memoryless
 def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v abs(v): p0 the drag [N s^2/m^2], v a floor's rate in the room."""
-    return p[0] * v * abs(v)
+    """Return p0 v abs(v) at the rate `DRAG_RATE`, growing by another power p1 of the rate; p0 the drag [N s^2/m^2]."""
+    force: float = p[0] * v * DRAG_RATE * (abs(v) / DRAG_RATE) ** (p[1] - 1.0)
+    return force
 
 
 @CATALOGUE.add
 @dataclass(frozen=True)
 class AirDrag(LawEffect, FrameEffect):
-    """Drag c w abs(w) on each floor."""
+    """Drag c w abs(w) on each floor.
+
+    Real drag grows by a power near the second, and the air may move with the table: the power and the table's share in the
+    rate are refined with the rest.
+    """
 
     name = "air_drag"
     law = drag
-    quantities = (Quantity("coefficient", "N s^2/m^2", logarithmic=True),)
+    quantities = (
+        Quantity("coefficient", "N s^2/m^2", logarithmic=True),
+        Quantity("power", "1", reported=False, logarithmic=True),
+        Quantity("table_share", "1", reported=False),
+    )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$-c\,w\lvert w\rvert$ on each floor",
+        r"$-c\,w\lvert w\rvert$ on each floor; the power of $w$ (near 2) and whether the air moves with the table are "
+        "refined and not reported",
         "`damping_change`, `coulomb_friction`",
         relation("floors", "floor velocity", "force", nothing, lambda x: x * abs(x)),
     )
@@ -194,9 +210,18 @@ class AirDrag(LawEffect, FrameEffect):
         return 0.2 * inertia / float(np.mean(scales.rate[span] ** 2))
 
     def placed(self, model: Model, numbers: tuple[float, ...]) -> list[PlacedLaw]:
-        """Return the drag of every floor in the room."""
+        """Return the drag of every floor, in the room or partly beside the table."""
         rows = np.eye(model.structure.floors)[self.span(model)]
-        return [PlacedLaw(drag, row, numbers, in_room=True) for row in rows]
+        return [PlacedLaw(drag, row, numbers[:2], in_room=numbers[2]) for row in rows]
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the coefficient, and what leaves power and rate as they are."""
+        return np.array([amplitude, 1.0, 1.0])
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return coefficient, power and the table's share."""
+        power = 2.0 * float(values[1]) ** POWER_SPREAD
+        return (abs(float(values[0])), power, min(max(float(values[2]), 0.0), 1.0))
 
 
 @CATALOGUE.add

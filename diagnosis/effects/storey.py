@@ -17,7 +17,10 @@ from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness
 
 SHARPNESS = 8.0
 SHARPEST = 30.0
-"""Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite."""
+UNLOADING_SPREAD = 0.3
+LARGEST_UNLOADING = 0.9
+"""Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite; how much softer
+it may unload, as a share of the prior's width, that of a logarithm, and at most."""
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
 STICKING_RATIO = 0.3
@@ -172,11 +175,11 @@ class CubicStiffness(StoreyEffect):
 
 
 @njit(cache=True, error_model="numpy")
-def _stiff_share(force: float, limit: float, sharpness: float, step: float) -> float:
+def _stiff_share(force: float, limit: float, sharpness: float, unloading: float, step: float) -> float:
     """Return which share of the elastic stiffness is left at a force that changes by `step`."""
-    if force * step <= 0.0:
-        return 1.0
     lost: float = min(abs(force) / limit, 1.0) ** sharpness
+    if force * step <= 0.0:
+        return 1.0 - unloading * lost
     return max(1.0 - lost, 0.0)
 
 
@@ -185,11 +188,11 @@ def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numb
     """Return what a part of a storey that yields with a rounded knee lacks of its elastic force.
 
     It remembers its force and the drift (Bouc 1967, Wen 1976, by the midpoint rule). p: yield force [N], elastic
-    stiffness [N/m], sharpness of the knee.
+    stiffness [N/m], sharpness of the knee, share of the elastic stiffness that is lost as unloading begins.
     """
     first, step = state[0], p[1] * (d - state[1])
-    middle = first + 0.5 * step * _stiff_share(first, p[0], p[2], step)
-    force = first + step * _stiff_share(middle, p[0], p[2], step)
+    middle = first + 0.5 * step * _stiff_share(first, p[0], p[2], p[3], step)
+    force = first + step * _stiff_share(middle, p[0], p[2], p[3], step)
     new[0], new[1] = min(max(force, -p[0]), p[0]), d
     return new[0] - p[1] * d
 
@@ -199,7 +202,7 @@ def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numb
 class Hysteresis(StoreyEffect):
     """A part k_y of the storey's stiffness yields at F_y; small motions feel nothing of it.
 
-    How sharp the knee is no catalogue says, so the exponent of Bouc and Wen is refined with the rest.
+    How sharp the knee is and how it unloads no catalogue says, so both parameters of Bouc and Wen are refined with the rest.
     """
 
     name = "hysteresis"
@@ -209,15 +212,16 @@ class Hysteresis(StoreyEffect):
         Quantity("yield_force", "N", logarithmic=True),
         Quantity("stiffness", "N/m", logarithmic=True),
         Quantity("sharpness", "1", reported=False, logarithmic=True),
+        Quantity("unloading", "1", reported=False, logarithmic=True),
     )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
         "a part $k_y$ of the storey's stiffness yields at $F_y$; small motions feel nothing of it; how sharp its knee is "
-        "(Bouc and Wen's exponent) is refined and not reported",
+        "(Bouc and Wen's exponent) and how it unloads are refined and not reported",
         "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
-        loop(yielding, 0.25, 0.6, 8.0),
+        loop(yielding, 0.25, 0.6, 8.0, 0.0),
         told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
     )
 
@@ -236,12 +240,13 @@ class Hysteresis(StoreyEffect):
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return yield force, stiffness and the sharpness of the knee."""
-        return np.array([amplitude * shape[0], amplitude, SHARPNESS])
+        return np.array([amplitude * shape[0], amplitude, SHARPNESS, 1.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the yielding part less its elastic force."""
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
-        return (abs(float(values[0])), abs(float(values[1])), sharpness)
+        unloading = min(max(UNLOADING_SPREAD * float(np.log(abs(values[3]))), -1.0), LARGEST_UNLOADING)
+        return (abs(float(values[0])), abs(float(values[1])), sharpness, unloading)
 
 
 @memoryless

@@ -94,13 +94,13 @@ class PlacedLaw:
         law: The law.
         row: What the floors' displacements contribute to the drift on which it acts, shape (floors,).
         parameters: Its parameters in SI; NaN stands for the end of a run.
-        in_room: Whether the rate on which it acts is that in the room, the table's included, not that of the drift alone.
+        in_room: Share of the table's rate in that on which it acts: one for the rate in the room, none for the drift's.
     """
 
     law: Law
     row: np.ndarray
     parameters: tuple[float, ...]
-    in_room: bool = False
+    in_room: float = 0.0
 
 
 def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:

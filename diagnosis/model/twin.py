@@ -308,7 +308,7 @@ class _Addition:
         ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
         self._connectors = [
             _LawConnector(
-                mbs, _ends(body, ground, one.row), one, self._end_s, self._table_rate if one.in_room else None
+                mbs, _ends(body, ground, one.row), one, self._end_s, _partly(self._table_rate, one.in_room)
             )
             for one in self._laws
         ]
@@ -337,6 +337,11 @@ class _Addition:
         marker = body.marker(floor + 1)
         mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=load))
         return load
+
+
+def _partly(series: Series, share: float) -> Series | None:
+    """Return a share of a series, None where it is nothing."""
+    return (lambda t: share * series(t)) if share else None
 
 
 def _ends(body: Any, ground: int, row: np.ndarray) -> tuple[int, int]:
