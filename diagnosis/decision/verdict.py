@@ -9,7 +9,7 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import by_frame, over_floor
-from pounding.diagnosis.inference.model_checks import model_checks
+from pounding.diagnosis.inference.model_checks import model_checks, strained
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -22,20 +22,15 @@ def decide(found: Findings) -> Decision:
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not found.plain(single[0], signal_to_noise(found, single[0])):
         objections = _model_checks(found, found.null)
-        if objections or remaining(found, found.null) > _unexplained(found):
+        if objections or remaining(found, found.null) > unexplained_from(found):
             return Decision("unknown_effect", single[0] if single else found.null, (), objections)
         return Decision("nothing_missing", found.null)
-    chosen = _listed(single)
+    chosen = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and _worth(found, chosen, doubles[0]):
         chosen = doubles[0]
     objections = _model_checks(found, chosen)
-    if (
-        any(effect.rival for effect in chosen.effects)
-        or objections
-        or not _explained(found, chosen)
-        or _spread(chosen)
-    ):
+    if not _holds(found, chosen, objections):
         return Decision("unknown_effect", chosen, (), objections)
     alike = tuple(
         other
@@ -45,14 +40,18 @@ def decide(found: Findings) -> Decision:
         and not other.effects[0].rival
         and other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike
     )
-    return Decision("effect_class" if alike else "effect_named", chosen, alike)
+    return Decision("effect_class" if alike else "effect_named", chosen, alike, objections)
 
 
-def _listed(single: list[Judged]) -> Judged:
-    """Return the best single effect; one of the catalogue where a rival is not told from it."""
+def _listed(found: Findings, single: list[Judged]) -> Judged:
+    """Return the best single effect; one of the catalogue where no rival is likelier and explains clearly more."""
     catalogue = [one for one in single if not one.effects[0].rival]
-    near = catalogue and catalogue[0].ln_bayes > single[0].ln_bayes - SETTINGS.decision.rival
-    return catalogue[0] if near else single[0]
+    if not catalogue or catalogue[0] is single[0]:
+        return single[0]
+    near = catalogue[0].ln_bayes > single[0].ln_bayes - SETTINGS.decision.rival
+    left = [1.0 - explained(found, one, 1.0) for one in (catalogue[0], single[0])]
+    settled = remaining(found, catalogue[0]) < unexplained_from(found)
+    return catalogue[0] if near or settled or left[1] > SETTINGS.decision.rival_left * left[0] else single[0]
 
 
 def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
@@ -63,7 +62,8 @@ def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
     return tuple(said) if pushed is None else (*said, pushed.sentence())
 
 
-def _unexplained(found: Findings) -> float:
+def unexplained_from(found: Findings) -> float:
+    """Return the misfit over the noise floor from which on something remains to be explained."""
     return SETTINGS.pair_decision.blind_unexplained if _blind(found) else SETTINGS.decision.unexplained
 
 
@@ -71,14 +71,20 @@ def _blind(found: Findings) -> bool:
     return found.pair is not None and found.pair.blind
 
 
-def _explained(found: Findings, judged: Judged) -> bool:
-    """Return whether effects explain enough of the misfit on runs that they were not fitted to."""
-    left = remaining(found, judged)
-    if left < _unexplained(found):
+def _holds(found: Findings, judged: Judged, objections: tuple[str, ...]) -> bool:
+    """Return whether effects are what is missing, whatever remains beside them.
+
+    They must explain the larger part of what can be explained on runs that they were not fitted to, and more where
+    something else is known to act as well.
+    """
+    if any(effect.rival for effect in judged.effects) or strained(found.model, judged.fit.filtered):
+        return False
+    if _spread(judged):
+        return False
+    if not objections and remaining(found, judged) < unexplained_from(found):
         return True
     needs = SETTINGS.decision
-    least = needs.mostly_explained if left > needs.much_left else needs.explained
-    return explained(found, judged, 1.0) >= least
+    return explained(found, judged, 1.0) >= (needs.explained if objections else needs.larger_part)
 
 
 def _spread(judged: Judged) -> bool:

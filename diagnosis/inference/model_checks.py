@@ -20,7 +20,7 @@ MAINS_HZ = (50.0, 60.0)
 
 def model_checks(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each thing that a fitted model cannot have right, nothing if it may be right."""
-    return [*_strained(model, filtered), *_tones(model, filtered)]
+    return [*strained(model, filtered), *_tones(model, filtered)]
 
 
 def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
@@ -34,7 +34,8 @@ def bent(model: Model, filtered: Filtered) -> bool:
     return bool(chi2.sf(*strain(model, filtered)) < SETTINGS.checks.bent)
 
 
-def _strained(model: Model, filtered: Filtered) -> list[str]:
+def strained(model: Model, filtered: Filtered) -> list[str]:
+    """Return a sentence if stiffness and mass of a fitted model are those of another frame, nothing if not."""
     squares, count = strain(model, filtered)
     if chi2.sf(squares, count) > SETTINGS.checks.strained:
         return []
