@@ -11,17 +11,11 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.claims import Parameter, Place, fields, place_of
 from pounding.diagnosis.decision.conclusion import parameters
 from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.evidence import Score, Scores
-from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import simulate
-from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.observations import root_mean_square
 
-PROBE = 0.1
-"""Prior standard deviations by which a nuisance parameter is moved to see what it does to the channels."""
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
 """How often an amplitude that is not yet seen is raised, and at most by which factor."""
@@ -63,7 +57,7 @@ class Detectability(Struct, frozen=True, kw_only=True):
     worst: Sized | None
 
 
-def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectability]:
+def smallest(case: Case, found: Findings, decision: Decision, sight: Sight) -> list[Detectability]:
     """Return for each effect of the catalogue how small it may be and still be found, at its best and worst place.
 
     Two things must be reached (see `decision.verdict.decide`): the evidence, which grows with the square of the
@@ -74,9 +68,8 @@ def smallest(case: Case, found: Findings, decision: Decision) -> list[Detectabil
         case: The case, for the units of its channels.
         found: What was found.
         decision: The verdict; the effects in it are part of the model about which this is worked out.
+        sight: What changes of that model do to the channels.
     """
-    filtered = decision.judged.fit.filtered
-    sight = _Sight.of(found, filtered)
     kinds: dict[str, list[Smallest | None]] = {}
     for one, scores in _scores(found, decision):
         kinds.setdefault(one.effect.name, []).append(_least(found, one, scores, sight))
@@ -106,7 +99,7 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
     return [(one, scores) for one, scores in about if not one.effect.rival]
 
 
-def _least(found: Findings, one: Score, scores: Scores, sight: _Sight) -> Smallest | None:
+def _least(found: Findings, one: Score, scores: Scores, sight: Sight) -> Smallest | None:
     effect, model = one.effect, found.model
     ln_bayes, size = found.thresholds(effect.absorbing)
     shapes = effect.grid(found.sizes)
@@ -148,50 +141,3 @@ def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]
         best=sized(shown[0]) if shown else None,
         worst=sized(shown[-1]) if shown and len(shown) == len(places) else None,
     )
-
-
-@dataclass(frozen=True)
-class _Sight:
-    """What changes of the model do to the channels of the strongest run, in units of their noise."""
-
-    model: Model
-    filtered: Filtered
-    run: int
-    output: np.ndarray
-    noise: np.ndarray
-    nuisance: np.ndarray
-    gram: np.ndarray
-
-    @classmethod
-    def of(cls, found: Findings, filtered: Filtered) -> _Sight:
-        model = found.model
-        run = max(
-            found.training, key=lambda number: float(root_mean_square(model.observed.runs[number].table))
-        )
-        rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=np.inf)
-        noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
-        noise = noise * np.sqrt(model.observed.slower)
-        output = simulate(model, filtered.values, filtered.effects, [run])[0]
-        columns = []
-        for number, std in enumerate(model.std):
-            moved = filtered.values.copy()
-            moved[number] += PROBE * std
-            changed = simulate(model, moved, filtered.effects, [run])[0]
-            columns.append(((changed - output) / noise).ravel() / PROBE)
-        nuisance = np.array(columns).T
-        return cls(model, filtered, run, output, noise, nuisance, nuisance.T @ nuisance)
-
-    def of_effect(self, effect: Effect, values: np.ndarray) -> float:
-        """Return the rms of what an effect adds to the channel where it shows most, in units of the noise."""
-        acting = [*self.filtered.effects, (effect, values)]
-        with np.errstate(over="ignore", invalid="ignore"):
-            changed = simulate(self.model, self.filtered.values, acting, [self.run])[0]
-        change = ((changed - self.output) / self.noise).ravel()
-        if not np.isfinite(change).all():
-            return 0.0
-        start = self.filtered.values / self.model.std
-        imitation = Coordinates.of(self.model, (), (), ()).posterior(())
-        left = change - self.nuisance @ imitation.step(
-            self.gram, self.nuisance.T @ change + start, start, 0.0
-        )
-        return float(root_mean_square(left.reshape(self.output.shape)).max())

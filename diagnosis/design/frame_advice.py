@@ -206,14 +206,14 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     run = replace(model.observed.runs[0], measured=made)
     model = model.seeing(replace(model.observed, runs=(run,)))
     known = other.filtered.noise[0]
-    noise = Noise(np.asarray(known.latent), known.table, one.noise)
+    noise = Noise(np.asarray(known.latent), known.table, one.noise, known.discrepancy)
     filtered = run_filter(
         model, model.carried(found.model, other.filtered.values), [noise], [0], other.filtered.effects
     )
     widths_of = [
         widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in other.effects
     ]
-    coordinates = Coordinates.of(model, other.effects, other.values, widths_of)
+    coordinates = Coordinates.of(model, other.effects, other.values, widths_of, discrepancy=known.discrepancy)
     histories = Histories(model, filtered, coordinates)
     columns = histories.effect_columns(coordinates.theta(filtered.values))[0]
     # A channel that only this measurement has brings gain and delay of its own: they are no part of the other's matrix.

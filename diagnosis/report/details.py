@@ -10,8 +10,10 @@ from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.design.advice import advice
 from pounding.diagnosis.design.detectability import smallest
 from pounding.diagnosis.design.distinguishing_tests import distinctions
+from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import channel_misfits, simulate
+from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.making import Made, Outputs
 from pounding.diagnosis.report.origin import origin
 from pounding.diagnosis.report.report import ChannelMisfit, Report, Threshold, Thresholds
@@ -26,12 +28,16 @@ def detailed(diagnosis: Diagnosis, made: Made) -> Report:
         training = msgspec.structs.replace(training, explained=training.share())
     if held_out is not None:
         held_out = msgspec.structs.replace(held_out, explained=held_out.share())
+    judged = diagnosis.decision.judged
+    sight = Sight.of(found, judged.fit.filtered)
     return msgspec.structs.replace(
         report,
+        remainder=remainder(found, judged, sight),
+        calibration=calibration(found, judged),
         misfit=msgspec.structs.replace(misfits, training=training, held_out=held_out),
         advice=tuple(advice(diagnosis)),
         channels=channels(diagnosis, made.outputs),
-        smallest_detectable=tuple(smallest(case, found, diagnosis.decision)),
+        smallest_detectable=tuple(smallest(case, found, diagnosis.decision, sight)),
         apart=tuple(distinctions(report.effects, _measured(found))),
         thresholds=_thresholds(found),
         origin=origin(case),

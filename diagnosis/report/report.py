@@ -6,6 +6,8 @@ it has but knows no number for is None, as everything that is not finite.
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 from msgspec import UNSET, Struct, UnsetType
 
@@ -19,6 +21,9 @@ from pounding.diagnosis.inference.misfit_map import Spot
 from pounding.diagnosis.settings import SETTINGS
 
 SCHEMA = 2
+
+LOGARITHMS = ("frame_damping", "mode_damping", "joint_stiffness")
+"""Parameters of the baseline model whose priors are those of a logarithm of a factor."""
 
 
 class Misfit(Struct, frozen=True, kw_only=True):
@@ -151,6 +156,26 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     prior_std: float | None
     frame: str | None = None
     storey: int | None = None
+    floor: int | UnsetType = UNSET
+    mode: int | UnsetType = UNSET
+    channel: str | UnsetType = UNSET
+
+    def where(self) -> str:
+        """Return the place in words, for a table's cell."""
+        keys = ("storey", "floor", "mode", "channel")
+        words = [f"{key} {value}" for key in keys if isinstance(value := getattr(self, key), int | str)]
+        return " of ".join([*words, *([self.frame] if self.frame else [])]) or "the table"
+
+    def moved(self) -> float | None:
+        """Return by how many prior standard deviations it moved; None where it has no prior of its own."""
+        return None if self.prior_std is None else _departure(self) / self.prior_std
+
+
+def _departure(one: CalibratedParameter) -> float:
+    """Return by how much a parameter departs, as a logarithm where its prior is of one."""
+    if one.baseline and one.parameter in LOGARITHMS:
+        return math.log(one.calibrated / one.baseline)
+    return one.calibrated - one.baseline
 
 
 class Report(Struct, frozen=True, kw_only=True):

@@ -41,20 +41,32 @@ def _of_runs(report: Report) -> str:
     misfit, sure = report.misfit.judged, _sure(report)
     before, after, noise = (percent(getattr(misfit, key, None)) for key in ("before", "after", "noise_floor"))
     if report.verdict == "nothing_missing":
+        moved = storeys_that_moved(report)
+        beyond = f" beyond calibration, in which {moved}," if moved else ""
         return (
-            f"Nothing is missing that this data could show: the misfit {run} is {before}, "
+            f"Nothing is missing{beyond} that this data could show: the misfit {run} is {before}, "
             f"the noise floor {noise}{sure}."
         )
     if report.verdict == "unknown_effect":
         return (
             f"Something is missing, and nothing in the catalogue fits it: the misfit {run} is {before}, "
-            f"the noise floor {noise}{sure}."
+            f"{after} with the nearest of the catalogue, the noise floor {noise}{sure}."
         )
     names = " and ".join(effect.sized() for effect in together(report.effects))
     change = f"the misfit {run} {_moves(before, after)}, where noise alone leaves {noise}{_worst(report)}"
     if report.verdict == "effect_class":
         return f"Missing is {names}, or {_others(report.effects[0])}; {change}{sure}."
     return f"Missing is {names}; {change}{sure}."
+
+
+def storeys_that_moved(report: Report) -> str:
+    """Return in words which storeys the calibration took far from the baseline model, empty where it took none."""
+    return " and ".join(
+        f"storey {one.storey} of {one.frame} moved by {100 * (one.calibrated - 1):+.1f} ± {100 * (one.std or 0.0):.1f} % "
+        f"({abs(one.calibrated - 1) / one.prior_std:.1f} prior standard deviations)"
+        for one in report.calibration or ()
+        if one.parameter == "storey_stiffness" and one.prior_std
+    )
 
 
 def _of_modal_data(report: Report) -> str:

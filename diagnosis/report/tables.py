@@ -46,6 +46,8 @@ def _of_runs(report: Report) -> Iterator[RenderableType]:
         )
     if report.effects:
         yield _effects(report)
+    if report.remainder is not None:
+        yield Text(f"What remains: {report.remainder.statement}.")
     if report.where:
         title = "Where the baseline model disagrees most"
         spots = Table("channel", "run", "window [s]", "band [Hz]", "misfit", title=title)

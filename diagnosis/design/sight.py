@@ -1,0 +1,105 @@
+"""What changes of a model do to the channels: of its nuisance parameters, of an effect, of its discrepancy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.misfit import levelled, simulate
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import root_mean_square
+
+PROBE = 0.1
+"""Prior standard deviations by which a nuisance parameter is moved to see what it does to the channels."""
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What changes of a model do to the channels of the strongest run, in units of their noise.
+
+    Attributes:
+        model, filtered: The baseline model, and the fit about which it is changed.
+        run: Number of the run.
+        output: Its simulated channels in SI, shape (samples, channels).
+        noise: Noise of each channel in SI, shape (channels,); infinite where nothing was measured.
+        nuisance: What a prior standard deviation of each nuisance parameter adds, shape (samples * channels, nuisance).
+        gram: Information of it, shape (nuisance, nuisance).
+    """
+
+    model: Model
+    filtered: Filtered
+    run: int
+    output: np.ndarray
+    noise: np.ndarray
+    nuisance: np.ndarray
+    gram: np.ndarray
+
+    @classmethod
+    def of(cls, found: Findings, filtered: Filtered) -> Sight:
+        """Return what changes do about a fit."""
+        model = found.model
+        run = max(
+            found.training, key=lambda number: float(root_mean_square(model.observed.runs[number].table))
+        )
+        rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=np.inf)
+        noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
+        noise = noise * np.sqrt(model.observed.slower)
+        output = simulate(model, filtered.values, filtered.effects, [run])[0]
+        columns = []
+        spread = model.spread(filtered.discrepancy)
+        for number, std in enumerate(spread):
+            moved = filtered.values.copy()
+            moved[number] += PROBE * std
+            changed = simulate(model, moved, filtered.effects, [run])[0]
+            columns.append(((changed - output) / noise).ravel() / PROBE)
+        nuisance = np.array(columns).T
+        return cls(model, filtered, run, output, noise, nuisance, nuisance.T @ nuisance)
+
+    def of_effect(self, effect: Effect, values: np.ndarray) -> float:
+        """Return the rms of what an effect adds to the channel where it shows most, in units of the noise."""
+        acting = [*self.filtered.effects, (effect, values)]
+        with np.errstate(over="ignore", invalid="ignore"):
+            changed = simulate(self.model, self.filtered.values, acting, [self.run])[0]
+        change = ((changed - self.output) / self.noise).ravel()
+        if not np.isfinite(change).all():
+            return 0.0
+        scale = self.filtered.discrepancy
+        start = self.filtered.values / self.model.spread(scale)
+        imitation = Coordinates.of(self.model, (), (), (), discrepancy=scale).posterior(())
+        left = change - self.nuisance @ imitation.step(
+            self.gram, self.nuisance.T @ change + start, start, 0.0
+        )
+        return float(root_mean_square(left.reshape(self.output.shape)).max())
+
+    def discrepancy(self) -> float:
+        """Return how far the frame is from the model in ways that no parameter of a storey gives, as a share of the motion.
+
+        It is the rms of what the discrepancy adds after all other nuisance parameters imitated what they can, over that of
+        the motion, both in units of the channels' noise.
+        """
+        ours = self.model.discrepant
+        if not ours.any():
+            return 0.0
+        size = self.filtered.values / self.model.spread(self.filtered.discrepancy)
+        added, others = self.nuisance[:, ours] @ size[ours], self.nuisance[:, ~ours]
+        information = self.gram[np.ix_(~ours, ~ours)] + np.eye(int((~ours).sum()))
+        left = added - others @ np.linalg.solve(information, others.T @ added)
+        return float(np.sqrt(np.sum(left**2) / np.sum((self.output / self.noise) ** 2)))
+
+    def linear_share(self) -> float:
+        """Return which part of the power that remains above the noise other stiffness, mass and damping would take away."""
+        data = self.model.observed.runs[self.run]
+        left = levelled(self.model, data.measured - self.output, data.step_s) / self.noise
+        left = np.nan_to_num(left).ravel()
+        fitted, *_ = np.linalg.lstsq(self.nuisance, left, rcond=1e-8)
+        noise = float(np.isfinite(data.measured).sum())
+        above = float(left @ left) - noise
+        taken = (
+            float(left @ left) - float(np.sum((left - self.nuisance @ fitted) ** 2)) - self.nuisance.shape[1]
+        )
+        return taken / above if above > 0 else 1.0

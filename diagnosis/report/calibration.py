@@ -1,0 +1,124 @@
+"""What became of the baseline model: its parameters and frequencies before and after calibration, and what then remains."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pounding.diagnosis.decision.claims import finite
+from pounding.diagnosis.decision.verdict import remaining, unexplained_from
+from pounding.diagnosis.design.sight import Sight
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
+from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
+from pounding.diagnosis.settings import SETTINGS
+
+TIMES = ("table_delay", "channel_delay")
+"""Nuisance parameters that are times [s]; others are logarithms of a factor, or changes relative to one."""
+FREQUENCIES = 3
+"""How many frequencies of each frame are stated."""
+
+
+def calibration(found: Findings, judged: Judged) -> tuple[CalibratedParameter, ...]:
+    """Return the frames' frequencies and damping and every nuisance parameter that moved, before and after calibration.
+
+    Args:
+        found: What the search found.
+        judged: What the verdict rests on.
+    """
+    return (*_modal(found, judged.fit), *_moved(found, judged.fit))
+
+
+def _modal(found: Findings, fit: Fit) -> list[CalibratedParameter]:
+    model = found.model
+    before = model.plain_modes(model.assemble(np.zeros(len(model.std))))
+    after = model.plain_modes(model.assemble(fit.filtered.values))
+    shown = []
+    for number, frame in enumerate(model.structure.frames):
+        first = model.structure.first(number)
+        for mode in range(min(FREQUENCIES, frame.floors)):
+            hertz = [float(one.omega[first + mode]) / (2 * np.pi) for one in (before, after)]
+            ratios = [float(one.ratio[first + mode]) for one in (before, after)]
+            for name, (baseline, calibrated) in (("frequency_hz", hertz), ("damping_ratio", ratios)):
+                shown.append(
+                    CalibratedParameter(
+                        parameter=name, frame=frame.name, mode=mode + 1, baseline=baseline, calibrated=calibrated,
+                        std=None, prior_std=None,
+                    )
+                )  # fmt: skip
+    return shown
+
+
+def _moved(found: Findings, fit: Fit) -> list[CalibratedParameter]:
+    model = found.model
+    rows = zip(model.parameters, fit.filtered.values, fit.nuisance_std, strict=True)
+    return [
+        _entry(found, one, float(value), float(std))
+        for one, value, std in rows
+        if one.kind != MODAL_STIFFNESS and abs(value) > SETTINGS.report.moved * one.std
+    ]
+
+
+def _entry(found: Findings, one: Parameter, value: float, std: float) -> CalibratedParameter:
+    if one.kind in TIMES:
+        baseline, calibrated, factor = 0.0, value, 1.0
+    elif one.kind in LOGARITHMS:
+        baseline, calibrated, factor = 1.0, float(np.exp(value)), float(np.exp(value))
+    else:
+        baseline, calibrated, factor = 1.0, 1.0 + value, 1.0
+    return CalibratedParameter(
+        parameter=one.kind, baseline=baseline, calibrated=calibrated, std=factor * std, prior_std=one.std,
+        **_place(found, one),
+    )  # fmt: skip
+
+
+def _place(found: Findings, one: Parameter) -> dict[str, Any]:
+    """Return where a nuisance parameter is, as the report's keys."""
+    structure = found.model.structure
+    if one.kind.startswith("frame_") or one.kind == "joint_stiffness":
+        return {"frame": structure.frames[one.place].name}
+    if one.kind.startswith("channel_"):
+        return {"channel": found.model.observed.names[one.place]}
+    key = {
+        "storey_stiffness": "storey",
+        "base_stiffness": "storey",
+        "floor_mass": "floor",
+        "mode_damping": "mode",
+    }
+    if one.kind not in key:
+        return {}
+    frame, number = structure.place(one.place)
+    return {"frame": frame, key[one.kind]: number}
+
+
+def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
+    """Return what remains with everything claimed in the model: the discrepancy, and whether more than noise is left.
+
+    Args:
+        found: What the search found.
+        judged: What the verdict rests on.
+        sight: What changes of its model do to the channels.
+    """
+    size, left = sight.discrepancy(), remaining(found, judged)
+    said = (
+        f"the baseline model and the frame differ by {100 * size:.2g} % of the motion in ways that no single effect "
+        "explains"
+    )
+    if left < unexplained_from(found):
+        return Remainder(
+            p_value=None, linear=True, size=finite(size), statement=f"{said}; what is left is noise"
+        )
+    linear = sight.linear_share() > SETTINGS.report.linear
+    kind = (
+        "most of that a frame of other stiffness, mass or damping would explain: the model is not quite this frame"
+        if linear
+        else "no frame of other stiffness, mass or damping would explain it: another law, or another effect"
+    )
+    return Remainder(
+        p_value=None,
+        linear=linear,
+        size=finite(size),
+        statement=f"{said}; {left:.2g} noise floors are left, and {kind}",
+    )
