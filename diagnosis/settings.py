@@ -138,6 +138,8 @@ class Refinement:
     nuisance. Origin: chosen."""
     last: int = 6
     """[-] The last descent may have so many times as many steps. Origin: chosen."""
+    rescalings: int = 3
+    """[times] At most so often a refinement estimates the model discrepancy's scale again. Origin: chosen."""
     least_latent_n: float = 1e-4
     """[N] A smaller latent force is none. Origin: chosen."""
     likelier: float = 1.0
@@ -247,13 +249,14 @@ class Decision:
     Origin: chosen."""
     unexplained: float = 1.15
     """[noise floors] If a frame's remaining misfit is smaller, nothing is left to explain. Origin: chosen."""
+    rival_left: float = 0.5
+    """[share of what the best effect of the catalogue leaves] A rival that is better must leave less. Origin: chosen."""
+    larger_part: float = 0.5
+    """[share of the explainable misfit] If the effects explain less on held-out runs, they are not what is missing.
+    Origin: theory: the larger part."""
     explained: float = 0.8
-    """[share of the explainable misfit] If the effects explain less on held-out runs, something else is missing.
-    Origin: chosen."""
-    much_left: float = 2.5
-    """[noise floors] If more misfit remains, `mostly_explained` replaces `explained`. Origin: chosen."""
-    mostly_explained: float = 0.85
-    """[share of the explainable misfit] The share that effects must explain if much remains. Origin: chosen."""
+    """[share of the explainable misfit] The share that effects must explain if something else is known to act, such as
+    blows or a machine. Origin: chosen."""
     confident_left: float = 1.6
     """[noise floors] A channel with less misfit counts as wholly explained in the features of the confidence. Origin:
     chosen."""
@@ -528,6 +531,11 @@ class Report:
     """[noise floors] If more misfit remains, forces found from the motion are called poor. Origin: chosen."""
     worst_channel: float = 3.0
     """[median misfit] The misfit of the worst channel is stated too if it is larger. Origin: chosen."""
+    moved: float = 1.0
+    """[prior standard deviations] A nuisance parameter that the calibration moved further is listed. Origin: chosen."""
+    linear: float = 0.5
+    """[share of the power above the noise] What remains is called linear if other stiffness, mass and damping would take
+    away more of it. Origin: theory: the larger part."""
     like: float = 0.03
     """[-] A sensor's gain so near to that of another unit or polarity is called that. Origin: chosen."""
 

@@ -124,7 +124,9 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
 def _likely(model: Model, training: Sequence[int]) -> float:
     """Return the log posterior of calibrated frames."""
     filtered = calibrated(model, training)
-    return filtered.log_likelihood - 0.5 * float(np.sum((filtered.values / model.std) ** 2))
+    return filtered.log_likelihood - 0.5 * float(
+        np.sum((filtered.values / model.spread(filtered.discrepancy)) ** 2)
+    )
 
 
 def found_again(pair: Pair, training: Sequence[int]) -> Pair:

@@ -9,6 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior
+from pounding.diagnosis.model.kalman import DISCREPANCY
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -50,6 +51,7 @@ class Coordinates:
         values: Sequence[np.ndarray],
         widths: Sequence[np.ndarray],
         fixed: Sequence[tuple[Acting, np.ndarray]] = (),
+        discrepancy: float = DISCREPANCY,
     ) -> Coordinates:
         """Return the coordinates of nuisance parameters and effects.
 
@@ -59,6 +61,7 @@ class Coordinates:
             values: SI parameters of each effect about which logarithms are centred, each of shape (parameters,).
             widths: Prior standard deviations of these [SI], each of shape (parameters,); those of logarithms are not used.
             fixed: Other effects that act, each with its SI parameters, shape (parameters,), which stay.
+            discrepancy: Scale of the model discrepancy [-].
         """
         logarithmic = np.concatenate(
             [np.array(effect.logarithmic()) for effect in effects] or [np.zeros(0, bool)]
@@ -66,7 +69,7 @@ class Coordinates:
         start = np.concatenate([np.asarray(v, float) for v in values] or [np.zeros(0)])
         width = np.concatenate([np.asarray(w, float) for w in widths] or [np.zeros(0)])
         wide = np.where(logarithmic, LOG_WIDTH, width)
-        return cls(model.std, tuple(effects), start, wide, logarithmic, tuple(fixed))
+        return cls(model.spread(discrepancy), tuple(effects), start, wide, logarithmic, tuple(fixed))
 
     def theta(self, nuisance: np.ndarray) -> np.ndarray:
         """Return theta at nuisance parameters in their own units, shape (nuisance,), and the effects' start."""

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import logsumexp
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
+from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import Filtered, motions, run_signatures, whitened_innovations
 from pounding.diagnosis.inference.numbers import PROBE, Numbers
 from pounding.diagnosis.model.model import Model
@@ -107,26 +109,27 @@ def score(
     total = free + len(columns)
     gram, slope = np.zeros((total, total)), np.zeros(total)
     residuals = whitened_innovations(model, filtered)
+    spread = model.spread(filtered.discrepancy)
     for number, motion in enumerate(motions(model, filtered)):
         groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
         signature = run_signatures(model, filtered, number, groups)
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
-        signature = signature.astype(float) * np.concatenate([model.std, width])
+        signature = signature.astype(float) * np.concatenate([spread, width])
         if present:
-            nuisance = len(model.std)
+            nuisance = len(spread)
             signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])
         gram += signature.T @ signature
         slope += signature.T @ residuals[number]
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)
+        block[:, : len(spread)] *= spread / model.std
         if present:
-            block = np.hstack([block[:, : len(model.std)], present[-1], block[:, len(model.std) :]])
+            block = np.hstack([block[:, : len(spread)], present[-1], block[:, len(spread) :]])
         gram += block.T @ block
         slope += block.T @ numbers.residual(filtered.values, filtered.effects)
-    slope[: len(model.std)] -= filtered.values / model.std
-    return _rank(columns, width, gram, slope, free, model.std)
+    return _rank(model, filtered, columns, width, gram, slope, free)
 
 
 def _number_columns(
@@ -146,36 +149,91 @@ def _number_columns(
     return np.hstack([numbers.nuisance_columns(filtered.values, filtered.effects), np.array(found).T])
 
 
+@dataclass(frozen=True)
+class _AtScale:
+    """The columns scored with one scale of the model discrepancy.
+
+    `null` is the log evidence without them; the others have shape (columns,), `taken` (free, columns) in units of the priors
+    `spread` (nuisance,), `projected` (columns, columns).
+    """
+
+    null: float
+    amplitude: np.ndarray
+    information: np.ndarray
+    ln_bayes: np.ndarray
+    taken: np.ndarray
+    projected: np.ndarray
+    spread: np.ndarray
+
+
+def _at_scale(
+    model: Model, filtered: Filtered, gram: np.ndarray, slope: np.ndarray, free: int, scale: float
+) -> _AtScale:
+    """Return the scores with one scale of the discrepancy; `gram` and `slope` are in units of the filtered model's."""
+    by = wider(model.discrepant, len(gram), scale / filtered.discrepancy)
+    gram, slope, spread = gram * np.outer(by, by), slope * by, model.spread(scale)
+    start = np.zeros(free)
+    start[: len(spread)] = filtered.values / spread
+    information = gram[:free, :free] + np.eye(free)
+    pull = slope[:free] - start
+    moved = np.linalg.solve(information, np.column_stack([gram[:free, free:], pull]))
+    taken, step = moved[:, :-1], moved[:, -1]
+    null = (
+        0.5 * float(pull @ step) - 0.5 * float(start @ start) - 0.5 * float(np.linalg.slogdet(information)[1])
+    )
+    projected = gram[free:, free:] - gram[free:, :free] @ taken
+    known = np.maximum(np.diag(projected), 0.0)
+    pulled = slope[free:] - taken.T @ pull
+    return _AtScale(
+        null=null,
+        amplitude=pulled / (1 + known),
+        information=known,
+        ln_bayes=0.5 * pulled**2 / (1 + known) - 0.5 * np.log1p(known),
+        taken=taken,
+        projected=projected,
+        spread=spread,
+    )
+
+
 def _rank(
+    model: Model,
+    filtered: Filtered,
     columns: Sequence[tuple[Effect, tuple[float, ...]]],
     width: np.ndarray,
     gram: np.ndarray,
     slope: np.ndarray,
     free: int,
-    std: np.ndarray,
 ) -> Scores:
-    nuisance = gram[:free, :free] + np.eye(free)
-    taken = np.linalg.solve(nuisance, gram[:free, free:])
-    projected = gram[free:, free:] - gram[free:, :free] @ taken
-    pull = slope[free:] - taken.T @ slope[:free]
-    information = np.maximum(np.diag(projected), 0.0)
-    amplitude = pull / (1 + information)
-    ln_bayes = 0.5 * pull**2 / (1 + information) - 0.5 * np.log1p(information)
+    """Return the best column of each effect, its evidence averaged over the scales of the discrepancy, the best first."""
+    scales = SCALES if model.discrepant.any() else np.array([filtered.discrepancy])
+    each = [_at_scale(model, filtered, gram, slope, free, float(scale)) for scale in scales]
+    null = np.array([one.null for one in each])
+    signs = np.array([effect.sign for effect, _ in columns])
+    weighed = np.array([one.null + _allowed(one, signs) for one in each])
+    ln_bayes = logsumexp(weighed, axis=0) - logsumexp(null)
     best: dict[int, Score] = {}
     for column, (effect, shape) in enumerate(columns):
-        allowed = effect.sign == 0 or effect.sign * amplitude[column] > 0
+        likeliest = each[int(np.argmax(weighed[:, column]))]
+        amplitude = likeliest.amplitude[column]
+        nuisance = len(likeliest.spread)
         found = Score(
             effect=effect,
             shape=shape,
-            amplitude=float(amplitude[column] * width[column]),
-            std=float(width[column] / np.sqrt(1 + information[column])),
-            ln_bayes=float(ln_bayes[column])
-            if allowed
-            else float(min(ln_bayes[column], -0.5 * np.log1p(information[column]))),
+            amplitude=float(amplitude * width[column]),
+            std=float(width[column] / np.sqrt(1 + likeliest.information[column])),
+            ln_bayes=float(ln_bayes[column]),
             column=column,
-            nuisance=-taken[: len(std), column] * amplitude[column] * std,
+            nuisance=-likeliest.taken[:nuisance, column] * amplitude * likeliest.spread,
         )
         key = id(effect)
         if key not in best or found.ln_bayes > best[key].ln_bayes:
             best[key] = found
+    projected = each[int(np.argmax(null))].projected
     return Scores(sorted(best.values(), key=lambda s: -s.ln_bayes), projected)
+
+
+def _allowed(scored: _AtScale, signs: np.ndarray) -> np.ndarray:
+    """Return ln Bayes factors, what has the wrong sign being worth no more than its freedom costs, shape (columns,)."""
+    cost = -0.5 * np.log1p(scored.information)
+    wrong = (signs != 0) & (signs * scored.amplitude <= 0)
+    return np.where(wrong, np.minimum(scored.ln_bayes, cost), scored.ln_bayes)

@@ -40,6 +40,19 @@ class Filtered:
     log_likelihood: float
     runs: tuple[int, ...]
 
+    @property
+    def discrepancy(self) -> float:
+        """Scale of the model discrepancy [-]."""
+        return self.noise[0].discrepancy
+
+    def with_discrepancy(self, scale: float) -> Filtered:
+        """Return the same with another scale of the model discrepancy, which is only a prior's.
+
+        Args:
+            scale: The scale [-].
+        """
+        return replace(self, noise=tuple(replace(one, discrepancy=scale) for one in self.noise))
+
 
 def run_filter(
     model: Model,

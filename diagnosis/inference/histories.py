@@ -112,7 +112,7 @@ class Histories(Likelihood):
             model, filtered = self.model, self.filtered
             groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
             self._columns = [
-                columns * model.std.astype(columns.dtype)
+                columns * self.coordinates.scale.astype(columns.dtype)
                 for columns in grouped_signatures(model, filtered, groups)
             ]
         return self._columns

@@ -158,7 +158,8 @@ class NumbersTerm(Likelihood):
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield residuals and slopes."""
         if self._nuisance is None or not self._quick:
-            self._nuisance = self.numbers.nuisance_columns(
+            slopes = self.numbers.nuisance_columns(
                 self.coordinates.nuisance(theta), self.coordinates.acting(theta)
             )
+            self._nuisance = slopes * (self.coordinates.scale / self.numbers.model.std)
         yield self._residual(theta), np.hstack([self._nuisance, *self.effect_columns(theta)])

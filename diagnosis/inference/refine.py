@@ -9,6 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.discrepancy import gained_by_any_scale, likeliest_scale
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
@@ -25,6 +26,7 @@ class Fit:
         effects: The effects. values: SI parameters of each.
         std: Standard errors of those.
         filtered: The predictor with them.
+        nuisance_std: Standard errors of the nuisance parameters in their own units, shape (nuisance,).
         log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
     """
@@ -32,6 +34,7 @@ class Fit:
     effects: tuple[Effect, ...]
     values: tuple[np.ndarray, ...]
     std: tuple[np.ndarray, ...]
+    nuisance_std: np.ndarray
     filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
@@ -61,11 +64,14 @@ def refine(
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
     """
     usual = [np.maximum(np.abs(one), 1e-12) for one in values]
-    coordinates = Coordinates.of(model, effects, values, usual if widths is None else widths)
+    coordinates = Coordinates.of(
+        model, effects, values, usual if widths is None else widths, discrepancy=filtered.discrepancy
+    )
     theta = _start(model, filtered, coordinates, nuisance)
     current, theta = _descended(
         model, _at(model, filtered, coordinates, theta), coordinates, theta, iterations
     )
+    current, coordinates, theta = _rescaled(model, current, coordinates, theta)
     if not thorough:
         return _finished(model, current, coordinates, theta)
     while current.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
@@ -83,6 +89,12 @@ def refine(
         before = current.log_likelihood
         current, theta = _quieted(model, current, coordinates, theta, iterations)
         gained = current.log_likelihood - before
+    for _ in range(SETTINGS.refinement.rescalings):
+        before = current.discrepancy
+        current, coordinates, theta = _rescaled(model, current, coordinates, theta)
+        if current.discrepancy == before:
+            break
+        current, theta = _descended(model, current, coordinates, theta, SETTINGS.refinement.last * iterations)
     return _finished(model, current, coordinates, theta)
 
 
@@ -94,7 +106,7 @@ def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Fil
         filtered: Where to start.
         iterations: Largest number of Gauss-Newton steps.
     """
-    fixed = Coordinates.of(model, (), (), (), filtered.effects)
+    fixed = Coordinates.of(model, (), (), (), filtered.effects, filtered.discrepancy)
     return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations, SHORTENED)[0]
 
 
@@ -112,6 +124,23 @@ def _descended(
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.filtered, theta
+
+
+def _rescaled(
+    model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray
+) -> tuple[Filtered, Coordinates, np.ndarray]:
+    """Return the fit with the likeliest scale of the model discrepancy, its coordinates and theta in their units."""
+    if not model.discrepant.any():
+        return filtered, coordinates, theta
+    gram, slope = coordinates.posterior(_terms(model, filtered, coordinates)).normal_equations(theta)
+    scale = likeliest_scale(gram, slope, theta, model.discrepant, filtered.discrepancy)
+    if scale == filtered.discrepancy:
+        return filtered, coordinates, theta
+    moved = replace(coordinates, scale=model.spread(scale))
+    box = SETTINGS.refinement.box
+    own = np.clip(coordinates.nuisance(theta) / moved.scale, -box, box)
+    theta = np.concatenate([own, theta[len(own) :]])
+    return _at(model, filtered.with_discrepancy(scale), moved, theta), moved, theta
 
 
 def _terms(model: Model, filtered: Filtered, coordinates: Coordinates) -> list[Histories | NumbersTerm]:
@@ -189,16 +218,16 @@ def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
 def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray) -> Fit:
     terms = _terms(model, filtered, coordinates)
     posterior = coordinates.posterior(terms)
-    gram, _ = posterior.normal_equations(theta)
+    gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
-    spread = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))[own:] * np.abs(
-        coordinates.slopes(theta)
-    )
+    any_scale = gained_by_any_scale(gram, slope, theta, model.discrepant, filtered.discrepancy)
+    known = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(theta),
-        std=coordinates.split(spread),
+        std=coordinates.split(known[own:] * np.abs(coordinates.slopes(theta))),
+        nuisance_std=known[:own] * coordinates.scale,
         filtered=filtered,
-        log_posterior=posterior.log_evidence(theta, gram),
+        log_posterior=posterior.log_evidence(theta, gram) + any_scale,
         columns=tuple(column for term in terms for column in term.effect_columns(theta)),
     )

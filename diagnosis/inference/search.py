@@ -150,7 +150,7 @@ def _refined(
     width = widths(model, effect, found.sizes, one.shape)
     if with_fit is not None:
         before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        limit = SETTINGS.refinement.box * model.std
+        limit = SETTINGS.refinement.box * model.spread(filtered.discrepancy)
         moved = np.clip(filtered.values + one.nuisance, -limit, limit)
         return refine(
             model,
@@ -179,7 +179,7 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
         tried += [(shape, 1.0) for shape in nearest[1 : 1 + SETTINGS.search.start_shapes]]
     scanned = effect.near(one.shape)
     tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
-    limit = SETTINGS.refinement.box * model.std
+    limit = SETTINGS.refinement.box * model.spread(filtered.discrepancy)
     starts: list[tuple[np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)

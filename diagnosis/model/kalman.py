@@ -25,19 +25,26 @@ TABLE_NOISE_RATE = 2 * np.pi * 80.0
 """[1/s] corner of the latent forces and of the table channel's noise."""
 
 
+DISCREPANCY = 0.0032
+"""Scale of the model discrepancy where nothing is known of it yet (see `Noise`)."""
+
+
 @dataclass(frozen=True)
 class Noise:
-    """What is not deterministic.
+    """What is not known, as standard deviations.
 
     Attributes:
         latent: Standard deviation of each storey's latent force [N], shape (storeys,).
         table: Standard deviation of the table channel's noise [m/s^2].
         channel: Standard deviation of each channel's noise in SI, shape (channels,); infinite where not measured.
+        discrepancy: Standard deviation of what no storey parameter explains in the stiffness between the frame's modes,
+            relative to these modes' own [-]. It is that of the frame, the same in all runs.
     """
 
     latent: np.ndarray
     table: float
     channel: np.ndarray
+    discrepancy: float = DISCREPANCY
 
 
 @dataclass(frozen=True)

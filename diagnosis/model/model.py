@@ -12,9 +12,15 @@ from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.calling import PARAMETERS
-from pounding.diagnosis.model.kalman import LATENT_RATE, TABLE_NOISE_RATE, LinearSystem, linear_system
+from pounding.diagnosis.model.kalman import (
+    DISCREPANCY,
+    LATENT_RATE,
+    TABLE_NOISE_RATE,
+    LinearSystem,
+    linear_system,
+)
 from pounding.diagnosis.model.laws import filled
-from pounding.diagnosis.model.nuisance import Assembly, nuisance_parameters, vary
+from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
@@ -62,11 +68,20 @@ class Model:
         self.prior = prior
         self.parameters = nuisance_parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
+        self.discrepant = np.array([parameter.kind == MODAL_STIFFNESS for parameter in self.parameters], bool)
         self._splines = [
             CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
         self._own: np.ndarray | None = None
+
+    def spread(self, discrepancy: float) -> np.ndarray:
+        """Return the prior standard deviations of the nuisance parameters in their own units, shape (nuisance,).
+
+        Args:
+            discrepancy: Scale of the model discrepancy [-].
+        """
+        return np.asarray(np.where(self.discrepant, discrepancy / DISCREPANCY, 1.0) * self.std)
 
     def at_frame(self, frame: int) -> np.ndarray:
         """Return which channels sit on a frame (its number), shape (channels,); the first one has the table's, too."""
@@ -379,4 +394,4 @@ def _laws(
         rows[j] = one.row @ modes.floors
         parameters[j] = filled(one.parameters, end)
     laws = np.array([one.law.address for one in placed], np.int64)
-    return laws, rows, np.array([float(one.in_room) for one in placed]), parameters
+    return laws, rows, np.array([one.in_room for one in placed], float), parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.model.kalman import DISCREPANCY
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.storeys import Structure
@@ -26,6 +27,10 @@ JOINT_STIFFNESS = 0.05
 """The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
 rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
 models that agree in all frequencies differ in both."""
+
+
+MODAL_STIFFNESS = "modal_stiffness"
+"""Kind of the parameters of the model discrepancy, whose prior's scale is estimated (`inference.discrepancy`)."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +102,10 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
         Parameter("mode_damping", mode, (COMMON_DAMPING if mode in first else higher) * prior.damping_ratio)
         for mode in range(floors)
     ]
+    if observed.runs:
+        # Real frames are never quite the model; only histories can tell by how much.
+        count = len(structure.discrepancies)
+        found += [Parameter(MODAL_STIFFNESS, number, DISCREPANCY) for number in range(count)]
     found += [Parameter("table_gain", 0, prior.table_gain)]
     found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
     channels = range(len(observed.names))
@@ -131,6 +140,11 @@ def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value:
     elif kind == "joint_stiffness":
         span, derivative = structure.span(place), structure.frames[place].joint_derivative
         assembly.stiffness[span, span] += value * np.asarray(derivative)
+    elif kind == MODAL_STIFFNESS:
+        number, one, other = structure.discrepancies[place]
+        span, rows = structure.span(number), structure.frames[number].modal_rows
+        both = value * np.outer(rows[one], rows[other])
+        assembly.stiffness[span, span] += both if one == other else both + both.T
     elif kind == "floor_mass":
         assembly.mass[place, place] += value * floor_mass(structure, place)
     elif kind == "table_gain":

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 
+DISCREPANT_MODES = 6
+"""Lowest modes of a frame whose stiffness may differ from the model's in ways that no storey gives."""
+
+
 @dataclass(frozen=True)
 class StoreyFrame:
     """One frame condensed to its floors.
@@ -66,6 +70,22 @@ class StoreyFrame:
             return np.asarray(self.patterns[storey])
         row = self.drift[storey]
         return float(self.storey_stiffness[storey]) * np.outer(row, row)
+
+    @cached_property
+    def modal_rows(self) -> np.ndarray:
+        """Rows that turn floor displacements into the lowest modes' displacements times their frequencies.
+
+        Mass-normalised, [kg^0.5 rad/s], shape (modes, floors); the modes are those of `discrepancies`.
+        """
+        squares, shapes = eigh(self.stiffness, self.mass)
+        rows = np.sqrt(np.maximum(squares, 0.0))[:, None] * (self.mass @ shapes).T
+        return np.asarray(rows[:DISCREPANT_MODES])
+
+    @property
+    def discrepancies(self) -> list[tuple[int, int]]:
+        """Pairs of modes (from 0) between which the stiffness may be other than the model's, a mode with itself included."""
+        modes = range(min(self.floors, DISCREPANT_MODES))
+        return [(one, other) for one in modes for other in modes if one <= other]
 
     @property
     def floor_mass(self) -> np.ndarray:
@@ -163,6 +183,15 @@ class Structure:
     def index(self, name: str) -> int:
         """Return the number of the frame of that name."""
         return [frame.name for frame in self.frames].index(name)
+
+    @cached_property
+    def discrepancies(self) -> list[tuple[int, int, int]]:
+        """Frame and pair of modes (all from 0) of each number by which its stiffness may be other than the model's."""
+        return [
+            (number, one, other)
+            for number, frame in enumerate(self.frames)
+            for one, other in frame.discrepancies
+        ]
 
     def place(self, storey: int) -> tuple[str, int]:
         """Return frame and storey (or floor) number from 1 of an index among all."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import floor_mass, storey_pattern
+from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, floor_mass, storey_pattern
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
@@ -74,6 +74,8 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
     structure = model.structure
     if kind in ("storey_stiffness", "base_stiffness"):
         return pattern_terms(motion, storey_pattern(structure, place), shapes)
+    if kind == MODAL_STIFFNESS:
+        return _modal_terms(model, motion, shapes, place)
     if kind == "frame_stiffness":
         span = structure.span(place)
         return matrix_terms(motion, structure.frames[place].stiffness, shapes, span)
@@ -100,6 +102,17 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
     if kind == "channel_offset":
         return [channel_term(model, place, np.ones(len(motion.outputs)))]
     return [channel_term(model, place, -motion.output_rate[:, place])]
+
+
+def _modal_terms(model: Model, motion: Motion, shapes: np.ndarray, place: int) -> list[Term]:
+    """Return the terms of a unit stiffness between two modes of the baseline frame."""
+    number, one, other = model.structure.discrepancies[place]
+    span, rows = model.structure.span(number), model.structure.frames[number].modal_rows
+    each = [(one, other)] if one == other else [(one, other), (other, one)]
+    return [
+        force_term(motion, lambda m, j=j: -(m.floor[:, span] @ rows[j]), rows[i] @ shapes[span])  # type: ignore[misc]
+        for i, j in each
+    ]
 
 
 def law_term(motion: Motion, modes: Modes, placed: PlacedLaw) -> Term:
