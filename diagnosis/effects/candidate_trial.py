@@ -1,4 +1,4 @@
-"""A file of the user's candidates is tried in a process of its own first: compiled code that loops cannot be stopped in this."""
+"""A file of the user's candidates is tried in a process of its own first, where compiled code that loops can be stopped."""
 
 from __future__ import annotations
 
