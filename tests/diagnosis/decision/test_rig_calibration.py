@@ -28,6 +28,7 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.search import search
+from pounding.frames.files import DamageWarning, sealed
 from tests.diagnosis.models import measured
 
 CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffness" and one.storey == 2)
@@ -109,17 +110,44 @@ def test_kept_outcomes_of_before_are_read_and_what_is_none_is_simulated_anew(tmp
     ]
     kept = tmp_path / "kept.jsonl"
     # The last line was cut off by an interruption.
-    kept.write_text("\n".join(json.dumps(line) for line in lines) + '\n{"number": 5, "tru')
-    first, second = read_outcomes(kept)
+    kept.write_bytes(b"".join(sealed(json.dumps(line).encode()) for line in lines) + b'{"sha256": "77')
+    with pytest.warns(DamageWarning, match=r"kept.jsonl is damaged"):
+        first, second = read_outcomes(kept)
     assert (first.number, second.number) == (0, 1)
     assert first.features == second.features
 
     def simulate(number: int) -> Outcome:
         return replace(first, number=number)
 
-    again = calibrate(simulate, kept, cases=6, workers=1)
+    with pytest.warns(DamageWarning):
+        again = calibrate(simulate, kept, cases=6, workers=1)
     assert [one.number for one in again] == list(range(6))
     assert calibrate(lambda number: pytest.fail("all are kept"), kept, cases=6, workers=1) == again
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(b'"right": true', b'"right": false'), (b'"number": 1', b'"number": 7')]
+)
+def test_a_damaged_line_is_told_and_its_case_is_simulated_anew(
+    found: Findings, tmp_path: Path, before: bytes, after: bytes
+) -> None:
+    kept, whole = tmp_path / "kept.jsonl", outcomes(found, 3, 3)
+    calibrate(whole.__getitem__, kept, cases=3, workers=1)
+    assert read_outcomes(kept) == whole
+    lines = kept.read_bytes().splitlines(keepends=True)
+    lines[1] = lines[1].replace(before, after)
+    kept.write_bytes(b"".join(lines))
+    asked: list[int] = []
+
+    def simulate(number: int) -> Outcome:
+        asked.append(number)
+        return whole[number]
+
+    with pytest.warns(DamageWarning, match=r"kept.jsonl is damaged: what it kept is made anew"):
+        assert calibrate(simulate, kept, cases=3, workers=1) == whole
+    assert asked == [1]
+    # The damaged line is gone.
+    assert sorted(read_outcomes(kept), key=lambda one: one.number) == whole
 
 
 def test_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:
