@@ -26,6 +26,7 @@ from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.settings import SETTINGS
+from pounding.experiments.console.estimates import remaining
 from pounding.experiments.results.provenance import software_version
 from pounding.extras import extra_module
 from pounding.frames.files import sealed, tell_damage, unsealed, write_whole
@@ -74,7 +75,9 @@ def calibrate(
     began = monotonic()
     with joblib.Parallel(n_jobs=workers) as parallel, path.open("ab") as kept:
         while missing and monotonic() - began < 60 * minutes:
-            progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
+            spent = monotonic() - began
+            left = remaining(spent, len(done) - len(known), len(missing), 60 * minutes - spent)
+            progress(f"calibrating on this rig, {len(done)} of {cases} cases{left}", len(done) / cases)
             numbers, missing = missing[:workers], missing[workers:]
             for outcome in parallel(joblib.delayed(simulate)(number) for number in numbers):
                 done.append(outcome)
