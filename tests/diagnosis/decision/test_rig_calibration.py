@@ -179,7 +179,7 @@ def test_a_calibration_is_announced(
     write_case(case_of(measured(samples=50, runs=2).observed), tmp_path)
 
     def stopped(*_args: object, **_options: object) -> None:
-        raise KeyboardInterrupt
+        raise CaseError("enough")
 
     monkeypatch.setattr(workflow, "diagnose", stopped)
     for words, announced in (([], False), (["--calibrate"], True)):

@@ -10,6 +10,7 @@ import xarray as xr
 from rich.console import Console
 
 from pounding import frames
+from pounding.errors import InputError
 from pounding.experiments.command import gap as gap_module
 from pounding.experiments.command import hide as hide_module
 from pounding.experiments.command.app import main
@@ -55,7 +56,7 @@ def test_a_long_gap_is_announced_and_a_short_one_is_not(
     json.loads(said.out)
 
     def stopped(*_args: object, **_options: object) -> None:
-        raise KeyboardInterrupt
+        raise InputError("enough")
 
     monkeypatch.setattr(estimates, "SAID_S", 0.0)
     monkeypatch.setattr(gap_module, "gap_answer", stopped)
@@ -70,7 +71,7 @@ def test_a_long_case_to_hide_is_announced(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def stopped(*_args: object, **_options: object) -> None:
-        raise KeyboardInterrupt
+        raise InputError("enough")
 
     monkeypatch.setattr(hide_module, "hide_effects", stopped)
     words = ["hide", "bumper", "--frame", "15B", "--frame", "5B", "--out", str(tmp_path / "case")]
