@@ -419,9 +419,8 @@ class ForceCell:
     """Faults of a force cell (`contact_force.force_cell`); their evidence is `pair_decision.contact_evidence`."""
 
     clipped_samples: int = 3
-    """[samples] A cell is clipped only if at least so many samples are exactly at its largest force. Origin: chosen."""
-    clipped_from: float = 0.999
-    """[share of the largest force] Two samples in turn above this count as clipped. Origin: chosen."""
+    """[samples] A cell is clipped by the rule for channels (`screening`), but with so many samples at its largest force,
+    because impacts have few. Origin: chosen."""
     quiet: float = 5.0
     """[standard deviations] Readings within this of the median are those without contact. Origin: chosen."""
     turned: float = 2.0

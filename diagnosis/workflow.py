@@ -130,8 +130,10 @@ def _modal(case: Case, out: Path | str | None, told: Progress) -> Report:
 
 def _own(file: Path | str) -> list[type[Effect]]:
     from pounding.diagnosis.effects.candidate_file import read_candidates
+    from pounding.diagnosis.effects.candidate_trial import try_out
     from pounding.diagnosis.effects.user import user_kinds
 
+    try_out(file)
     return user_kinds(read_candidates(file))
 
 

@@ -180,7 +180,7 @@ def write_entry(path: str | Path, content: bytes) -> None:
         path: The file; it is JSON if the content is.
         content: The result.
     """
-    write_whole(path, _HEAD % _checksum(content) + content + _TAIL)
+    write_whole(path, sealed(content))
 
 
 def read_entry(path: str | Path) -> bytes | None:
@@ -192,12 +192,21 @@ def read_entry(path: str | Path) -> bytes | None:
         whole = Path(path).read_bytes()
     except OSError:
         return None
-    size = len(_HEAD % _checksum(b""))
-    content = whole[size : -len(_TAIL)]
-    if whole != _HEAD % _checksum(content) + content + _TAIL:
+    content = unsealed(whole)
+    if content is None:
         tell_damage(path)
-        return None
     return content
+
+
+def sealed(content: bytes) -> bytes:
+    """Return a result with its checksum before it, and a line's end after it."""
+    return _HEAD % _checksum(content) + content + _TAIL
+
+
+def unsealed(whole: bytes) -> bytes | None:
+    """Return what `sealed` was given; None where that is not what it had returned."""
+    content = whole[len(_HEAD % _checksum(b"")) : -len(_TAIL)]
+    return content if whole == sealed(content) else None
 
 
 def tell_damage(path: str | Path) -> None:

@@ -116,7 +116,7 @@ def _explained(report: Report) -> float:
     What is named of a contact alone is judged by the held-out impacts: forces are known inputs to the frames' motion.
     """
     misfit: Misfit | None = report.misfit.held_out
-    if report.effects and all(EFFECTS[one.effect].place in ("contact", "between") for one in report.effects):
+    if report.effects and all(_of_a_contact(one) for one in report.effects):
         impacts = report.misfit.contact
         misfit = Misfit(before=impacts.before, after=impacts.after, noise_floor=1.0) if impacts else None
     share = None if misfit is None else misfit.share()
@@ -124,6 +124,12 @@ def _explained(report: Report) -> float:
         return np.nan
     # What is not claimed explains nothing.
     return share if report.named else 0.0
+
+
+def _of_a_contact(claim: Claim) -> bool:
+    """Whether a claim is one on a contact; what nobody can hide, as a candidate of the user's, acts on frames."""
+    known = EFFECTS.get(claim.effect)
+    return known is not None and known.place in ("contact", "between")
 
 
 def _parameter_errors(hidden: Sequence[Mapping[str, Any]], claims: Sequence[Claim]) -> tuple[float, ...]:

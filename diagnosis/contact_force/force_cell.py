@@ -16,6 +16,7 @@ from pounding.diagnosis.contact_force import impacts, pairs
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.pair import TURNED_ROUND, Cell
+from pounding.diagnosis.model.sensors import at_its_top
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -83,14 +84,7 @@ def checked(
 
 
 def _clipped(series: list[np.ndarray]) -> bool:
-    clipped = SETTINGS.force_cell
-    top = max(float(force.max()) for force in series)
-    flat = sum(
-        int(np.sum((force[1:] >= clipped.clipped_from * top) & (force[:-1] >= clipped.clipped_from * top)))
-        for force in series
-    )
-    exact = sum(int(np.sum(force == top)) for force in series)
-    return top > 0 and exact >= clipped.clipped_samples and flat + exact > clipped.clipped_samples
+    return bool(at_its_top(np.concatenate(series), SETTINGS.force_cell.clipped_samples).any())
 
 
 def _earlier(force: np.ndarray, step: float, delay: float) -> np.ndarray:

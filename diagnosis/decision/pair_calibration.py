@@ -170,8 +170,12 @@ def _run(
     between: Between,
     rng: np.random.Generator,
 ) -> Run:
-    """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were."""
-    run, measured = bare.observed.runs[number], case.runs[number]
+    """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were.
+
+    It ends where the measured one ended for the diagnosis, which leaves out an end at which nothing is recorded.
+    """
+    run, whole = bare.observed.runs[number], case.runs[number]
+    measured = replace(whole, time_s=whole.time_s[: len(run.table)], values=whole.values[: len(run.table)])
     clean, force = simulate_pair(bare, *model, number, between)
     channel, table = noise_shares(found)
     # White noise loses so much of its power where a run is slowed.

@@ -2,7 +2,7 @@
 
 Null and rivals take turns at being the truth. Each case has nuisance parameters drawn from their priors, the effect at about
 its fitted size, the noise as estimated, and is diagnosed by the same search. What was found and whether it was right is
-kept line by line in a file, so that an interrupted calibration goes on and a finished one costs nothing.
+kept in a file, a line with a checksum for each, so that an interrupted calibration goes on and a finished one costs nothing.
 """
 
 from __future__ import annotations
@@ -26,8 +26,10 @@ from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.settings import SETTINGS
+from pounding.experiments.console.estimates import remaining
 from pounding.experiments.results.provenance import software_version
 from pounding.extras import extra_module
+from pounding.frames.files import sealed, tell_damage, unsealed, write_whole
 
 WORKERS = 2
 
@@ -66,19 +68,20 @@ def calibrate(
     joblib = extra_module("joblib")
     path.parent.mkdir(parents=True, exist_ok=True)
     done = read_outcomes(path)
+    if path.is_file() and path.read_bytes() != (good := b"".join(map(_line, done))):
+        write_whole(path, good)
     known = {one.number for one in done}
     missing = [number for number in range(cases) if number not in known]
     began = monotonic()
-    with joblib.Parallel(n_jobs=workers) as parallel, path.open("a", encoding="utf-8") as kept:
-        if path.stat().st_size and not path.read_bytes().endswith(b"\n"):
-            # What follows a line that was cut off begins a line of its own.
-            kept.write("\n")
+    with joblib.Parallel(n_jobs=workers) as parallel, path.open("ab") as kept:
         while missing and monotonic() - began < 60 * minutes:
-            progress(f"calibrating on this rig, {len(done)} of {cases} cases", len(done) / cases)
+            spent = monotonic() - began
+            left = remaining(spent, len(done) - len(known), len(missing), 60 * minutes - spent)
+            progress(f"calibrating on this rig, {len(done)} of {cases} cases{left}", len(done) / cases)
             numbers, missing = missing[:workers], missing[workers:]
             for outcome in parallel(joblib.delayed(simulate)(number) for number in numbers):
                 done.append(outcome)
-                kept.write(json.dumps(asdict(outcome)) + "\n")
+                kept.write(_line(outcome))
             kept.flush()
     return sorted(done, key=lambda one: one.number)
 
@@ -123,17 +126,28 @@ def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
 def read_outcomes(path: Path) -> list[Outcome]:
     """Return the outcomes of a file.
 
-    A line that is no outcome, as one that was cut off by an interruption, does not count: its case is simulated anew.
+    A line that is damaged does not count, which is told, nor does one that an interruption cut off: its case is simulated
+    anew.
     """
     if not path.is_file():
         return []
-    found = (_outcome(line) for line in path.read_bytes().splitlines())
+    lines = path.read_bytes().splitlines(keepends=True)
+    found = [_outcome(line) for line in lines]
+    if any(one is None and line.endswith(b"\n") for one, line in zip(found, lines, strict=True)):
+        tell_damage(path)
     return [one for one in found if one is not None]
 
 
+def _line(outcome: Outcome) -> bytes:
+    return sealed(json.dumps(asdict(outcome)).encode())
+
+
 def _outcome(line: bytes) -> Outcome | None:
+    content = unsealed(line)
+    if content is None:
+        return None
     try:
-        entry = json.loads(line)
+        entry = json.loads(content)
         return msgspec.convert(entry | {"features": features_from(entry["features"])}, Outcome)
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None

@@ -1,13 +1,14 @@
-"""What effects have in common: a law at its places, the departure of what a nuisance parameter stands for, a whole frame."""
+"""What effects have in common: a whole frame, a logger, a law at its places, the departure of a nuisance parameter."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.effects.describing import Description
 from pounding.diagnosis.model.laws import Law, PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, vary
@@ -29,6 +30,29 @@ class FrameEffect(Effect):
     def span(self, model: Model) -> slice:
         """Return its floors among all."""
         return model.structure.span(model.structure.index(str(self.frame)))
+
+
+@dataclass(frozen=True)
+class LoggerEffect(Effect):
+    """An effect of a sensor that several channels share, as those of one logger do: named before the sensor's own class.
+
+    Attributes:
+        members, channels: The channels' indices among all, and their names.
+    """
+
+    where = "logger"
+    described: ClassVar[Description | None] = None
+    members: tuple[int, ...] = ()
+    channels: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """The channels."""
+        return self.members
+
+    def entries(self) -> list[dict[str, Any]]:
+        """Return the sensor's effect on each channel."""
+        return [self.place() | {"channel": channel} for channel in self.channels]
 
 
 @dataclass(frozen=True)

@@ -79,11 +79,17 @@ class UserForce:
     law: Law
 
 
-def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
+def read_candidates(
+    path: Path | str, trying: Callable[[str], None] = lambda where: None
+) -> list[UserForce | type[Effect]]:
     """Return what a candidates file asks for: its functions, compiled and checked, and effects that it imports.
 
     Functions whose names begin with an underscore are the file's own business. An effect of the catalogue that is not tried
     by default is tried where the file has its class; one that is tried anyway is passed over.
+
+    Args:
+        path: Python file of the user's. Code that never ends hangs this process: see `candidate_trial.try_out`.
+        trying: Called with the place and name of each function before it is compiled and tried.
 
     Raises:
         CaseError: The file is missing or cannot be run, or a function lacks units, does not compile, is not finite, is
@@ -105,7 +111,9 @@ def read_candidates(path: Path | str) -> list[UserForce | type[Effect]]:
                 and isinstance(function, FunctionType)
                 and function.__module__ == module.__name__
             ):
-                found.append(_force(path, name, function))
+                where = f"{path} line {function.__code__.co_firstlineno}: {name}"
+                trying(where)
+                found.append(_force(where, name, function))
     if not found:
         raise CaseError(
             f"{path} holds no candidate; write a function such as "
@@ -148,8 +156,7 @@ def _module(path: Path) -> ModuleType:
     return module
 
 
-def _force(path: Path, name: str, function: FunctionType) -> UserForce:
-    where = f"{path} line {function.__code__.co_firstlineno}: {name}"
+def _force(where: str, name: str, function: FunctionType) -> UserForce:
     place, parameters = _signature(where, function)
     force = UserForce(
         name=name,

@@ -10,7 +10,7 @@ from pounding.diagnosis import effects
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, places
 from pounding.diagnosis.model.model import Model
 
-OWN = ("candidate_file", "user")
+OWN = ("candidate_file", "candidate_trial", "user")
 """Modules that hold no effect but read the user's own, with libraries that only they need."""
 
 

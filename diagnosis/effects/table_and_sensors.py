@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from pounding.diagnosis.effects.bases import Departure
+from pounding.diagnosis.effects.bases import Departure, LoggerEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.model import Model
@@ -156,26 +156,13 @@ class SensorDelay(Departure):
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class LoggerDelay(SensorDelay):
+class LoggerDelay(LoggerEffect, SensorDelay):
     """Several channels read late by the same time, as on a second logger: a sensor delay of each of them.
 
     Never early: that would be the other logger's delay, told by a table that is late too.
     """
 
-    where = "logger"
     sign = 1
-    described = None
-    members: tuple[int, ...] = ()
-    channels: tuple[str, ...] = ()
-
-    @property
-    def places(self) -> tuple[int, ...]:
-        """The channels."""
-        return self.members
-
-    def entries(self) -> list[dict[str, Any]]:
-        """Return a sensor delay of each channel."""
-        return [self.place() | {"channel": channel} for channel in self.channels]
 
 
 @CATALOGUE.add
@@ -218,22 +205,8 @@ class SensorClock(Effect):
 
 @CATALOGUE.add
 @dataclass(frozen=True)
-class LoggerClock(SensorClock):
+class LoggerClock(LoggerEffect, SensorClock):
     """Several channels share a clock of another rate, as on a second logger: a sensor's clock of each of them."""
-
-    where = "logger"
-    described = None
-    members: tuple[int, ...] = ()
-    channels: tuple[str, ...] = ()
-
-    @property
-    def places(self) -> tuple[int, ...]:
-        """The channels."""
-        return self.members
-
-    def entries(self) -> list[dict[str, Any]]:
-        """Return a clock's rate of each channel."""
-        return [self.place() | {"channel": channel} for channel in self.channels]
 
 
 @CATALOGUE.add

@@ -109,14 +109,21 @@ def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
 
 def _clipped(series: np.ndarray) -> np.ndarray:
     """Return where a channel sits at its largest or smallest value, if it does so too often to be chance."""
-    ours, bad = SETTINGS.screening, np.zeros(len(series), bool)
-    for sign in (1.0, -1.0):
-        signed = sign * series
-        if not np.isfinite(signed).any():
-            continue
-        top = np.nanmax(signed)
-        at = signed == top
-        near = signed >= ours.clipped_from * top
-        if top > 0 and at.sum() >= ours.clipped_samples and at.sum() > ours.clipped_share * near.sum():
-            bad |= at
-    return bad
+    least = SETTINGS.screening.clipped_samples
+    return np.asarray(at_its_top(series, least) | at_its_top(-series, least))
+
+
+def at_its_top(series: np.ndarray, least: int) -> np.ndarray:
+    """Return where a series sits at its largest value, shape (samples,), if it does so too often to be chance.
+
+    Args:
+        series: Readings, NaN where there is none, shape (samples,).
+        least: Number of samples at the largest value below which it may be chance.
+    """
+    ours, nowhere = SETTINGS.screening, np.zeros(len(series), bool)
+    if not np.isfinite(series).any():
+        return nowhere
+    top = np.nanmax(series)
+    at, near = series == top, series >= ours.clipped_from * top
+    often = at.sum() >= least and at.sum() > ours.clipped_share * near.sum()
+    return np.asarray(at) if top > 0 and often else nowhere

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 
 from pounding.diagnosis.decision.claims import finite
+from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.design.advice import advice
 from pounding.diagnosis.design.detectability import smallest
@@ -16,25 +17,19 @@ from pounding.diagnosis.inference.misfit import channel_misfits, simulate
 from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.making import Made, Outputs
 from pounding.diagnosis.report.origin import origin
-from pounding.diagnosis.report.report import ChannelMisfit, Report, Threshold, Thresholds
+from pounding.diagnosis.report.report import ChannelMisfit, Misfit, Misfits, Report, Threshold, Thresholds
 
 
 def detailed(diagnosis: Diagnosis, made: Made) -> Report:
     """Return a report with what docs/diagnosis/reports.md lists beside the keys of the format."""
     case, found, report = diagnosis.case, diagnosis.found, made.report
-    misfits = report.misfit
-    training, held_out = misfits.training, misfits.held_out
-    if training is not None:
-        training = msgspec.structs.replace(training, explained=training.share())
-    if held_out is not None:
-        held_out = msgspec.structs.replace(held_out, explained=held_out.share())
     judged = diagnosis.decision.judged
     sight = Sight.of(found, judged.fit.filtered)
     return msgspec.structs.replace(
         report,
         remainder=remainder(found, judged, sight),
         calibration=calibration(found, judged),
-        misfit=msgspec.structs.replace(misfits, training=training, held_out=held_out),
+        misfit=with_shares(report.misfit, report.verdict),
         advice=tuple(advice(diagnosis)),
         channels=channels(diagnosis, made.outputs),
         smallest_detectable=tuple(smallest(case, found, diagnosis.decision, sight)),
@@ -42,6 +37,25 @@ def detailed(diagnosis: Diagnosis, made: Made) -> Report:
         thresholds=_thresholds(found),
         origin=origin(case),
     )
+
+
+def with_shares(misfits: Misfits, verdict: Verdict) -> Misfits:
+    """Return the misfits with the share that the effects explain; None where nothing is missing: there is no effect.
+
+    Args:
+        misfits: The misfits before and after.
+        verdict: The verdict of the report.
+    """
+    training, held_out = (
+        None if one is None else msgspec.structs.replace(one, explained=_share(one, verdict))
+        for one in (misfits.training, misfits.held_out)
+    )
+    return msgspec.structs.replace(misfits, training=training, held_out=held_out)
+
+
+def _share(misfit: Misfit, verdict: Verdict) -> float | None:
+    # What is simulated after is then the likeliest candidate, which explains nothing and may well make it worse.
+    return None if verdict == "nothing_missing" else misfit.share()
 
 
 def _thresholds(found: Findings) -> Thresholds:

@@ -33,7 +33,8 @@ class Misfit(Struct, frozen=True, kw_only=True):
         before: Of the baseline model, its nuisance parameters calibrated.
         after: Of the exudyn model with the effects in it; with the likeliest candidate in it where none is named.
         noise_floor: What a perfect model would leave.
-        explained: Share of the misfit above the noise floor that the effects explain; None where none is above it.
+        explained: Share of the misfit above the noise floor that the effects explain; None where none is above it, and where
+            nothing is missing.
     """
 
     before: float | None

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from pounding import bounds
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, progress_console
 from pounding.extras import extra_module
@@ -130,7 +131,7 @@ def diagnose(
     read = read_case(case)
     if candidates is not None and not trust:
         _ask_to_execute(candidates)
-    estimates.announce(*_works(read))
+    estimates.announce(*_works(read, calibrate))
     with _bar() as told:
         report = workflow.diagnose(read, out, told, candidates_file=candidates, calibrate=calibrate)
     emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
@@ -149,11 +150,14 @@ def _ask_to_execute(candidates: Path) -> None:
         raise CaseError(f"{candidates} was not executed; leave --candidates out, or trust the file")
 
 
-def _works(case: Case) -> list[estimates.Work]:
+def _works(case: Case, calibrate: bool) -> list[estimates.Work]:
     samples = sum(len(run.time_s) for run in case.runs)
     built = [load(frame.file or frame.name) for frame in case.frames if frame.kind != "modal"]
     floors = sum(frame.storeys for frame in case.frames)
-    return [estimates.of_diagnosis(samples, floors), *map(estimates.of_frame, built)]
+    works = [estimates.of_diagnosis(samples, floors), *map(estimates.of_frame, built)]
+    if calibrate and case.runs:
+        works.append(estimates.of_calibration(SETTINGS.calibration.minutes))
+    return works
 
 
 def _written(out: Path | None) -> list[str]:

@@ -14,6 +14,7 @@ from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
 from pounding.experiments.records import MODEL_TIME_FACTOR, find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.separation import pictures
 from pounding.experiments.separation.gaps.gap import MODEL_LENGTH_SCALE, gap_answer, history
 from pounding.experiments.separation.report import write_report
@@ -64,6 +65,8 @@ def gap(
         frames.build(definition, joints=joints, p_delta=p_delta, damping=damping)
         for definition in definitions
     ]
+    step_s = motion.step_s / fine_step(motion.step_s)
+    estimates.announce(estimates.of_gap(built, motion.duration_s, step_s))
     answer = gap_answer(
         built[0],
         built[1],

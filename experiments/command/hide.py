@@ -9,9 +9,12 @@ from cyclopts import Parameter
 
 from pounding.diagnosis.hidden.hide import hide as hide_effects
 from pounding.diagnosis.hidden.writing import check_free, write_hidden
-from pounding.experiments.console import options
+from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
+
+USUAL_S, LONGEST_S = 8.0, 60.0
+"""Longest run that is drawn where no length is asked for, and that is not refused [s]."""
 
 
 def hide(
@@ -53,6 +56,9 @@ def hide(
             an effect. All names: docs/diagnosis/catalogue.md and docs/diagnosis/hidden-cases.md.
     """
     check_free(out)
+    if duration is None or duration <= LONGEST_S:
+        frames = min(len(frame or ["5A"]), 2)
+        estimates.announce(estimates.of_hiding(frames, len(effects), duration or USUAL_S))
     hidden = hide_effects(
         effects,
         tuple(frame or ["5A"]),

@@ -75,6 +75,38 @@ def of_run(frames: Sequence[ReducedFrame], duration_s: float, runs: int = 1) -> 
     )
 
 
+def of_gap(frames: Sequence[ReducedFrame], duration_s: float, step_s: float) -> Work:
+    """Return the work of computing the required gap of two frames with its spread and all floors.
+
+    Args:
+        frames: The frames.
+        duration_s: Length of the shaking [s].
+        step_s: Step at which motions are looked at [s].
+    """
+    samples, storeys = duration_s / step_s, [frame.storeys for frame in frames]
+    return Work(
+        f"the gap between {' and '.join(frame.name for frame in frames)}",
+        3e-7 * samples * sum(storeys),
+        5e-8 * samples * max(storeys),
+    )
+
+
+def of_hiding(frames: int, effects: int, duration_s: float) -> Work:
+    """Return the work of making a case with hidden effects.
+
+    Args:
+        frames: Frames on the table.
+        effects: Effects to hide, each tried at several sizes.
+        duration_s: Length of each run [s].
+    """
+    return Work("making the case", 0.05 * frames**2 * duration_s * (6 + 7 * effects), 0.3)
+
+
+def of_calibration(minutes: float) -> Work:
+    """Return the work of `--calibrate`, which ends after so many minutes."""
+    return Work("the calibration, unless it is kept from before,", 60.0 * minutes, 0.6)
+
+
 def of_diagnosis(samples: int, floors: int) -> Work:
     """Return the work of a diagnosis.
 
@@ -114,6 +146,20 @@ def announce(*works: Work) -> None:
             f"{longest.what} takes about {in_words(seconds)} on one core and {largest.gigabytes:.1f} GB of memory",
             markup=False,
         )
+
+
+def remaining(elapsed_s: float, finished: int, missing: int, at_most_s: float = math.inf) -> str:
+    """Return the time that remains in words, to follow others; nothing before the first case is finished.
+
+    Args:
+        elapsed_s: Time since the work began [s].
+        finished: Cases finished since then.
+        missing: Cases still to do.
+        at_most_s: Time after which the work ends anyway [s].
+    """
+    if not finished or not missing:
+        return ""
+    return f", about {in_words(min(elapsed_s / finished * missing, max(at_most_s, 0.0)))} remain"
 
 
 def in_words(seconds: float) -> str:

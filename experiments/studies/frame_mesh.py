@@ -10,11 +10,12 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from rich.progress import track
 from scipy.sparse.linalg import spsolve
 
 from pounding import frames
 from pounding.experiments.console.exit_status import run_script
-from pounding.experiments.console.output import printer, table
+from pounding.experiments.console.output import printer, progress_console, table
 from pounding.experiments.studies.table_3_1 import thesis_frame
 from pounding.frames.definition import PlateFrame
 from pounding.frames.fe.assembly import Options, assemble
@@ -38,15 +39,18 @@ def bare(frame: PlateFrame, density: Density = DEFAULT) -> dict[str, float]:
 def meshes() -> list[dict[str, Any]]:
     """Return the bare frames on coarser and finer meshes; the finest for five storeys alone."""
     rows: list[dict[str, Any]] = []
-    for name, (first, roof) in OPENSEES.items():
-        for density in DENSITIES if name == "5A" else DENSITIES[:-1]:
-            found = bare(thesis_frame(name), density)
-            label = f"{1e3 * density.floor_m:g} mm, {density.across} x {density.along}"
-            against = {
-                "f1_against_opensees": found["f1_hz"] / first - 1.0,
-                "roof_against_opensees": found["roof_stiffness_n_per_mm"] / roof - 1.0,
-            }
-            rows.append({"frame": name, "mesh": label, **found, **against})
+    cases = [
+        (name, density) for name in OPENSEES for density in (DENSITIES if name == "5A" else DENSITIES[:-1])
+    ]
+    for name, density in track(cases, "meshes", console=progress_console(), transient=True):
+        first, roof = OPENSEES[name]
+        found = bare(thesis_frame(name), density)
+        label = f"{1e3 * density.floor_m:g} mm, {density.across} x {density.along}"
+        against = {
+            "f1_against_opensees": found["f1_hz"] / first - 1.0,
+            "roof_against_opensees": found["roof_stiffness_n_per_mm"] / roof - 1.0,
+        }
+        rows.append({"frame": name, "mesh": label, **found, **against})
     return rows
 
 

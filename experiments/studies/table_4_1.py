@@ -19,6 +19,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import track
 
 from pounding import frames
 from pounding.experiments import published
@@ -188,10 +190,16 @@ def score(computed: xr.DataArray, where: xr.DataArray | None = None) -> Score:
     )
 
 
-def compare(folder: Path | None = None) -> xr.Dataset:
-    """Return all variants' peaks [mm] beside the measured and SAP2000's, with what is trusted."""
+def compare(folder: Path | None = None, console: Console | None = None) -> xr.Dataset:
+    """Return all variants' peaks [mm] beside the measured and SAP2000's, with what is trusted.
+
+    Args:
+        folder: Folder with ground motions; None for the default.
+        console: Where progress is shown; nowhere when None.
+    """
     chosen = variants()
-    computed = xr.concat([predict(variant, folder) for variant in chosen], dim="variant", join="exact")
+    shown = track(chosen, "variants of the model", console=console, transient=True, disable=console is None)
+    computed = xr.concat([predict(variant, folder) for variant in shown], dim="variant", join="exact")
     settings = pd.DataFrame([asdict(variant) | {"name": str(variant)} for variant in chosen])
     extra = {key: ("variant", settings[key].astype(str).to_numpy()) for key in settings if key != "damping"}
     return xr.Dataset(
@@ -254,8 +262,7 @@ def main(
     *, records: options.Records = None, json: options.Json = False, out: options.Out = None
 ) -> dict[str, Any]:
     """Compare 64 peaks of frames that shake alone with Table 4.1, in all variants."""
-    with progress_console().status("computing 24 variants"):
-        data = compare(records)
+    data = compare(records, progress_console())
     settings = {"blind": asdict(BLIND), "variants": [str(name) for name in data.name.values]}
     result = stamp(settings, [find(name, records) for name in RECORDS])
     result |= {"peaks": peaks_table(data).to_dict("records")}

@@ -35,6 +35,8 @@ from pounding.diagnosis.report.report import HeldOutMisfit, Misfits, Report
 FRICTION = Place(effect="coulomb_friction", frame="5A", storey=3)
 GAIN = Place(effect="table_gain")
 STIFFNESS = Place(effect="contact_stiffness", contact=1)
+OWN = Place(effect="tie_of_mine", frame="5A", storey=3)
+"""A candidate of the user's, which no case hides."""
 ELSEWHERE = Place(effect="coulomb_friction", frame="5A", storey=2)
 HELD_OUT = HeldOutMisfit(run="run3.csv", before=0.3, after=0.1, noise_floor=0.05)
 
@@ -92,6 +94,10 @@ def test_a_set_has_its_shares_and_deals_evenly() -> None:
         (truth(FRICTION), report("effect_class", FRICTION, classes=(FRICTION, GAIN)), True, True, True),
         (truth(FRICTION), report("effect_named", FRICTION, GAIN), True, False, True),
         (truth(FRICTION), report("unknown_effect", FRICTION), True, False, False),
+        (truth(FRICTION), report("effect_named", OWN), True, False, False),
+        (truth(FRICTION), report("effect_class", OWN, classes=(OWN, FRICTION)), True, False, True),
+        (truth(kind="nothing"), report("effect_named", OWN), True, False, False),
+        (truth(FRICTION, kind="outside"), report("effect_named", OWN), True, False, False),
         (truth(FRICTION, GAIN, kind="double"), report("effect_named", GAIN, FRICTION), True, True, True),
         (truth(FRICTION, GAIN, kind="double"), report("effect_named", FRICTION), True, False, False),
         (truth(FRICTION, kind="outside"), report("effect_named", FRICTION), True, False, False),
@@ -123,6 +129,13 @@ def test_what_is_named_of_a_contact_is_judged_by_the_impacts() -> None:
         impacts = ContactMisfit(impacts=9, before=before, after=1.4)
         with_impacts = structs.replace(found, misfit=structs.replace(found.misfit, contact=impacts))
         assert judge(truth(STIFFNESS), with_impacts).misfit_explained == pytest.approx(part, nan_ok=True)
+
+
+def test_a_candidate_of_the_users_is_a_wrong_name_under_its_own_name() -> None:
+    case = judge(truth(FRICTION), report("effect_named", OWN))
+    assert (case.called, case.parameter_errors) == ("tie_of_mine", ())
+    assert case.misfit_explained == pytest.approx(0.2 / 0.25)
+    assert summarise([case])["confusion"] == {"coulomb_friction": {"tie_of_mine": 1}}
 
 
 def test_wilson_interval_of_textbooks() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from pounding.contact.parameters import make_law
 from pounding.diagnosis.case.case import Case, Contact
-from pounding.diagnosis.contact_force.pair import ContactFindings
+from pounding.diagnosis.contact_force.pair import ContactFindings, prepare
 from pounding.diagnosis.contact_force.pairs import quick_filter
 from pounding.diagnosis.decision.claims import Claim, Place, claim
 from pounding.diagnosis.decision.conclusion import Conclusion
@@ -23,16 +23,21 @@ from pounding.diagnosis.decision.rig_calibration import turn
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import observe
+from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.sensors import screened
 from pounding.diagnosis.model.twin import Between, simulate_pair
 from tests.diagnosis.pair_models import (
     CONTACT,
     FLOORS,
     MASS,
+    SAMPLES,
     STEP_S,
     colliding,
     judged,
     model_of,
     shaken,
+    structure,
 )
 
 OFFSET = replace(CONTACT, gap_m=0.0048)
@@ -63,9 +68,13 @@ def test_a_pair_in_the_engine_moves_as_another_integrator_has_it(contact: Contac
 def findings(case: Case) -> tuple[Findings, ContactFindings]:
     """Return findings on a pair whose frames are as believed, and what its impacts say."""
     pair, contact_findings, _ = judged(case)
+    return found_on(pair), contact_findings
+
+
+def found_on(pair: Pair) -> Findings:
     null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), ln_bayes=0.0)
     found = SimpleNamespace(pair=pair, judged=[], null=null, model=pair.slow, claimable=lambda: [])
-    return cast(Findings, found), contact_findings
+    return cast(Findings, found)
 
 
 def test_nothing_and_the_contacts_rivals_take_turns() -> None:
@@ -92,6 +101,19 @@ def test_a_simulated_pair_is_recorded_as_the_measured_one_was() -> None:
     assert found.pair is not None
     assert np.std(force[np.abs(force) < 3.0]) == pytest.approx(found.pair.noise[0], rel=0.3)
     assert [run.file for run in made[0].runs] == [run.file for run in case.runs]
+
+
+def test_a_run_whose_end_was_left_out_is_simulated_up_to_there() -> None:
+    case, dead = colliding(CONTACT), 200
+    case.runs[0].values[-dead:] = case.runs[0].values[-dead]
+    observed = screened(observe(case, structure()))
+    assert len(observed.runs[0].table) == SAMPLES - dead
+    found = found_on(prepare(case, Model(structure(), observed, case.prior)))
+    made = simulated(case, found, Truth(), np.random.default_rng(1))
+    assert [run.values.shape for run in made.runs] == [(SAMPLES - dead, 14), (SAMPLES, 14)]
+    assert [len(run.time_s) for run in made.runs] == [SAMPLES - dead, SAMPLES]
+    # It can be read as the measured case was, and nothing of it is left out.
+    assert screened(observe(made, structure())).warnings == []
 
 
 @pytest.mark.slow

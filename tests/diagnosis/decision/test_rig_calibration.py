@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pounding.diagnosis import diagnose
+from pounding.diagnosis import diagnose, workflow
+from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.decision import rig_calibration
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import SimulatedTruth, basis, shipped
 from pounding.diagnosis.decision.rig_calibration import (
@@ -28,6 +30,9 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.search import search
+from pounding.experiments.command.app import main
+from pounding.frames.files import DamageWarning, sealed
+from tests.diagnosis.case.test_bad_input import case_of
 from tests.diagnosis.models import measured
 
 CUBIC = next(one for one in candidates(measured()) if one.name == "cubic_stiffness" and one.storey == 2)
@@ -109,17 +114,82 @@ def test_kept_outcomes_of_before_are_read_and_what_is_none_is_simulated_anew(tmp
     ]
     kept = tmp_path / "kept.jsonl"
     # The last line was cut off by an interruption.
-    kept.write_text("\n".join(json.dumps(line) for line in lines) + '\n{"number": 5, "tru')
-    first, second = read_outcomes(kept)
+    kept.write_bytes(b"".join(sealed(json.dumps(line).encode()) for line in lines) + b'{"sha256": "77')
+    with pytest.warns(DamageWarning, match=r"kept.jsonl is damaged"):
+        first, second = read_outcomes(kept)
     assert (first.number, second.number) == (0, 1)
     assert first.features == second.features
 
     def simulate(number: int) -> Outcome:
         return replace(first, number=number)
 
-    again = calibrate(simulate, kept, cases=6, workers=1)
+    with pytest.warns(DamageWarning):
+        again = calibrate(simulate, kept, cases=6, workers=1)
     assert [one.number for one in again] == list(range(6))
     assert calibrate(lambda number: pytest.fail("all are kept"), kept, cases=6, workers=1) == again
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(b'"right": true', b'"right": false'), (b'"number": 1', b'"number": 7')]
+)
+def test_a_damaged_line_is_told_and_its_case_is_simulated_anew(
+    found: Findings, tmp_path: Path, before: bytes, after: bytes
+) -> None:
+    kept, whole = tmp_path / "kept.jsonl", outcomes(found, 3, 3)
+    calibrate(whole.__getitem__, kept, cases=3, workers=1)
+    assert read_outcomes(kept) == whole
+    lines = kept.read_bytes().splitlines(keepends=True)
+    lines[1] = lines[1].replace(before, after)
+    kept.write_bytes(b"".join(lines))
+    asked: list[int] = []
+
+    def simulate(number: int) -> Outcome:
+        asked.append(number)
+        return whole[number]
+
+    with pytest.warns(DamageWarning, match=r"kept.jsonl is damaged: what it kept is made anew"):
+        assert calibrate(simulate, kept, cases=3, workers=1) == whole
+    assert asked == [1]
+    # The damaged line is gone.
+    assert sorted(read_outcomes(kept), key=lambda one: one.number) == whole
+
+
+def test_the_time_that_remains_is_told_from_the_first_case_on(
+    found: Findings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ten seconds a case: 20 remain after the first, no more than the two minutes that are allowed."""
+    now, told = [0.0], []
+    monkeypatch.setattr(rig_calibration, "monotonic", lambda: now[0])
+
+    def simulate(number: int) -> Outcome:
+        now[0] += 10.0
+        return outcomes(found, 3, 3)[number]
+
+    calibrate(simulate, tmp_path / "kept.jsonl", lambda what, share: told.append(what), cases=3, workers=1)
+    assert told == [
+        "calibrating on this rig, 0 of 3 cases",
+        "calibrating on this rig, 1 of 3 cases, about 20 s remain",
+        "calibrating on this rig, 2 of 3 cases, about 10 s remain",
+    ]
+
+
+def test_a_calibration_is_announced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_case(case_of(measured(samples=50, runs=2).observed), tmp_path)
+
+    def stopped(*_args: object, **_options: object) -> None:
+        raise CaseError("enough")
+
+    monkeypatch.setattr(workflow, "diagnose", stopped)
+    for words, announced in (([], False), (["--calibrate"], True)):
+        with pytest.raises(SystemExit):
+            main(["diagnose", str(tmp_path), *words, "--json"])
+        said = capsys.readouterr()
+        assert (
+            "the calibration, unless it is kept from before, takes about 15 minutes" in said.err
+        ) == announced
+        assert said.out == ""
 
 
 def test_modal_data_are_refused_in_one_sentence(tmp_path: Path) -> None:

@@ -16,7 +16,9 @@ from pounding.diagnosis import CaseError, Report, read_report
 from pounding.diagnosis.decision.claims import Place, candidate, claim, parameter
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.confidence import Basis, Features
+from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.inference.misfit_map import Spot
+from pounding.diagnosis.report.details import with_shares
 from pounding.diagnosis.report.figures import evidence_figure
 from pounding.diagnosis.report.report import (
     ChannelMisfit,
@@ -301,6 +303,18 @@ def test_only_what_exceeds_the_noise_can_be_explained(
 ) -> None:
     explained = Misfit(before=before, after=after, noise_floor=noise).share()
     assert explained == (None if share is None else pytest.approx(share))
+
+
+@pytest.mark.parametrize(("verdict", "shown"), [("effect_named", "-14.3 %"), ("nothing_missing", "–")])
+def test_where_nothing_is_missing_nothing_is_said_to_be_explained(verdict: Verdict, shown: str) -> None:
+    worse = HeldOutMisfit(run="run3.csv", before=0.09, after=0.1, noise_floor=0.02)
+    misfits = with_shares(Misfits(training=None, held_out=worse), verdict)
+    report = structs.replace(of_runs(), verdict=verdict, misfit=misfits)
+    console = Console(width=200, file=io.StringIO(), markup=False)
+    for part in tables(report):
+        console.print(part)
+    (row,) = [line for line in console.file.getvalue().splitlines() if "held out" in line]  # type: ignore[attr-defined]
+    assert [cell.strip() for cell in row.split("│")[2:-1]] == ["9 %", "10 %", "2 %", shown]
 
 
 def test_what_is_not_known_is_a_dash() -> None:

@@ -21,39 +21,12 @@ from pounding.experiments.rig.exact import ExactRig, longest_step, run_exact
 from pounding.experiments.rig.impacts import all_impacts, impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.rig import Accuracy, Rig
-from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import linear_response
+from tests.experiments.rig.models import FIVE, shear
 
-FIVE = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
+SHAKEN_S = 3.0
 TIGHT = Accuracy(1e-11, 1e-13, 2e-4)
 """At 1e-9 the engine's own error after thirty elastic impacts is 2e-3 of a peak."""
-
-
-def shear(storeys: int, first_hz: float, *, mass_kg: float = 6.0, damping: float = 0.01) -> ReducedFrame:
-    return frames.build(
-        frames.StickFrame(
-            name=f"{storeys} storeys of {first_hz:g} Hz",
-            storeys=storeys,
-            storey_height_m=0.1,
-            floor_mass_kg=[mass_kg] * storeys,
-            frequency_hz=[first_hz],
-            damping_ratio=damping,
-        )
-    )
-
-
-@pytest.fixture(scope="module")
-def pair() -> tuple[ReducedFrame, ReducedFrame]:
-    return shear(4, 2.3), shear(2, 6.1)
-
-
-@pytest.fixture(scope="module")
-def shaking() -> Record:
-    """Three seconds of a motion that brings both first modes up."""
-    step = 0.004
-    time = np.arange(0.0, 3.0 + step / 2, step)
-    motion = 3.0 * np.sin(2 * np.pi * 2.1 * time) + 2.0 * np.sin(2 * np.pi * 6.4 * time)
-    return Record("two sines", motion * np.minimum(1.0, time / 0.4), step)
 
 
 def both(

@@ -13,16 +13,11 @@ from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.impacts import all_impacts
 from pounding.experiments.rig.many import Case, many
 from pounding.experiments.rig.rig import Rig
-from tests.experiments.rig.test_exact import FIVE, shear
+from tests.experiments.rig.models import FIVE
 
 STEP = 0.004
 TIME = np.arange(0.0, 3.0 + STEP / 2, STEP)
 HISTORY = 3.0 * np.sin(2 * np.pi * 2.1 * TIME) + 2.0 * np.sin(2 * np.pi * 6.4 * TIME)
-
-
-@pytest.fixture(scope="module")
-def pair() -> Any:
-    return shear(4, 2.3), shear(2, 6.1)
 
 
 def test_the_numbers_are_those_of_the_motion(pair: Any) -> None:

@@ -18,8 +18,9 @@ from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.rig import APART, Accuracy, Rig
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import linear_response
+from tests.experiments.rig.models import FIVE
 
-FIVE = ("linear_spring", "linear_viscoelastic", "hertz", "nonlinear_viscoelastic", "hertz_damp")
+SHAKEN_S = 2.0
 TIGHT = Accuracy(1e-10, 1e-12, 1e-4)
 
 
@@ -31,15 +32,6 @@ def tall() -> ReducedFrame:
 @pytest.fixture(scope="module")
 def low() -> ReducedFrame:
     return frames.build(frames.load("5B"))
-
-
-@pytest.fixture(scope="module")
-def shaking() -> Record:
-    """Two seconds of a motion that brings both frames' first modes up: 2.1 and 6.5 Hz, growing."""
-    step = 0.004
-    time = np.arange(0.0, 2.0 + step / 2, step)
-    motion = 3.0 * np.sin(2 * np.pi * 2.1 * time) + 2.0 * np.sin(2 * np.pi * 6.4 * time)
-    return Record("two sines", motion * np.minimum(1.0, time / 0.4), step)
 
 
 def collide(tall: ReducedFrame, low: ReducedFrame, shaking: Record, law: Law, **options: Any) -> Motion:
