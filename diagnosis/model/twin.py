@@ -19,10 +19,10 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 
 from pounding import frames
+from pounding.calling import MEMORY, called
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.calling import MEMORY, called
 from pounding.diagnosis.model.laws import PlacedLaw, filled
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
