@@ -1,7 +1,8 @@
-"""The exact solver: frames that are linear apart from their contacts, without the engine and a hundred times quicker.
+"""The exact solver: frames that are linear apart from contacts and laws in storeys, without the engine and much quicker.
 
-Between touches every mode follows the table by a closed formula; touches and partings are located; in contact the step
-follows an error control (`exact_loop` has the method). What it leaves is the same `Motion` as a run of the engine.
+Between touches every mode follows the table by a closed formula; touches and partings are located; in contact, and where
+a law acts in a storey, the step follows an error control (`exact_loop` has the method). What it leaves is the same
+`Motion` as a run of the engine.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pounding.calling import MEMORY, called
 from pounding.contact.recorded import recorded
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import exact_loop as loop
+from pounding.experiments.rig.compiling import announce
 from pounding.experiments.rig.contacts import Contact, Within, history_of, sides_of
 from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State, Storeys
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.float64]
+
+announce(loop.__name__)
 
 STEPS_A_PERIOD = 20.0
 """Steps in a period of the fastest mode that counts; the motion between them is read from cubics."""
@@ -254,9 +258,10 @@ class ExactRig:
             last, now = rows.times[filled - 1], float(rows.times[filled + gone - 2])
             self._check(rows.states[filled : filled + gone - 1][::-LOOK_EVERY], now)
             if ended == loop.STUCK or (ended == loop.FULL and now - last < STUCK_S):
+                jumps = "a law in a storey may jump, which exudyn can run; else " if self.storeys else ""
                 raise ExperimentError(
                     f"the run was stopped at {now:.4f} s: {gone - 1} steps have covered {now - last:.1g} s only; "
-                    "lower the contact's stiffness or damping, or loosen the relative tolerance"
+                    f"{jumps}lower the contact's stiffness or damping, or loosen the relative tolerance"
                 )
             filled += gone - 1
             if progress is not None:
@@ -360,7 +365,7 @@ class ExactRig:
             solution: What `solve` returned.
             cost_s: Wall and processor time that it took [s].
         """
-        motions = tuple(self._frame_motion(index, solution) for index in range(len(self.frames)))
+        motions = tuple(self.frame_motion(index, solution) for index in range(len(self.frames)))
         histories = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
         storeys = tuple(
             storey_history(self.frames, motions, *each)
@@ -369,7 +374,13 @@ class ExactRig:
         energy = balance(motions, histories, storeys)
         return Motion(motions, histories, energy, *cost_s, len(solution.time_s) - 1, "exact", storeys)
 
-    def _frame_motion(self, index: int, solution: Solution) -> FrameMotion:
+    def frame_motion(self, index: int, solution: Solution) -> FrameMotion:
+        """Return the motion of one frame, without histories and energies.
+
+        Args:
+            index: Number of the frame, from 0.
+            solution: What `solve` returned.
+        """
         frame, one, span = self.frames[index], self.poles[index], self.spans[index]
         states = solution.states[:, :, slice(*span)]
         rates = one.rates[:, None]

@@ -103,7 +103,6 @@ def history_of(
         motion.time_s,
         motion.displacement_m @ row,
         motion.velocity_m_s @ row,
-        motion.acceleration_m_s2 @ row,
         force_n,
         middle_n[1:],
     )
