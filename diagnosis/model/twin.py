@@ -35,7 +35,7 @@ from pounding.experiments.rig.contacts import Within
 from pounding.experiments.rig.exact import ExactRig
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
-from pounding.experiments.rig.storeys import StoreyLaw
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 
 FINER, FINEST_S = 4, 2.5e-4
 """The table's samples are interpolated smoothly to at least so many steps, and to steps of at most this [s], because the rig
@@ -89,8 +89,8 @@ def simulate_pair(
     """Return the channels (samples, channels) in SI of a run in which two floors may touch, and the force (samples,) [N].
 
     Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter. The exact
-    solver runs it with the laws in storeys; exudyn does where known forces drive the floors, and where a law is such
-    that the exact solver finds no step, as one that jumps with the rate.
+    solver runs it with the laws in storeys; exudyn does where a law is such that the exact solver finds no step, as one
+    that jumps with the rate.
 
     Args:
         model: The baseline model, without contact forces.
@@ -181,9 +181,9 @@ def _shaken(
     moved = model.predict(values, None, effects, [number]).before[0]
     rate = CubicSpline(np.arange(len(moved)) * run.step_s, moved[:, TABLE_VELOCITY])(at)
     loads = _known_forces(model, assembly, number, at)
-    if between is not None and loads is None:
+    if between is not None:
         with contextlib.suppress(ExperimentError):
-            return _exact(reduced, between, assembly.laws, table, rate, step)
+            return _exact(reduced, between, assembly.laws, loads, table, rate, step)
     additions: list[Any] = [
         _Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)
     ]
@@ -203,6 +203,7 @@ def _exact(
     reduced: frames.ReducedFrame,
     between: Between,
     laws: Sequence[PlacedLaw],
+    loads: np.ndarray | None,
     table: np.ndarray,
     rate: np.ndarray,
     step_s: float,
@@ -213,6 +214,7 @@ def _exact(
         reduced: The body.
         between: The contact.
         laws: The laws in storeys.
+        loads: Known forces on the floors [N], shape (samples, floors), or None.
         table, rate: Acceleration (samples,) [m/s^2] and velocity (samples,) [m/s] of the table.
         step_s: Step of their samples [s].
 
@@ -221,7 +223,7 @@ def _exact(
     """
     contact = Within(between.law, between.gap_m, between.left + 1, between.right + 1)
     end_s = step_s * (len(table) - 1)
-    storeys = [
+    storeys: list[StoreyLaw | KnownForce] = [
         StoreyLaw(
             one.law.address,
             one.row,
@@ -231,6 +233,11 @@ def _exact(
         )
         for one in laws
     ]
+    if loads is not None:
+        floors = np.eye(reduced.storeys)
+        storeys += [
+            KnownForce(row, force) for row, force in zip(floors, loads.T, strict=True) if np.any(force)
+        ]
     rig = ExactRig([reduced], [contact], storeys)
     return rig.frame_motion(0, rig.solve(table, step_s, table_rate=rate))
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pounding.calling import MEMORY, called
+from pounding.calling import MEMORY, PARAMETERS, called
 from pounding.contact.recorded import recorded
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import exact_loop as loop
@@ -25,7 +25,7 @@ from pounding.experiments.rig.contacts import Contact, Within, history_of, sides
 from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State, Storeys
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
-from pounding.experiments.rig.storeys import StoreyLaw, check, coordinate_row
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
 from pounding.experiments.rig.storeys import history_of as storey_history
 from pounding.frames.response.exact import checked, poles
 
@@ -110,7 +110,7 @@ class ExactRig:
     Args:
         frames: Reduced frames, from left to right.
         contacts: Contacts, checked by `Rig`.
-        storeys: Laws in storeys.
+        storeys: Laws in storeys and known forces; the attribute has the laws first.
 
     Raises:
         ContactError: A law that cannot be recorded.
@@ -122,9 +122,12 @@ class ExactRig:
         self,
         frames: Sequence[ReducedFrame],
         contacts: Sequence[Contact | Within],
-        storeys: Sequence[StoreyLaw] = (),
+        storeys: Sequence[StoreyLaw | KnownForce] = (),
     ) -> None:
-        self.frames, self.contacts, self.storeys = tuple(frames), tuple(contacts), tuple(storeys)
+        self.frames, self.contacts = tuple(frames), tuple(contacts)
+        self._laws = tuple(one for one in storeys if isinstance(one, StoreyLaw))
+        self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
+        self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
         for storey in self.storeys:
             check(storey, self.frames)
         self.poles = [poles(frame) for frame in self.frames]
@@ -168,24 +171,31 @@ class ExactRig:
         )
 
     def _storeys(self, shaking: Shaking, table_rate: Real) -> Storeys | None:
-        """Return the laws in storeys at the start of a run."""
+        """Return the laws in storeys and the known forces at the start of a run."""
         if not self.storeys:
             return None
-        first, count = len(self.contacts), len(self.storeys)
+        first, laws, intervals = len(self.contacts), self._laws, len(shaking.starts)
         gains = np.hypot(*np.moveaxis(self._loop_contacts.gain[first:], 1, 0))
-        memory = np.zeros((5, count, MEMORY))
-        memory[0] = [one.memory for one in self.storeys]
+        memory = np.zeros((5, len(laws), MEMORY))
+        before, after = np.zeros((2, intervals, len(self._known)))
+        for law, one in enumerate(laws):
+            memory[0, law] = one.memory
+        for force, pushed in enumerate(self._known):
+            before[:, force], after[:, force] = _ends(np.asarray(pushed.force_n, np.float64), intervals)
         return Storeys(
             first,
-            np.array([one.address for one in self.storeys], np.int64),
-            np.array([one.parameters for one in self.storeys], np.float64),
-            np.array([one.in_room for one in self.storeys], np.float64),
-            np.array([one.remembers for one in self.storeys], np.bool_),
+            np.array([one.address for one in laws], np.int64),
+            np.array([one.parameters for one in laws], np.float64).reshape(len(laws), PARAMETERS),
+            np.array([one.in_room for one in laws], np.float64),
+            np.array([one.remembers for one in laws], np.bool_),
             np.ascontiguousarray(self._loop_contacts.weight @ gains.T),
             table_rate,
+            before,
+            after,
             memory,
-            np.zeros((count, 6)),
+            np.zeros((len(self.storeys), 6)),
             np.zeros(4),
+            np.zeros((len(self._known), 2)),
             shaking.dt_s / shaking.parts,
         )
 
@@ -288,11 +298,7 @@ class ExactRig:
     ) -> Shaking:
         end_s = (len(samples) - 1) * step_s if duration_s is None else float(duration_s)
         intervals = max(1, math.ceil(end_s / step_s - 1e-9))
-        padded = np.zeros(intervals + 1)
-        kept = min(len(padded), len(samples))
-        padded[:kept] = samples[:kept]
-        starts, ends = padded[:-1].copy(), padded[1:].copy()
-        starts[len(samples) - 1 :] = 0.0  # after the last sample the table is still
+        starts, ends = _ends(samples, intervals)
         parts = max(1, math.ceil(step_s / (longest_s or longest_step(self.frames)) - 1e-9))
         finest = 2.0 * np.pi / np.abs(self.rates).max() / FINEST_A_PERIOD
         fine = max(0, math.ceil(math.log2(step_s / parts / finest)))
@@ -327,6 +333,8 @@ class ExactRig:
                 rate = float(storeys.in_room[law] * storeys.table_rate[0])
                 numbers, memory = storeys.parameters[law], storeys.memory[0, law]
                 force[first + law] = called(address, numbers, memory, 0.0, rate, 0.0, np.zeros(MEMORY))
+            if self._known:
+                force[first + len(self._laws) :] = -storeys.before[0][:, None]
         return State(
             np.array([0, 0, max(shaking.forced_level, 0)]), np.zeros(1), np.arange(count) >= first,
             np.zeros(count), np.zeros(count), np.full(count, -1.0), force,
@@ -407,7 +415,7 @@ def run_exact(
     acceleration: ArrayLike,
     step_s: float,
     *,
-    storeys: Sequence[StoreyLaw] = (),
+    storeys: Sequence[StoreyLaw | KnownForce] = (),
     **options: Any,
 ) -> Motion:
     """Return the motion of frames in a row, with contacts, on a table; options as for `ExactRig.solve`.
@@ -417,7 +425,7 @@ def run_exact(
         contacts: Contacts between neighbours.
         acceleration: Acceleration of the table (m,) [m/s^2].
         step_s: Sample step [s].
-        storeys: Laws in storeys.
+        storeys: Laws in storeys and known forces.
         options: Those of `ExactRig.solve`.
     """
     rig = ExactRig(frames, contacts, storeys)
@@ -433,6 +441,16 @@ def longest_step(frames: Sequence[ReducedFrame]) -> float:
         sway = (frame.shapes.T @ frame.mass @ frame.influence / frame.frequencies_hz) ** 2
         fastest = max(fastest, float(frame.frequencies_hz[sway >= COUNTS * sway.sum()].max()))
     return 1.0 / (STEPS_A_PERIOD * fastest)
+
+
+def _ends(samples: Real, intervals: int) -> tuple[Real, Real]:
+    """Return a series at the start and the end of so many intervals (intervals,); nothing after its last sample."""
+    padded = np.zeros(intervals + 1)
+    kept = min(len(padded), len(samples))
+    padded[:kept] = samples[:kept]
+    starts, ends = padded[:-1].copy(), padded[1:].copy()
+    starts[len(samples) - 1 :] = 0.0
+    return starts, ends
 
 
 def _velocities(shaking: Shaking) -> Real:

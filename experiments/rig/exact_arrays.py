@@ -81,7 +81,7 @@ class Contacts(NamedTuple):
 
 
 class Storeys(NamedTuple):
-    """The laws in storeys (l of them), what they remember, and room to work in; runs without them have none of it.
+    """The laws in storeys (l of them), then known forces (f), and room to work in; runs without them have none of it.
 
     Attributes:
         first: The first connection that is a law in a storey: how many contacts there are.
@@ -89,12 +89,14 @@ class Storeys(NamedTuple):
         parameters: Their parameters in SI (l, PARAMETERS).
         in_room: 1 where the table's velocity counts in the rate that a law sees, else 0 (l,).
         remembers: Which of them have a memory (l,).
-        jolt: Bound of what a unit force of each adds to each connection's relative acceleration (c, l) [1/kg].
+        jolt: Bound of what a unit force of each adds to each connection's relative acceleration (c, l + f) [1/kg].
         table_rate: Velocity of the table at the intervals' ends (m + 1,) [m/s].
+        before, after: Known forces at the start and the end of each interval (m, f) [N].
         memory: What they remember at the start of a step, in its middle, at its end, at a turn on the way, and in trials
             (5, l, MEMORY).
-        seen: Drift and rate at the start, in the middle and at the end of a step (l, 6).
+        seen: Drift and rate at the start, in the middle and at the end of a step (l + f, 6).
         moment: Time at a step's start [s], the table's velocity there [m/s], its slope and half its bend (4,).
+        known: Known forces at a step's start [N] and their slopes [N/s] (f, 2).
         lasting_s: Time for which an error of a memory counts [s].
     """
 
@@ -105,9 +107,12 @@ class Storeys(NamedTuple):
     remembers: Any
     jolt: Any
     table_rate: Any
+    before: Any
+    after: Any
     memory: Any
     seen: Any
     moment: Any
+    known: Any
     lasting_s: float
 
 

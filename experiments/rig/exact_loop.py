@@ -312,10 +312,13 @@ def _storey_force(storeys: Any, law: int, half: int, half_s: float) -> float:
 
     Args:
         storeys: The laws.
-        law: Which of them.
+        law: Which of them; beyond the last it is a known force, which pushes where a law opposes.
         half: Which half of the step: 0 or 1.
         half_s: Its length [s].
     """
+    if law >= len(storeys.address):
+        at, slope = storeys.known[law - len(storeys.address)]
+        return float(-at - (half + 1) * half_s * slope)
     seen, before = storeys.seen[law], half
     d0, v0, d, v = seen[2 * half], seen[2 * half + 1], seen[2 * half + 2], seen[2 * half + 3]
     if storeys.remembers[law] and v0 * v < 0.0:
@@ -707,13 +710,17 @@ def _followed(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _note(storeys: Any, shaking: Any, interval: int, since: float, now: float) -> None:
-    """Write the time of a step's start, and the table's velocity from there on, where the laws in storeys read it."""
+    """Write the time of a step's start, and the table's velocity and known forces from there on, where they are read."""
     rates, dt_s = storeys.table_rate, shaking.dt_s
     bend = 0.5 * (shaking.ends[interval] - shaking.starts[interval]) / dt_s
     slope = (rates[interval + 1] - rates[interval]) / dt_s - bend * dt_s
     storeys.moment[0] = now
     storeys.moment[1] = rates[interval] + since * (slope + since * bend)
     storeys.moment[2], storeys.moment[3] = slope + 2.0 * since * bend, bend
+    for force in range(len(storeys.known)):
+        at = storeys.before[interval, force]
+        slope = (storeys.after[interval, force] - at) / dt_s
+        storeys.known[force, 0], storeys.known[force, 1] = at + since * slope, slope
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

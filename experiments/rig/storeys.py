@@ -1,4 +1,4 @@
-"""Laws in storeys: forces that oppose a drift within one frame, and what they did there in a run."""
+"""Forces within one frame: laws in storeys, which oppose a drift, and known forces; and what they did there in a run."""
 
 from __future__ import annotations
 
@@ -42,11 +42,26 @@ class StoreyLaw:
     memory: Real = field(default_factory=lambda: np.zeros(MEMORY))
 
 
-def check(storey: StoreyLaw, frames: Sequence[ReducedFrame]) -> None:
-    """Refuse a law that the frames of a row cannot have.
+@dataclass(frozen=True, eq=False)
+class KnownForce:
+    """A force on the floors of a frame that is known beforehand, straight between its samples.
+
+    Attributes:
+        row: Its share on each floor (storeys,) [-].
+        force_n: The force at the samples of the table's acceleration (m,) [N]; none after the last.
+        body: Which frame of the row, from 0.
+    """
+
+    row: Real
+    force_n: Real
+    body: int = 0
+
+
+def check(storey: StoreyLaw | KnownForce, frames: Sequence[ReducedFrame]) -> None:
+    """Refuse a law or a known force that the frames of a row cannot have.
 
     Args:
-        storey: The law.
+        storey: The law or the force.
         frames: Reduced frames, from left to right.
 
     Raises:
@@ -57,23 +72,25 @@ def check(storey: StoreyLaw, frames: Sequence[ReducedFrame]) -> None:
             f"a law in frame {storey.body}, but there are {len(frames)} frame(s), counted from 0"
         )
     frame = frames[storey.body]
-    for what, values, wanted in (
-        (f"row of floors of {frame.name}", storey.row, frame.storeys),
-        ("parameters", storey.parameters, PARAMETERS),
-        ("memory", storey.memory, MEMORY),
-    ):
-        if np.shape(values) != (wanted,):
-            raise ExperimentError(
-                f"a law in a storey: the {what} has shape {np.shape(values)}; give {wanted} numbers"
-            )
+    _check_length(f"row of floors of {frame.name}", storey.row, frame.storeys)
+    if isinstance(storey, StoreyLaw):
+        _check_length("parameters", storey.parameters, PARAMETERS)
+        _check_length("memory", storey.memory, MEMORY)
 
 
-def coordinate_row(frames: Sequence[ReducedFrame], storey: StoreyLaw) -> Real:
+def _check_length(what: str, values: Real, wanted: int) -> None:
+    if np.shape(values) != (wanted,):
+        raise ExperimentError(
+            f"a law in a storey: the {what} has shape {np.shape(values)}; give {wanted} numbers"
+        )
+
+
+def coordinate_row(frames: Sequence[ReducedFrame], storey: StoreyLaw | KnownForce) -> Real:
     """Return what the coordinates of its frame contribute to a law's drift (n,) [-].
 
     Args:
         frames: Reduced frames, from left to right.
-        storey: The law.
+        storey: The law, or a known force.
     """
     frame = frames[storey.body]
     row = np.zeros(len(frame.mass))
@@ -84,7 +101,7 @@ def coordinate_row(frames: Sequence[ReducedFrame], storey: StoreyLaw) -> Real:
 def history_of(
     frames: Sequence[ReducedFrame],
     motions: Sequence[FrameMotion],
-    storey: StoreyLaw,
+    storey: StoreyLaw | KnownForce,
     force_n: Real,
     middle_n: Real,
 ) -> StoreyHistory:
@@ -93,7 +110,7 @@ def history_of(
     Args:
         frames: Reduced frames, from left to right.
         motions: What they did.
-        storey: The law.
+        storey: The law, or a known force, whose work is what it takes from the frame.
         force_n: Its force at the steps (m,) [N].
         middle_n: Its force in the middle of the step that ends there (m,) [N]; the first does not count.
     """

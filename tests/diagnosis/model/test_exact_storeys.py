@@ -23,7 +23,7 @@ from pounding.experiments.rig.exact import ExactRig, Solution, run_exact
 from pounding.experiments.rig.many import Case, run_one
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.rig import Accuracy, Rig
-from pounding.experiments.rig.storeys import StoreyLaw
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import linear_response
 from tests.experiments.rig.test_exact import shear
@@ -141,6 +141,23 @@ def test_drag_sees_the_tables_velocity_and_takes_another_one_if_given() -> None:
     # The curve between the samples is the acceleration's, so that a still table is one at the samples only.
     assert peaks(still) == pytest.approx(peaks(in_frame), rel=1e-3)
     assert np.abs(peaks(own) / peaks(in_frame) - 1.0).max() > 0.05
+
+
+def test_known_forces_that_are_the_tables_do_what_the_table_does() -> None:
+    """The inertia of each floor as a known force on a frame whose table is still, and beside another that is shaken."""
+    inertia = -TABLE[:, None] * (LEFT.mass @ LEFT.influence)
+    forces = [KnownForce(row, force) for row, force in zip(np.eye(3), inertia.T, strict=True)]
+    still = dataclasses.replace(LEFT, influence=0.0 * LEFT.influence)
+    for pair in (False, True):
+        frames, contacts = row_of(pair)
+        wanted = run_exact(frames, contacts, TABLE, STEP)
+        pushed = run_exact([still, *frames[1:]], contacts, TABLE, STEP, storeys=forces)
+        assert peaks(pushed) == pytest.approx(peaks(wanted), rel=1e-4 if pair else 1e-8)
+        assert pushed.energy.error < 1e-3
+        assert pushed.energy.storey_j.min() < -0.1 * wanted.energy.input_j.max()
+    later = [dataclasses.replace(one, force_n=one.force_n[:200]) for one in forces]
+    free = run_exact([still], [], TABLE, STEP, storeys=later)
+    assert np.abs(free.storeys[0].force_n[free.time_s > 200 * STEP]).max() == 0.0
 
 
 def solved(law: Law, placed: Placed, **options: float) -> tuple[ExactRig, Solution]:
