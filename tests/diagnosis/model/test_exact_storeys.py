@@ -14,7 +14,7 @@ from pounding.calling import MEMORY, PARAMETERS
 from pounding.contact import thesis_law
 from pounding.diagnosis.effects.bases import LawEffect
 from pounding.diagnosis.effects.candidates import kinds
-from pounding.diagnosis.effects.storey import cubic_spring, damper, friction
+from pounding.diagnosis.effects.storey import damper, friction
 from pounding.diagnosis.model.laws import Law, PlacedLaw, filled
 from pounding.diagnosis.model.twin import _Addition, _between_samples
 from pounding.experiments.errors import ExperimentError
