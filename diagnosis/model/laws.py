@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.calling import MEMORY, PARAMETERS, called, entry
+from pounding.calling import MEMORY, PARAMETERS, called, entry
 
 
 class Numbers(Protocol):

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.interpolate import CubicSpline
 
+from pounding.calling import PARAMETERS
 from pounding.diagnosis.case.case import Prior
-from pounding.diagnosis.model.calling import PARAMETERS
 from pounding.diagnosis.model.kalman import (
     DISCREPANCY,
     LATENT_RATE,

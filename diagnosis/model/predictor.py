@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from pounding.diagnosis.model.calling import MEMORY, called_at
+from pounding.calling import MEMORY, called_at
 
 Real = NDArray[Any]
 

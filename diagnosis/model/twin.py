@@ -7,6 +7,7 @@ of the engine, so that a step that is taken back leaves no trace.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -19,10 +20,10 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 
 from pounding import frames
+from pounding.calling import MEMORY, called
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.calling import MEMORY, called
 from pounding.diagnosis.model.laws import PlacedLaw, filled
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -31,9 +32,10 @@ from pounding.diagnosis.model.tilt import tilt_series
 from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contacts import Within
-from pounding.experiments.rig.exact import run_exact
+from pounding.experiments.rig.exact import ExactRig
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 
 FINER, FINEST_S = 4, 2.5e-4
 """The table's samples are interpolated smoothly to at least so many steps, and to steps of at most this [s], because the rig
@@ -86,8 +88,9 @@ def simulate_pair(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the channels (samples, channels) in SI of a run in which two floors may touch, and the force (samples,) [N].
 
-    Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter. Frames that
-    are linear apart from the contact are run by the exact solver, others by exudyn.
+    Accelerations and force are means over a sample, as a logger's filter makes them: an impact is shorter. The exact
+    solver runs it with the laws in storeys; exudyn does where a law is such that the exact solver finds no step, as one
+    that jumps with the rate.
 
     Args:
         model: The baseline model, without contact forces.
@@ -178,9 +181,9 @@ def _shaken(
     moved = model.predict(values, None, effects, [number]).before[0]
     rate = CubicSpline(np.arange(len(moved)) * run.step_s, moved[:, TABLE_VELOCITY])(at)
     loads = _known_forces(model, assembly, number, at)
-    if between is not None and _linear(assembly, loads):
-        contact = Within(between.law, between.gap_m, between.left + 1, between.right + 1)
-        return run_exact([reduced], [contact], table, step).frames[0]
+    if between is not None:
+        with contextlib.suppress(ExperimentError):
+            return _exact(reduced, between, assembly.laws, loads, table, rate, step)
     additions: list[Any] = [
         _Addition(assembly.laws, float(at[-1]), _between_samples(rate, step), loads, step)
     ]
@@ -196,9 +199,47 @@ def _shaken(
         ) from error
 
 
-def _linear(assembly: Assembly, loads: np.ndarray | None) -> bool:
-    """Whether nothing but the table and a contact drives frames that are linear, so that the exact solver applies."""
-    return not assembly.laws and loads is None
+def _exact(
+    reduced: frames.ReducedFrame,
+    between: Between,
+    laws: Sequence[PlacedLaw],
+    loads: np.ndarray | None,
+    table: np.ndarray,
+    rate: np.ndarray,
+    step_s: float,
+) -> FrameMotion:
+    """Return the motion of all frames as one body by the exact solver.
+
+    Args:
+        reduced: The body.
+        between: The contact.
+        laws: The laws in storeys.
+        loads: Known forces on the floors [N], shape (samples, floors), or None.
+        table, rate: Acceleration (samples,) [m/s^2] and velocity (samples,) [m/s] of the table.
+        step_s: Step of their samples [s].
+
+    Raises:
+        ExperimentError: It did not get through the run.
+    """
+    contact = Within(between.law, between.gap_m, between.left + 1, between.right + 1)
+    end_s = step_s * (len(table) - 1)
+    storeys: list[StoreyLaw | KnownForce] = [
+        StoreyLaw(
+            one.law.address,
+            one.row,
+            filled(one.parameters, end_s),
+            in_room=one.in_room,
+            remembers=one.law.remembers,
+        )
+        for one in laws
+    ]
+    if loads is not None:
+        floors = np.eye(reduced.storeys)
+        storeys += [
+            KnownForce(row, force) for row, force in zip(floors, loads.T, strict=True) if np.any(force)
+        ]
+    rig = ExactRig([reduced], [contact], storeys)
+    return rig.frame_motion(0, rig.solve(table, step_s, table_rate=rate))
 
 
 def _touching(between: Between, rig: Any) -> ContactConnector:

@@ -14,6 +14,7 @@ from cyclopts import App, CycloptsError, ValidationError
 from rich.console import Console
 
 from pounding.errors import InputError
+from pounding.experiments.console import remarks
 from pounding.experiments.console.interruption import heeding
 from pounding.experiments.results.provenance import software_version
 
@@ -47,6 +48,7 @@ def run(app: App, arguments: Sequence[str] | None = None) -> None:
     """
     warnings.showwarning = _warned
     _open_streams()
+    remarks.show()
     try:
         with heeding():
             app(arguments)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pounding.experiments.rig.motion import EnergyBalance
 
 if TYPE_CHECKING:
-    from pounding.experiments.rig.motion import ContactHistory, FrameMotion
+    from pounding.experiments.rig.motion import ContactHistory, FrameMotion, StoreyHistory
 
 Real = NDArray[np.floating]
 
@@ -20,8 +20,18 @@ _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18.0
 _CONTACT_CUTS = 6
 
 
-def balance(frames: tuple[FrameMotion, ...], contacts: tuple[ContactHistory, ...]) -> EnergyBalance:
-    """Return the balance of a run, each integral over the interpolated motion between the steps."""
+def balance(
+    frames: tuple[FrameMotion, ...],
+    contacts: tuple[ContactHistory, ...],
+    storeys: tuple[StoreyHistory, ...] = (),
+) -> EnergyBalance:
+    """Return the balance of a run, each integral over the interpolated motion between the steps.
+
+    Args:
+        frames: Motion of each frame.
+        contacts: History of each contact.
+        storeys: History of each law in a storey.
+    """
     time = frames[0].time_s
     kinetic, strain, damping, work = (np.zeros(len(time)) for _ in range(4))
     for frame in frames:
@@ -34,7 +44,8 @@ def balance(frames: tuple[FrameMotion, ...], contacts: tuple[ContactHistory, ...
     contact = np.zeros(len(time))
     for history in contacts:
         contact += _contact_work(history)
-    return EnergyBalance(time, work, kinetic, strain, damping, contact)
+    in_storeys = sum((one.work_j for one in storeys), np.zeros(len(time)))
+    return EnergyBalance(time, work, kinetic, strain, damping, contact, in_storeys)
 
 
 def _powers(frame: FrameMotion) -> tuple[Real, Real]:

@@ -1,7 +1,8 @@
-"""The exact solver: frames that are linear apart from their contacts, without the engine and a hundred times quicker.
+"""The exact solver: frames that are linear apart from contacts and laws in storeys, without the engine and much quicker.
 
-Between touches every mode follows the table by a closed formula; touches and partings are located; in contact the step
-follows an error control (`exact_loop` has the method). What it leaves is the same `Motion` as a run of the engine.
+Between touches every mode follows the table by a closed formula; touches and partings are located; in contact, and where
+a law acts in a storey, the step follows an error control (`exact_loop` has the method). What it leaves is the same
+`Motion` as a run of the engine.
 """
 
 from __future__ import annotations
@@ -15,19 +16,25 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pounding.calling import MEMORY, PARAMETERS, called
 from pounding.contact.recorded import recorded
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import exact_loop as loop
+from pounding.experiments.rig.compiling import announce
 from pounding.experiments.rig.contacts import Contact, Within, history_of, sides_of
 from pounding.experiments.rig.energy import balance
-from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State
+from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State, Storeys
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
+from pounding.experiments.rig.storeys import history_of as storey_history
 from pounding.frames.response.exact import checked, poles
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.float64]
+
+announce(loop.__name__)
 
 STEPS_A_PERIOD = 20.0
 """Steps in a period of the fastest mode that counts; the motion between them is read from cubics."""
@@ -63,24 +70,29 @@ class Solution(NamedTuple):
         states: Poles of all frames (m, 2, p), real and imaginary parts.
         forces: Contact forces (m, c) [N].
         acceleration: The table's acceleration at the times (m,) [m/s^2].
+        storey_forces: Forces of the laws in storeys (m, l) [N].
+        storey_middles: The same in the middle of the step that ends at the time (m, l) [N]; the first do not count.
     """
 
     time_s: Real
     states: Real
     forces: Real
     acceleration: Real
+    storey_forces: Real
+    storey_middles: Real
 
 
 class _Rows:
-    """Rows that the loop fills: times (k,), states (k, 2, p), forces (k, c). The first is rest."""
+    """Rows that the loop fills: times (k,), states (k, 2, p), forces (k, f). The first is rest, with its forces (f,)."""
 
-    def __init__(self, rows: int, poles: int, contacts: int) -> None:
+    def __init__(self, rows: int, poles: int, forces: Real) -> None:
         self.times, self.states, self.forces = (
             np.empty(rows),
             np.empty((rows, 2, poles)),
-            np.empty((rows, contacts)),
+            np.empty((rows, len(forces))),
         )
-        self.times[0] = self.states[0] = self.forces[0] = 0.0
+        self.times[0] = self.states[0] = 0.0
+        self.forces[0] = forces
 
     def make_room(self, rows: int) -> None:
         """Let there be at least so many rows."""
@@ -98,14 +110,26 @@ class ExactRig:
     Args:
         frames: Reduced frames, from left to right.
         contacts: Contacts, checked by `Rig`.
+        storeys: Laws in storeys and known forces; the attribute has the laws first.
 
     Raises:
         ContactError: A law that cannot be recorded.
+        ExperimentError: A law in a storey that the frames cannot have.
         FrameError: A frame whose damping leaves no poles.
     """
 
-    def __init__(self, frames: Sequence[ReducedFrame], contacts: Sequence[Contact | Within]) -> None:
+    def __init__(
+        self,
+        frames: Sequence[ReducedFrame],
+        contacts: Sequence[Contact | Within],
+        storeys: Sequence[StoreyLaw | KnownForce] = (),
+    ) -> None:
         self.frames, self.contacts = tuple(frames), tuple(contacts)
+        self._laws = tuple(one for one in storeys if isinstance(one, StoreyLaw))
+        self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
+        self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
+        for storey in self.storeys:
+            check(storey, self.frames)
         self.poles = [poles(frame) for frame in self.frames]
         ends = np.cumsum([0, *(len(one.rates) for one in self.poles)])
         self.spans = [(int(a), int(b)) for a, b in pairwise(ends)]
@@ -113,14 +137,21 @@ class ExactRig:
         self._load = _parts(np.concatenate([one.load for one in self.poles]))
         self._loop_contacts = self._contacts()
 
+    def _sides(self) -> list[list[tuple[int, Real, float]]]:
+        """Return for each connection the frames on which it acts, with the row of coordinates and its sign in the drift."""
+        found = [
+            [(*side, sign) for side, sign in zip(sides_of(self.frames, one), (1.0, -1.0), strict=True)]
+            for one in self.contacts
+        ]
+        return found + [[(one.body, coordinate_row(self.frames, one), 1.0)] for one in self.storeys]
+
     def _contacts(self) -> Contacts:
-        count, size = len(self.contacts), len(self.rates)
-        rows, gains = np.zeros((count, size), complex), np.zeros((count, size), complex)
-        spans, mobility = np.zeros((count, 2), np.int64), np.zeros(count)
-        for c, contact in enumerate(self.contacts):
-            sides = sides_of(self.frames, contact)
-            spans[c] = self.spans[sides[0].body][0], self.spans[sides[1].body][1]
-            for (body, row), sign in zip(sides, (1.0, -1.0), strict=True):
+        connections, size = self._sides(), len(self.rates)
+        rows, gains = (np.zeros((len(connections), size), complex) for _ in range(2))
+        spans, mobility = np.zeros((len(connections), 2), np.int64), np.zeros(len(connections))
+        for c, sides in enumerate(connections):
+            spans[c] = self.spans[sides[0][0]][0], self.spans[sides[-1][0]][1]
+            for body, row, sign in sides:
                 frame, one, span = self.frames[body], self.poles[body], slice(*self.spans[body])
                 pushed = np.linalg.solve(frame.mass, row)
                 rows[c, span] += sign * (one.output @ row)
@@ -132,11 +163,40 @@ class ExactRig:
             _parts(rows),
             _parts(rate),
             _parts(gains),
-            np.array([contact.gap_m for contact in self.contacts], float),
+            np.array([*(one.gap_m for one in self.contacts), *(0.0 for _ in self.storeys)], float),
             np.abs(rate),
             np.abs(rate) @ np.abs(np.concatenate([one.load for one in self.poles])),
             mobility,
             *_programs(self.contacts),
+        )
+
+    def _storeys(self, shaking: Shaking, table_rate: Real) -> Storeys | None:
+        """Return the laws in storeys and the known forces at the start of a run."""
+        if not self.storeys:
+            return None
+        first, laws, intervals = len(self.contacts), self._laws, len(shaking.starts)
+        gains = np.hypot(*np.moveaxis(self._loop_contacts.gain[first:], 1, 0))
+        memory = np.zeros((5, len(laws), MEMORY))
+        before, after = np.zeros((2, intervals, len(self._known)))
+        for law, one in enumerate(laws):
+            memory[0, law] = one.memory
+        for force, pushed in enumerate(self._known):
+            before[:, force], after[:, force] = _ends(np.asarray(pushed.force_n, np.float64), intervals)
+        return Storeys(
+            first,
+            np.array([one.address for one in laws], np.int64),
+            np.array([one.parameters for one in laws], np.float64).reshape(len(laws), PARAMETERS),
+            np.array([one.in_room for one in laws], np.float64),
+            np.array([one.remembers for one in laws], np.bool_),
+            np.ascontiguousarray(self._loop_contacts.weight @ gains.T),
+            table_rate,
+            before,
+            after,
+            memory,
+            np.zeros((len(self.storeys), 6)),
+            np.zeros(4),
+            np.zeros((len(self._known), 2)),
+            shaking.dt_s / shaking.parts,
         )
 
     def solve(
@@ -148,6 +208,7 @@ class ExactRig:
         longest_s: float | None = None,
         tolerance: float = TOLERANCE,
         contact_level: int = -1,
+        table_rate: ArrayLike | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Solution:
         """Shake the frames and return every step.
@@ -158,8 +219,10 @@ class ExactRig:
             duration_s: End of the run [s]; default: the last sample.
             longest_s: Longest step [s]; default: `longest_step`.
             tolerance: See `TOLERANCE`.
-            contact_level: All steps in contact are the longest over two to this power, without error control, for
-                studies of convergence; -1 for the control.
+            contact_level: All steps in contact, and with laws in storeys all steps, are the longest over two to this power,
+                without error control, for studies of convergence; -1 for the control.
+            table_rate: Velocity of the table at the samples (m,) [m/s], for laws that act in the room; default: the
+                acceleration's integral from rest.
             progress: Called now and then with the model time [s].
 
         Raises:
@@ -169,17 +232,25 @@ class ExactRig:
         samples = np.asarray(checked(acceleration, step_s), np.float64)
         shaking = self._shaking(samples, step_s, duration_s, longest_s, tolerance, contact_level)
         modes = self._modes(shaking)
-        rows = self._run(shaking, modes, progress)
+        rate = _velocities(shaking) if table_rate is None else _lengthened(table_rate, len(shaking.starts))
+        rows = self._run(shaking, modes, self._storeys(shaking, rate), progress)
         grid = step_s * np.arange(len(samples))
-        return Solution(*rows, np.interp(rows[0], grid, samples, right=0.0))
+        times, states, all_forces = rows
+        forces, *storeys = np.split(all_forces, np.cumsum([len(self.contacts), len(self.storeys)]), axis=1)
+        return Solution(times, states, forces, np.interp(times, grid, samples, right=0.0), *storeys)
 
     def _run(
-        self, shaking: Shaking, modes: Modes, progress: Callable[[float], None] | None
+        self,
+        shaking: Shaking,
+        modes: Modes,
+        storeys: Storeys | None,
+        progress: Callable[[float], None] | None,
     ) -> tuple[Real, Real, Real]:
         """Return times, states and forces of all steps: chunk after chunk into rows that grow when they are full."""
-        state = self._rest(shaking)
+        state = self._rest(shaking, storeys)
         expected = len(shaking.starts) * shaking.parts
-        rows = _Rows(expected + expected // 8 + CHUNK, len(self.rates), len(self.contacts))
+        begins = np.concatenate([state.force[:, 0], np.zeros(len(self.storeys))])
+        rows = _Rows(expected + expected // 8 + CHUNK, len(self.rates), begins)
         ended, filled = loop.FULL, 1
         while ended == loop.FULL:
             rows.make_room(filled + CHUNK)
@@ -188,6 +259,7 @@ class ExactRig:
                 shaking,
                 modes,
                 self._loop_contacts,
+                storeys,
                 state,
                 rows.times[part],
                 rows.states[part],
@@ -196,9 +268,10 @@ class ExactRig:
             last, now = rows.times[filled - 1], float(rows.times[filled + gone - 2])
             self._check(rows.states[filled : filled + gone - 1][::-LOOK_EVERY], now)
             if ended == loop.STUCK or (ended == loop.FULL and now - last < STUCK_S):
+                jumps = "a law in a storey may jump, which exudyn can run; else " if self.storeys else ""
                 raise ExperimentError(
                     f"the run was stopped at {now:.4f} s: {gone - 1} steps have covered {now - last:.1g} s only; "
-                    "lower the contact's stiffness or damping, or loosen the relative tolerance"
+                    f"{jumps}lower the contact's stiffness or damping, or loosen the relative tolerance"
                 )
             filled += gone - 1
             if progress is not None:
@@ -225,11 +298,7 @@ class ExactRig:
     ) -> Shaking:
         end_s = (len(samples) - 1) * step_s if duration_s is None else float(duration_s)
         intervals = max(1, math.ceil(end_s / step_s - 1e-9))
-        padded = np.zeros(intervals + 1)
-        kept = min(len(padded), len(samples))
-        padded[:kept] = samples[:kept]
-        starts, ends = padded[:-1].copy(), padded[1:].copy()
-        starts[len(samples) - 1 :] = 0.0  # after the last sample the table is still
+        starts, ends = _ends(samples, intervals)
         parts = max(1, math.ceil(step_s / (longest_s or longest_step(self.frames)) - 1e-9))
         finest = 2.0 * np.pi / np.abs(self.rates).max() / FINEST_A_PERIOD
         fine = max(0, math.ceil(math.log2(step_s / parts / finest)))
@@ -256,11 +325,19 @@ class ExactRig:
             loop.push(tables[level], self._load, step, pushed[level])
         return Modes(self.rates, self._load, tables, pushed)
 
-    def _rest(self, shaking: Shaking) -> State:
-        count = len(self.contacts)
+    def _rest(self, shaking: Shaking, storeys: Storeys | None) -> State:
+        count, first = len(self._loop_contacts.gap), len(self.contacts)
+        force = np.zeros((count, 3))
+        if storeys is not None:
+            for law, address in enumerate(storeys.address):
+                rate = float(storeys.in_room[law] * storeys.table_rate[0])
+                numbers, memory = storeys.parameters[law], storeys.memory[0, law]
+                force[first + law] = called(address, numbers, memory, 0.0, rate, 0.0, np.zeros(MEMORY))
+            if self._known:
+                force[first + len(self._laws) :] = -storeys.before[0][:, None]
         return State(
-            np.array([0, 0, max(shaking.forced_level, 0)]), np.zeros(1), np.zeros(count, np.bool_),
-            np.zeros(count), np.zeros(count), np.full(count, -1.0), np.zeros((count, 3)),
+            np.array([0, 0, max(shaking.forced_level, 0)]), np.zeros(1), np.arange(count) >= first,
+            np.zeros(count), np.zeros(count), np.full(count, -1.0), force,
         )  # fmt: skip
 
     def coordinates(self, solution: Solution, index: int, chosen: ArrayLike) -> tuple[Real, Real]:
@@ -284,9 +361,10 @@ class ExactRig:
         Args:
             solution: What `solve` returned.
         """
-        row = self._loop_contacts.row
+        count = len(self.contacts)
+        row = self._loop_contacts.row[:count]
         moved = solution.states[:, 0] @ row[:, 0].T - solution.states[:, 1] @ row[:, 1].T
-        return np.asarray(moved - self._loop_contacts.gap)
+        return np.asarray(moved - self._loop_contacts.gap[:count])
 
     def motion(self, solution: Solution, cost_s: tuple[float, float]) -> Motion:
         """Return a solution as the frames' motions and the contacts' histories.
@@ -295,13 +373,22 @@ class ExactRig:
             solution: What `solve` returned.
             cost_s: Wall and processor time that it took [s].
         """
-        motions = tuple(self._frame_motion(index, solution) for index in range(len(self.frames)))
+        motions = tuple(self.frame_motion(index, solution) for index in range(len(self.frames)))
         histories = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
-        return Motion(
-            motions, histories, balance(motions, histories), *cost_s, len(solution.time_s) - 1, "exact"
+        storeys = tuple(
+            storey_history(self.frames, motions, *each)
+            for each in zip(self.storeys, solution.storey_forces.T, solution.storey_middles.T, strict=True)
         )
+        energy = balance(motions, histories, storeys)
+        return Motion(motions, histories, energy, *cost_s, len(solution.time_s) - 1, "exact", storeys)
 
-    def _frame_motion(self, index: int, solution: Solution) -> FrameMotion:
+    def frame_motion(self, index: int, solution: Solution) -> FrameMotion:
+        """Return the motion of one frame, without histories and energies.
+
+        Args:
+            index: Number of the frame, from 0.
+            solution: What `solve` returned.
+        """
         frame, one, span = self.frames[index], self.poles[index], self.spans[index]
         states = solution.states[:, :, slice(*span)]
         rates = one.rates[:, None]
@@ -309,14 +396,16 @@ class ExactRig:
         all_three = states[:, 0] @ output.real
         all_three -= states[:, 1] @ output.imag
         u, v, a = np.split(all_three, 3, axis=1)
-        # What acts at once: the table on all coordinates, the contacts' forces on those of their floors.
-        pushed = np.zeros((1 + len(self.contacts), len(frame.mass)))
+        # What acts at once: the table on all coordinates, the connections' forces on those of their floors.
+        connections = self._sides()
+        pushed = np.zeros((1 + len(connections), len(frame.mass)))
         pushed[0] = ((rates * one.output).T @ one.load).real
-        for c, contact in enumerate(self.contacts):
-            for (body, row), sign in zip(sides_of(self.frames, contact), (-1.0, 1.0), strict=True):
+        for c, sides in enumerate(connections):
+            for body, row, sign in sides:
                 if body == index:
-                    pushed[1 + c] += sign * np.linalg.solve(frame.mass, row)
-        a += np.column_stack([solution.acceleration, solution.forces]) @ pushed
+                    pushed[1 + c] -= sign * np.linalg.solve(frame.mass, row)
+        forces = np.column_stack([solution.acceleration, solution.forces, solution.storey_forces])
+        a += forces @ pushed
         return FrameMotion(frame, solution.time_s, u, v, a, solution.acceleration)
 
 
@@ -325,6 +414,8 @@ def run_exact(
     contacts: Sequence[Contact | Within],
     acceleration: ArrayLike,
     step_s: float,
+    *,
+    storeys: Sequence[StoreyLaw | KnownForce] = (),
     **options: Any,
 ) -> Motion:
     """Return the motion of frames in a row, with contacts, on a table; options as for `ExactRig.solve`.
@@ -334,9 +425,10 @@ def run_exact(
         contacts: Contacts between neighbours.
         acceleration: Acceleration of the table (m,) [m/s^2].
         step_s: Sample step [s].
+        storeys: Laws in storeys and known forces.
         options: Those of `ExactRig.solve`.
     """
-    rig = ExactRig(frames, contacts)
+    rig = ExactRig(frames, contacts, storeys)
     started, worked = time.perf_counter(), time.thread_time()
     solution = rig.solve(acceleration, step_s, **options)
     return rig.motion(solution, (time.perf_counter() - started, time.thread_time() - worked))
@@ -349,6 +441,28 @@ def longest_step(frames: Sequence[ReducedFrame]) -> float:
         sway = (frame.shapes.T @ frame.mass @ frame.influence / frame.frequencies_hz) ** 2
         fastest = max(fastest, float(frame.frequencies_hz[sway >= COUNTS * sway.sum()].max()))
     return 1.0 / (STEPS_A_PERIOD * fastest)
+
+
+def _ends(samples: Real, intervals: int) -> tuple[Real, Real]:
+    """Return a series at the start and the end of so many intervals (intervals,); nothing after its last sample."""
+    padded = np.zeros(intervals + 1)
+    kept = min(len(padded), len(samples))
+    padded[:kept] = samples[:kept]
+    starts, ends = padded[:-1].copy(), padded[1:].copy()
+    starts[len(samples) - 1 :] = 0.0
+    return starts, ends
+
+
+def _velocities(shaking: Shaking) -> Real:
+    """Return the table's velocity at the intervals' ends (m + 1,) [m/s]: its acceleration is straight in each."""
+    gained = 0.5 * shaking.dt_s * (shaking.starts + shaking.ends)
+    return np.concatenate([[0.0], np.cumsum(gained)])
+
+
+def _lengthened(series: ArrayLike, intervals: int) -> Real:
+    """Return a series at so many intervals' ends (intervals + 1,), constant after its last sample."""
+    samples = np.asarray(series, np.float64)
+    return samples[np.minimum(np.arange(intervals + 1), len(samples) - 1)]
 
 
 def _parts(values: Any) -> Real:

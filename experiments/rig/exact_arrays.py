@@ -1,5 +1,7 @@
 """The arrays of the exact solver's compiled loop: what shakes, what moves, what touches, and where a run is.
 
+A law in a storey is a connection as a contact is, but one that never opens; connections are the contacts, then the laws.
+
 Poles are kept as real and imaginary parts in two rows, which the compiler turns into vector instructions.
 """
 
@@ -50,18 +52,18 @@ class Modes(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """The contacts and their laws.
+    """The connections (c of them) and the programs of those that are contacts.
 
     Attributes:
-        span: First pole and one past the last of each contact's frames (c, 2).
-        row, rate: Deformation [m] and its rate [m/s] for a unit state (c, 2, p).
+        span: First pole and one past the last of each connection's frames (c, 2).
+        row, rate: Deformation or drift [m] and its rate [m/s] for a unit state (c, 2, p).
         gain: Load of a unit force on each pole (c, 2, p).
-        gap: Gaps at rest (c,) [m].
+        gap: Gaps at rest (c,) [m]; zero for a law in a storey.
         weight, pushing: Bound of each pole's part in the rate (c, p), and of that of a unit acceleration of the table
             (c,), for the time before which nothing can touch.
         mobility: Relative acceleration that a unit force gives (c,) [1/kg].
-        code, first, result: The laws' programs, one after the other (see `contact.evaluation`).
-        registers: Their registers (c, r).
+        code, first, result: The contacts' programs, one after the other (see `contact.evaluation`).
+        registers: Their registers (contacts, r).
     """
 
     span: Any
@@ -78,13 +80,49 @@ class Contacts(NamedTuple):
     registers: Any
 
 
+class Storeys(NamedTuple):
+    """The laws in storeys (l of them), then known forces (f), and room to work in; runs without them have none of it.
+
+    Attributes:
+        first: The first connection that is a law in a storey: how many contacts there are.
+        address: Where the laws' compiled functions are (l,).
+        parameters: Their parameters in SI (l, PARAMETERS).
+        in_room: 1 where the table's velocity counts in the rate that a law sees, else 0 (l,).
+        remembers: Which of them have a memory (l,).
+        jolt: Bound of what a unit force of each adds to each connection's relative acceleration (c, l + f) [1/kg].
+        table_rate: Velocity of the table at the intervals' ends (m + 1,) [m/s].
+        before, after: Known forces at the start and the end of each interval (m, f) [N].
+        memory: What they remember at the start of a step, in its middle, at its end, at a turn on the way, and in trials
+            (5, l, MEMORY).
+        seen: Drift and rate at the start, in the middle and at the end of a step (l + f, 6).
+        moment: Time at a step's start [s], the table's velocity there [m/s], its slope and half its bend (4,).
+        known: Known forces at a step's start [N] and their slopes [N/s] (f, 2).
+        lasting_s: Time for which an error of a memory counts [s].
+    """
+
+    first: int
+    address: Any
+    parameters: Any
+    in_room: Any
+    remembers: Any
+    jolt: Any
+    table_rate: Any
+    before: Any
+    after: Any
+    memory: Any
+    seen: Any
+    moment: Any
+    known: Any
+    lasting_s: float
+
+
 class State(NamedTuple):
     """All that a run remembers from step to step; `advance` changes it.
 
     Attributes:
         clock: Interval, tick of the finest step in it (-1 off the ticks), level of the steps in contact (3,).
         since: Time since the interval's start (1,) [s].
-        closed: Which contacts touch (c,).
+        closed: Which contacts touch (c,); laws in storeys always do.
         approach, fastest: Velocity at first touch, largest velocity since (c,) [m/s].
         horizon: Time before which a contact cannot touch (c,) [s].
         force: Forces at start, middle and end of a step (c, 3) [N].
@@ -105,9 +143,10 @@ class Room(NamedTuple):
     Attributes:
         own, own_push, half, half_push: `integrals` (8, p) and `push` (4, p) of a step of any length and of its half.
         middle: State in the middle of a step (2, p).
-        free: Deformation and rate in the middle and at the end of a step without the contacts' forces (c, 4).
-        response: The same for unit forces at start, middle and end: of a contact, for another's force (c, c, 4, 3).
-        known: Level that `response` is of (1,); -1 if none.
+        free: Deformation and rate in the middle and at the end of a step without the forces of what is closed (c, 4).
+        response: The same for unit forces at start, middle and end: of a connection, for another's force
+            (levels + 1, c, c, 4, 3); the last is for a step of any length.
+        known: For which levels `response` is known (levels + 1,).
     """
 
     own: Any

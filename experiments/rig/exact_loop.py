@@ -11,6 +11,10 @@ While a contact is closed its force is a parabola over the step, through the for
 middle; again every pole follows by a closed formula, and the three forces by fixed-point iteration (order four). The
 difference between parabola and straight line measures the step's error.
 
+A law in a storey is stepped in the same way from the start to the end of the run. Its memory goes through the middle of a
+step to its end, and through the drift's turns on the way. Steps grow up to the longest as the error control allows; one
+that is longer than the finest in flight must end before any contact can touch, whatever the laws push.
+
 The loop is one file because numba's cache looks whether the file of a compiled function has changed, not the files of what
 that function calls.
 """
@@ -24,6 +28,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from pounding.calling import called_at
 from pounding.contact.evaluation import force_of
 from pounding.experiments.rig.exact_arrays import Room
 
@@ -47,6 +52,17 @@ LOCATED_M = 1e-17
 
 FIRST_STEP = 4
 """A step after an event is a sixteenth of the finest in flight; the error control does the rest."""
+
+ON_GRID = 1e-6
+"""Share of a step by which its start may lie off the grid of such steps: round-off."""
+
+TURN, TRIAL = 3, 4
+"""Places in the laws' memory for what is remembered at a turn on the way, and for what is tried and not kept."""
+
+STRIDES = 4
+"""Strides in half a step by which the error of what a law remembers is measured."""
+
+_BYTES = 8
 
 
 _FAST: Any = {"reassoc", "contract", "nsz", "arcp"}
@@ -252,9 +268,102 @@ def _add_force(end: Any, table: Any, gain: Any, first: int, last: int, step_s: f
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _iterated(contacts: Any, state: Any, room: Any) -> bool:
+def _slope(s: float, d0: float, v0: float, d1: float, v1: float) -> float:
+    """Return the slope of Hermite's cubic at s from 0 to 1, over the whole step as those at its ends."""
+    return v0 + s * (6.0 * (d1 - d0) - 4.0 * v0 - 2.0 * v1 + 3.0 * s * (2.0 * (d0 - d1) + v0 + v1))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _turn(d0: float, v0: float, d1: float, v1: float) -> Any:
+    """Return where a cubic turns between slopes of opposite sign, from 0 to 1, and its value there."""
+    a, b = 3.0 * (2.0 * (d0 - d1) + v0 + v1), 2.0 * (3.0 * (d1 - d0) - 2.0 * v0 - v1)
+    half = -0.5 * (b + math.copysign(math.sqrt(max(b * b - 4.0 * a * v0, 0.0)), b))
+    place = half / a if a != 0.0 else 2.0
+    if not 0.0 <= place <= 1.0:
+        place = v0 / half if half != 0.0 else 0.5
+    return place, _cubic(place, d0, v0, d1, v1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _called(storeys: Any, law: int, at_s: float, before: int, d: float, v: float, after: int) -> float:
+    """Return the force of a law in a storey at a time from the step's start; memories by their places in `memory`."""
+    size = _BYTES * storeys.memory.shape[2]
+    memories, each = storeys.memory.ctypes.data + law * size, size * storeys.memory.shape[1]
+    numbers = storeys.parameters.ctypes.data + law * _BYTES * storeys.parameters.shape[1]
+    moment = storeys.moment
+    if storeys.in_room[law] != 0.0:
+        v += moment[1] + at_s * (moment[2] + at_s * moment[3])
+    return float(
+        called_at(
+            storeys.address[law],
+            numbers,
+            memories + before * each,
+            d,
+            v,
+            moment[0] + at_s,
+            memories + after * each,
+        )
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _storey_force(storeys: Any, law: int, half: int, half_s: float) -> float:
+    """Return the force of a law in a storey at the end of a half of a step, and remember what it then remembers.
+
+    Args:
+        storeys: The laws.
+        law: Which of them; beyond the last it is a known force, which pushes where a law opposes.
+        half: Which half of the step: 0 or 1.
+        half_s: Its length [s].
+    """
+    if law >= len(storeys.address):
+        at, slope = storeys.known[law - len(storeys.address)]
+        return float(-at - (half + 1) * half_s * slope)
+    seen, before = storeys.seen[law], half
+    d0, v0, d, v = seen[2 * half], seen[2 * half + 1], seen[2 * half + 2], seen[2 * half + 3]
+    if storeys.remembers[law] and v0 * v < 0.0:
+        # A memory depends on how far the drift went, which neither end shows.
+        where, turned = _turn(d0, half_s * v0, d, half_s * v)
+        _called(storeys, law, (half + where) * half_s, before, turned, 0.0, TURN)
+        before = TURN
+    return float(_called(storeys, law, (half + 1) * half_s, before, d, v, half + 1))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _memory_error(contacts: Any, state: Any, storeys: Any, half_s: float) -> float:
+    """Return the velocity [m/s] by which what is remembered may be wrong: halves of a step in one stride against several."""
+    error = 0.0
+    for law in range(len(storeys.address)):
+        if not storeys.remembers[law]:
+            continue
+        c, before, after, seen = storeys.first + law, 0, TRIAL, storeys.seen[law]
+        for half in range(2):
+            d0, v0, d, v = (
+                seen[2 * half],
+                half_s * seen[2 * half + 1],
+                seen[2 * half + 2],
+                half_s * seen[2 * half + 3],
+            )
+            turn, force = 1.0, 0.0
+            if v0 * v < 0.0:
+                turn, _ = _turn(d0, v0, d, v)
+            for k in range(2 * STRIDES if turn < 1.0 else STRIDES):
+                share = (k % STRIDES + 1) / STRIDES
+                place = turn * share if k < STRIDES else turn + (1.0 - turn) * share
+                rate = _slope(place, d0, v0, d, v) / half_s
+                force = _called(
+                    storeys, law, (half + place) * half_s, before, _cubic(place, d0, v0, d, v), rate, after
+                )
+                before, after = after, (TURN if after == TRIAL else TRIAL)
+            wrong = abs(force - state.force[c, half + 1])
+            error = max(error, contacts.mobility[c] * storeys.lasting_s * wrong)
+    return error
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _iterated(contacts: Any, state: Any, room: Any, response: Any, storeys: Any, step_s: float) -> bool:
     """Find the closed contacts' forces in the middle and at the end of a step; return whether that converged."""
-    count, force, free, response = len(contacts.gap), state.force, room.free, room.response
+    count, force, free = len(contacts.gap), state.force, room.free
     for c in range(count):
         if state.closed[c]:
             force[c, 1] = force[c, 2] = force[c, 0]
@@ -269,7 +378,16 @@ def _iterated(contacts: Any, state: Any, room: Any) -> bool:
                             for k in range(3):
                                 d += response[c, other, 2 * place, k] * force[other, k]
                                 v += response[c, other, 2 * place + 1, k] * force[other, k]
-                    new = _force(contacts, c, d, v, state.approach[c])
+                    new = 0.0
+                    if storeys is None:
+                        new = _force(contacts, c, d, v, state.approach[c])
+                    else:
+                        if c < storeys.first:
+                            new = _force(contacts, c, d, v, state.approach[c])
+                        else:
+                            seen = storeys.seen[c - storeys.first]
+                            seen[2 * place + 2], seen[2 * place + 3] = d, v
+                            new = _storey_force(storeys, c - storeys.first, place, 0.5 * step_s)
                     change = max(change, abs(new - force[c, place + 1]))
                     scale = max(scale, abs(new))
                     force[c, place + 1] = new
@@ -282,8 +400,8 @@ def _iterated(contacts: Any, state: Any, room: Any) -> bool:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _pressed(
-    contacts: Any, state: Any, room: Any, z: Any, end: Any, table: Any, pushed: Any, half: Any, half_push: Any,
-    step_s: float, start: float, rise: float,
+    contacts: Any, storeys: Any, state: Any, room: Any, response: Any, z: Any, end: Any, table: Any, pushed: Any,
+    half: Any, half_push: Any, step_s: float, start: float, rise: float,
 ) -> float:  # fmt: skip
     """Carry the poles over a step with closed contacts from `z` to `end`; return its error [m/s], or -1 if it diverges.
 
@@ -298,9 +416,16 @@ def _pressed(
                 _rate(contacts, c, room.middle),
             )
             room.free[c, 2], room.free[c, 3] = _deformation(contacts, c, end), _rate(contacts, c, end)
-    if not _iterated(contacts, state, room):
+    if storeys is not None:
+        for law in range(len(storeys.address)):
+            c, seen = storeys.first + law, storeys.seen[law]
+            if storeys.remembers[law]:
+                seen[0], seen[1] = _deformation(contacts, c, z), _rate(contacts, c, z)
+    if not _iterated(contacts, state, room, response, storeys, step_s):
         return -1.0
     error = 0.0
+    if storeys is not None:
+        error = _memory_error(contacts, state, storeys, 0.5 * step_s)
     for c in range(len(contacts.gap)):
         if state.closed[c]:
             force = state.force[c]
@@ -312,18 +437,18 @@ def _pressed(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _respond_all(contacts: Any, state: Any, room: Any, table: Any, half: Any, step_s: float) -> None:
+def _respond_all(contacts: Any, state: Any, response: Any, table: Any, half: Any, step_s: float) -> None:
     for c in range(len(contacts.gap)):
         if state.closed[c]:
             for other in range(len(contacts.gap)):
                 if state.closed[other]:
-                    _respond(contacts, c, other, table, half, step_s, room.response[c, other])
+                    _respond(contacts, c, other, table, half, step_s, response[c, other])
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _any_step(
-    modes: Any, contacts: Any, state: Any, room: Any, z: Any, end: Any, touching: bool, step_s: float, start: float,
-    rise: float,
+    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, z: Any, end: Any, touching: bool, step_s: float,
+    start: float, rise: float,
 ) -> float:  # fmt: skip
     """Carry the poles over a step of any length; return what `_pressed` does, 0 in flight."""
     fill(modes.rates, step_s, room.own)
@@ -333,13 +458,14 @@ def _any_step(
         return 0.0
     fill(modes.rates, 0.5 * step_s, room.half)
     push(room.half, modes.load, 0.5 * step_s, room.half_push)
-    _respond_all(contacts, state, room, room.own, room.half, step_s)
-    room.known[0] = -1
+    _respond_all(contacts, state, room.response[-1], room.own, room.half, step_s)
     return float(
         _pressed(
             contacts,
+            storeys,
             state,
             room,
+            room.response[-1],
             z,
             end,
             room.own,
@@ -355,17 +481,18 @@ def _any_step(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _level_step(
-    modes: Any, contacts: Any, state: Any, room: Any, z: Any, end: Any, level: int, step_s: float, start: float,
-    rise: float,
+    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, z: Any, end: Any, level: int, step_s: float,
+    start: float, rise: float,
 ) -> float:  # fmt: skip
     """Carry the poles over a step in contact that is the longest over 2^level; return what `_pressed` does."""
-    if room.known[0] != level:
-        _respond_all(contacts, state, room, modes.tables[level], modes.tables[level + 1], step_s)
-        room.known[0] = level
+    response = room.response[level]
+    if not room.known[level]:
+        _respond_all(contacts, state, response, modes.tables[level], modes.tables[level + 1], step_s)
+        room.known[level] = True
     return float(
         _pressed(
-            contacts, state, room, z, end, modes.tables[level], modes.pushed[level], modes.tables[level + 1],
-            modes.pushed[level + 1], step_s, start, rise,
+            contacts, storeys, state, room, response, z, end, modes.tables[level], modes.pushed[level],
+            modes.tables[level + 1], modes.pushed[level + 1], step_s, start, rise,
         )
     )  # fmt: skip
 
@@ -402,11 +529,11 @@ def _longest_level(tick: int, fine: int, tick_s: float, wait: float) -> int:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _first_event(
-    contacts: Any, state: Any, z: Any, end: Any, touching: bool, until: float, step_s: float
+    contacts: Any, count: int, state: Any, z: Any, end: Any, touching: bool, until: float, step_s: float
 ) -> Any:
-    """Return the contact that first touches or parts in a step, and where in it from 0 to 1; (-1, 2) if none."""
+    """Return which of so many contacts first touches or parts in a step, and where from 0 to 1; (-1, 2) if none."""
     event, at = -1, 2.0
-    for c in range(len(contacts.gap)):
+    for c in range(count):
         if not touching and state.horizon[c] >= until:
             continue
         sign = -1.0 if state.closed[c] else 1.0
@@ -423,8 +550,8 @@ def _first_event(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _locate(
-    modes: Any, contacts: Any, state: Any, room: Any, z: Any, end: Any, touching: bool, event: int, guess_s: float,
-    whole_s: float, start: float, per_s: float,
+    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, z: Any, end: Any, touching: bool, event: int,
+    guess_s: float, whole_s: float, start: float, per_s: float,
 ) -> Any:  # fmt: skip
     """Return when in a step a contact touches or parts [s], the state then in `end`, and whether it does.
 
@@ -433,7 +560,7 @@ def _locate(
     sign = -1.0 if state.closed[event] else 1.0
     low, high, length = 0.0, whole_s, guess_s
     for _ in range(60):
-        _any_step(modes, contacts, state, room, z, end, touching, length, start, per_s * length)
+        _any_step(modes, contacts, storeys, state, room, z, end, touching, length, start, per_s * length)
         d, v = sign * _deformation(contacts, event, end), sign * _rate(contacts, event, end)
         if d > 0.0:
             high = length
@@ -461,7 +588,7 @@ def _flip(contacts: Any, state: Any, room: Any, z: Any, shaking: Any, deepest: i
     level = shaking.forced_level if shaking.forced_level >= 0 else min(shaking.fine + FIRST_STEP, deepest)
     state.clock[1], state.clock[2] = -1, level
     state.horizon[:] = -1.0
-    room.known[0] = -1
+    room.known[:] = False
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -491,11 +618,11 @@ def _controlled(
         step_s = longest / (1 << level)
         if step_s < left_s * (1.0 - 1e-9):
             error = _level_step(
-                modes, contacts, state, room, z, end, level, step_s, start, per_s * step_s
+                modes, contacts, None, state, room, z, end, level, step_s, start, per_s * step_s
             )  # fmt: skip
         else:
             step_s = left_s
-            error = _any_step(modes, contacts, state, room, z, end, True, step_s, start, per_s * step_s)
+            error = _any_step(modes, contacts, None, state, room, z, end, True, step_s, start, per_s * step_s)
         if error >= 0.0 and (error <= limit or shaking.forced_level >= 0 or level == deepest):
             break
         if level == deepest:
@@ -507,6 +634,93 @@ def _controlled(
         level -= 1
     state.clock[2] = level
     return float(step_s)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _may_touch(contacts: Any, storeys: Any, state: Any, z: Any, step_s: float, strongest: float) -> bool:
+    """Return whether an open contact may touch within a step, whose forces of laws in storeys are in `state`."""
+    for c in range(storeys.first):
+        if state.closed[c]:
+            continue
+        pushing = contacts.pushing[c] * strongest
+        for place in range(storeys.jolt.shape[1]):
+            first, middle, last = state.force[storeys.first + place]
+            # A parabola is at most a quarter higher than the largest of its ends and its middle.
+            pushing += 1.25 * storeys.jolt[c, place] * max(abs(first), abs(middle), abs(last))
+        speed = _fastest(contacts.weight[c], z, contacts.span[c, 0], contacts.span[c, 1])
+        if step_s * (speed + 0.5 * step_s * pushing) >= -_deformation(contacts, c, z):
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _followed(
+    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, shaking: Any, z: Any, end: Any, left_s: float,
+    start: float, per_s: float,
+) -> Any:  # fmt: skip
+    """Carry the poles over a step with laws in storeys whose error is within its limit.
+
+    The step ends on the grid of its level. One longer than the finest in flight ends before a contact can touch.
+
+    Returns:
+        Its length [s], -1 if there is none, and whether a contact may touch or part in it.
+    """
+    longest, level, since = shaking.dt_s / shaking.parts, state.clock[2], state.since[0]
+    deepest, fine, forced = len(modes.tables) - 2, shaking.fine, shaking.forced_level >= 0
+    least = fine if _any_closed(state.closed[: storeys.first]) else 0
+    # At the start nothing moves: the velocity that the table gains in the longest step is as small as counts.
+    limit = max(
+        _limit(contacts, state, z, shaking.tolerance), shaking.tolerance * shaking.strongest * longest
+    )
+    if not forced:
+        level = max(level, least)
+        while level < fine and _may_touch(
+            contacts, storeys, state, z, longest / (1 << level), shaking.strongest
+        ):
+            level += 1
+    while True:
+        grid_s = longest / (1 << level)
+        step_s = min((math.floor(since / grid_s + ON_GRID) + 1.0) * grid_s - since, left_s)
+        if abs(step_s - grid_s) <= ON_GRID * grid_s:
+            step_s = grid_s
+            error = _level_step(
+                modes, contacts, storeys, state, room, z, end, level, step_s, start, per_s * step_s
+            )  # fmt: skip
+        else:
+            error = _any_step(
+                modes, contacts, storeys, state, room, z, end, True, step_s, start, per_s * step_s
+            )
+        if error >= 0.0 and (error <= limit or forced or level == deepest):
+            looked = level >= fine or forced
+            if looked or not _may_touch(contacts, storeys, state, z, step_s, shaking.strongest):
+                break
+        elif level == deepest:
+            return -1.0, True
+        level += 1
+        while level < deepest and longest / (1 << level) >= step_s:
+            level += 1
+    if not forced and error * FASTER < limit and level > least:
+        doubled = (since + step_s) / (2.0 * grid_s)
+        if abs(doubled - round(doubled)) <= ON_GRID:
+            level -= 1
+    if not forced:
+        state.clock[2] = level
+    return step_s, looked
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _note(storeys: Any, shaking: Any, interval: int, since: float, now: float) -> None:
+    """Write the time of a step's start, and the table's velocity and known forces from there on, where they are read."""
+    rates, dt_s = storeys.table_rate, shaking.dt_s
+    bend = 0.5 * (shaking.ends[interval] - shaking.starts[interval]) / dt_s
+    slope = (rates[interval + 1] - rates[interval]) / dt_s - bend * dt_s
+    storeys.moment[0] = now
+    storeys.moment[1] = rates[interval] + since * (slope + since * bend)
+    storeys.moment[2], storeys.moment[3] = slope + 2.0 * since * bend, bend
+    for force in range(len(storeys.known)):
+        at = storeys.before[interval, force]
+        slope = (storeys.after[interval, force] - at) / dt_s
+        storeys.known[force, 0], storeys.known[force, 1] = at + since * slope, slope
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -523,7 +737,7 @@ def _flown(
         since = state.since[0]
         tick = math.floor(since / tick_s + 1e-6) + 1
         step_s = min(tick * tick_s - since, left_s)
-        _any_step(modes, contacts, state, room, z, end, False, step_s, start, per_s * step_s)
+        _any_step(modes, contacts, None, state, room, z, end, False, step_s, start, per_s * step_s)
     else:
         level = _longest_level(tick, shaking.fine, tick_s, wait)
         tick += 1 << (shaking.fine - level)
@@ -532,7 +746,7 @@ def _flown(
             _fly(z, end, modes.tables[level], modes.pushed[level], start, per_s * step_s)
         else:
             step_s = left_s
-            _any_step(modes, contacts, state, room, z, end, False, step_s, start, per_s * step_s)
+            _any_step(modes, contacts, None, state, room, z, end, False, step_s, start, per_s * step_s)
     return step_s, tick, step_s > wait
 
 
@@ -571,19 +785,27 @@ def _any_closed(closed: Any) -> bool:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def advance(shaking: Any, modes: Any, contacts: Any, state: Any, times: Any, states: Any, forces: Any) -> Any:
+def advance(
+    shaking: Any, modes: Any, contacts: Any, storeys: Any, state: Any, times: Any, states: Any, forces: Any
+) -> Any:
     """Go on with a run until it ends or the rows are full; return how it ended and how many rows are filled.
 
     Args:
         shaking, modes, contacts: The run (`Shaking`, `Modes`, `Contacts`).
+        storeys: Its laws in storeys (`Storeys`; changed), or None. Without them the loop is compiled without what they need.
         state: Where it is (`State`); changed.
-        times, states, forces: Rows to fill: time (k,) [s], poles (k, 2, p), forces (k, c) [N]. The first one is given.
+        times, states, forces: Rows to fill: time (k,) [s], poles (k, 2, p), forces of all connections and of the laws in
+            storeys in the middle of the step before (k, c + laws) [N]. The first one is given.
     """
     poles, count, deepest = states.shape[2], len(contacts.gap), len(modes.tables) - 2
     room = Room(
         np.empty((8, poles)), np.empty((4, poles)), np.empty((8, poles)), np.empty((4, poles)),
-        np.empty((2, poles)), np.empty((count, 4)), np.empty((count, count, 4, 3)), np.full(1, -1),
+        np.empty((2, poles)), np.empty((count, 4)), np.empty((deepest + 2, count, count, 4, 3)),
+        np.zeros(deepest + 2, np.bool_),
     )  # fmt: skip
+    opening = count
+    if storeys is not None:
+        opening = storeys.first
     clock = state.clock
     tick_s = shaking.dt_s / shaking.parts / (1 << shaking.fine)
     flips, row = 0, 1
@@ -602,31 +824,41 @@ def advance(shaking: Any, modes: Any, contacts: Any, state: Any, times: Any, sta
                 forces[row:gone] = 0.0
                 row = gone
                 continue
-        if touching:
-            step_s = _controlled(modes, contacts, state, room, shaking, z, end, left_s, start, per_s)
-            if step_s < 0.0:
-                return STUCK, row
-            looked = True
-        else:
-            step_s, tick, looked = _flown(
-                modes, contacts, state, room, shaking, z, end, now, left_s, start, per_s
+        step_s, looked = 0.0, True
+        if storeys is not None:
+            _note(storeys, shaking, interval, since, now)
+            step_s, looked = _followed(
+                modes, contacts, storeys, state, room, shaking, z, end, left_s, start, per_s
             )  # fmt: skip
+        else:
+            if touching:
+                step_s = _controlled(modes, contacts, state, room, shaking, z, end, left_s, start, per_s)
+            else:
+                step_s, tick, looked = _flown(
+                    modes, contacts, state, room, shaking, z, end, now, left_s, start, per_s
+                )  # fmt: skip
+        if step_s < 0.0:
+            return STUCK, row
         event = -1
-        if looked and flips <= 2 * count:
-            event, at = _first_event(contacts, state, z, end, touching, now + step_s, step_s)
+        if looked and flips <= 2 * opening:
+            event, at = _first_event(contacts, opening, state, z, end, touching, now + step_s, step_s)
             if event >= 0:
                 tick, found = -1, True
                 if at == 0.0:
                     step_s = 0.0
                 else:
                     step_s, found = _locate(
-                        modes, contacts, state, room, z, end, touching, event, at * step_s, step_s, start, per_s
+                        modes, contacts, storeys, state, room, z, end, touching, event, at * step_s, step_s, start, per_s
                     )  # fmt: skip
                 event = event if found else -1
         if step_s > 0.0:
             flips = 0
             for c in range(count):
                 state.force[c, 0] = state.force[c, 2]
+            if storeys is not None:
+                storeys.memory[0] = storeys.memory[2]
+                for law in range(count - opening):
+                    forces[row, count + law] = state.force[opening + law, 1]
             if step_s >= left_s * (1.0 - 1e-9):
                 clock[0], clock[1], state.since[0] = interval + 1, 0, 0.0
                 now = interval * shaking.dt_s + length_s

@@ -181,6 +181,37 @@ class ContactHistory:
 
 
 @dataclass(frozen=True, eq=False)
+class StoreyHistory:
+    """A law in a storey through a run, at the integrator's steps.
+
+    Attributes:
+        frame: Name of the frame.
+        time_s: Times (m,) [s].
+        drift_m: Drift on which it acts (m,) [m].
+        rate_m_s: The drift's rate (m,) [m/s].
+        force_n: Force that opposes the drift (m,) [N].
+        middle_n: The same in the middle of each step (m - 1,) [N].
+    """
+
+    frame: str
+    time_s: Real
+    drift_m: Real
+    rate_m_s: Real
+    force_n: Real
+    middle_n: Real
+
+    @property
+    def work_j(self) -> Real:
+        """Work done on the law (m,) [J], stored and lost; Simpson's rule in each step (order four)."""
+        step, rate = np.diff(self.time_s), self.rate_m_s
+        # Of the drift's cubic: accelerations jump where a contact begins with a force.
+        middle = 1.5 * np.diff(self.drift_m) / step - 0.25 * (rate[:-1] + rate[1:])
+        power = self.force_n * rate
+        parts = step / 6.0 * (power[:-1] + 4.0 * self.middle_n * middle + power[1:])
+        return np.concatenate([[0.0], np.cumsum(parts)])
+
+
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A run of the rig.
 
@@ -192,6 +223,7 @@ class Motion:
         processor_s: Its processor time [s], which a busy machine does not lengthen.
         steps: Number of steps that the integrator took.
         solver: `exudyn` or `exact`.
+        storeys: History of each law in a storey, in the rig's order; runs of exudyn have none.
     """
 
     frames: tuple[FrameMotion, ...]
@@ -201,6 +233,7 @@ class Motion:
     processor_s: float
     steps: int
     solver: str = "exudyn"
+    storeys: tuple[StoreyHistory, ...] = ()
 
     @property
     def time_s(self) -> Real:
@@ -276,6 +309,7 @@ class EnergyBalance:
         kinetic_j, strain_j: Of all frames (m,) [J].
         damping_j: Lost in the frames' damping (m,) [J].
         contact_j: Work done on the contacts, stored and lost (m,) [J].
+        storey_j: Work done on the laws in storeys, stored and lost (m,) [J].
     """
 
     time_s: Real
@@ -284,10 +318,12 @@ class EnergyBalance:
     strain_j: Real
     damping_j: Real
     contact_j: Real
+    storey_j: Real
 
     @property
     def error(self) -> float:
         """Largest imbalance at any time over the largest energy that was ever put in or held [-]."""
-        balance = self.input_j - self.kinetic_j - self.strain_j - self.damping_j - self.contact_j
+        spent = self.kinetic_j + self.strain_j + self.damping_j + self.contact_j + self.storey_j
+        balance = self.input_j - spent
         scale = max(float(np.abs(part).max()) for part in (self.input_j, self.kinetic_j, self.strain_j))
         return float(np.abs(balance).max()) / scale if scale > 0 else 0.0

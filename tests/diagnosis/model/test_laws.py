@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pounding.calling import MEMORY, called
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.storey import StoreyEffect, friction, stop, yielding
-from pounding.diagnosis.model.calling import MEMORY, called
 from pounding.diagnosis.model.laws import Law, filled
 
 LAWS = {
