@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import csd, welch
+from scipy.signal import csd, find_peaks, welch
 
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.model import Model
@@ -52,21 +53,43 @@ def frequency_warnings(model: Model) -> list[str]:
         found = measured_frequency(model, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         unlikely = SETTINGS.screening.frequency_unlikely * spread
-        if found is None or abs(np.log(found[0] / first)) < unlikely + found[1] / first:
+        if found is None or found.holds(first):
+            continue
+        apart = abs(np.log(found.hertz / first))
+        if apart < unlikely + found.resolution_hz / first:
             continue
         said.append(
-            f"{frame.name}: the first frequency in the data is {found[0]:.2f} Hz and in the baseline model {first:.2f} Hz, "
-            f"{abs(np.log(found[0] / first)) / spread:.1f} prior standard deviations apart; if nothing was changed on "
+            f"{frame.name}: the first frequency in the data is {found.hertz:.2f} Hz and in the baseline model {first:.2f} Hz, "
+            f"{apart / spread:.1f} prior standard deviations apart; if nothing was changed on "
             "purpose, check that this is the frame that case.toml names"
         )
     return said
 
 
-def measured_frequency(model: Model, frame: int, first_hz: float) -> tuple[float, float] | None:
-    """Return where a frame's highest measured floor answers the table most [Hz], and the resolution [Hz].
+@dataclass(frozen=True)
+class Peak:
+    """Where a floor answers the table most [Hz], the resolution [Hz], and between which frequencies it answers half as much.
 
-    The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; over all
-    runs that are long enough; None without one.
+    A storey that sticks and slips answers from the one frequency to the other, and none of them is the first alone.
+    """
+
+    hertz: float
+    resolution_hz: float
+    from_hz: float
+    to_hz: float
+
+    def holds(self, hertz: float) -> bool:
+        """Return whether a frequency [Hz] lies in the peak."""
+        return self.from_hz <= hertz <= self.to_hz
+
+
+def measured_frequency(model: Model, frame: int, first_hz: float) -> Peak | None:
+    """Return where a frame's highest measured floor answers the table most.
+
+    The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; of it the
+    part a quarter of a period behind the table, which alone has a peak at a mode: an absolute acceleration or displacement
+    is in phase with the table far below the first mode, and would be largest there. Over all runs that are long enough;
+    None without one, or without a peak.
 
     Args:
         model: The baseline model.
@@ -78,13 +101,25 @@ def measured_frequency(model: Model, frame: int, first_hz: float) -> tuple[float
     if len(inside) == 0:
         return None
     channel = int(inside[np.argmax(floor[inside])])
-    power = {ACCELERATION: 2, VELOCITY: 1}.get(int(model.observed.quantity[channel]), 0)
-    return _peak([(run, channel) for run in model.observed.runs], first_hz, power)
+    derivative = {ACCELERATION: 2, VELOCITY: 1}.get(int(model.observed.quantity[channel]), 0)
+    spectra = _spectra([(run, channel) for run in model.observed.runs], first_hz)
+    return None if spectra is None else _peak(spectra, first_hz, derivative)
 
 
-def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> tuple[float, float] | None:
-    """Return frequency and resolution of the peak, spectra of all runs with the first usable run's step added up."""
-    step_s, across, own, hertz, length = 0.0, 0.0, 0.0, np.zeros(0), 0
+@dataclass(frozen=True)
+class _Spectra:
+    """Spectra of the table and between it and a channel, summed over runs, with their frequencies and resolution [Hz]."""
+
+    hertz: np.ndarray
+    across: np.ndarray
+    table: np.ndarray
+    resolution_hz: float
+
+
+def _spectra(runs: Sequence[tuple[RunData, int]], first_hz: float) -> _Spectra | None:
+    """Return the spectra of all runs that are long enough and have the step of the first of them; None without one."""
+    found: _Spectra | None = None
+    step_s = 0.0
     for run, channel in runs:
         answer = np.nan_to_num(run.measured[:, channel])
         segment = int(SEGMENT_CYCLES / first_hz / run.step_s)
@@ -95,15 +130,33 @@ def _peak(runs: Sequence[tuple[RunData, int]], first_hz: float, power: int) -> t
             or step_s not in (0.0, run.step_s)
         ):
             continue
-        step_s, length = run.step_s, segment
+        step_s = run.step_s
         settings = {"fs": 1 / step_s, "nperseg": segment, "noverlap": 3 * segment // 4, "nfft": 4 * segment}
         hertz, crossed = csd(run.table, answer, **settings)
-        across = across + len(answer) * crossed
-        own = own + len(answer) * welch(run.table, **settings)[1]
-    if step_s == 0.0:
-        return None
+        across, own = len(answer) * crossed, len(answer) * welch(run.table, **settings)[1]
+        if found is not None:
+            across, own = across + found.across, own + found.table
+        found = _Spectra(hertz, across, own, 0.5 / (segment * step_s))
+    return found
+
+
+def _peak(spectra: _Spectra, first_hz: float, derivative: int) -> Peak | None:
+    """Return the largest peak of a channel that is such a derivative of a displacement."""
     low, high = SETTINGS.screening.frequency_range
-    looked = (hertz > low * first_hz) & (hertz < high * first_hz)
-    table = np.asarray(own)
-    gain = np.abs(np.asarray(across)[looked]) / np.maximum(table[looked], 1e-3 * table.max())
-    return float(hertz[looked][np.argmax(gain / hertz[looked] ** power)]), 0.5 / (length * step_s)
+    looked = (spectra.hertz > low * first_hz) & (spectra.hertz < high * first_hz)
+    hertz, table = spectra.hertz[looked], spectra.table
+    ratio = spectra.across[looked] / np.maximum(table[looked], 1e-3 * table.max())
+    height = np.abs((ratio / (1j * hertz) ** derivative).imag)
+    # At an end of the range it may be the slope of what lies outside.
+    peaks = find_peaks(height)[0]
+    if not len(peaks):
+        return None
+    top = int(peaks[np.argmax(height[peaks])])
+    below = np.flatnonzero(height < 0.5 * height[top])
+    first, last = below[below < top], below[below > top]
+    return Peak(
+        float(hertz[top]),
+        spectra.resolution_hz,
+        float(hertz[first[-1]] if len(first) else hertz[0]),
+        float(hertz[last[0]] if len(last) else hertz[-1]),
+    )
