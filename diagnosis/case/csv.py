@@ -62,9 +62,8 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     lost = found.samples - len(values)
     if lost:
         several = ("s are", "their times") if lost > 1 else (" is", "its time")
-        warnings.append(
-            f"{path.name}: {lost} of {found.samples} row{several[0]} missing, as the times say; dropouts stand at {several[1]}"
-        )
+        said = f"missing, as the times say; dropouts stand at {several[1]}"
+        warnings.append(f"{path.name}: {lost} of {found.samples} row{several[0]} {said}")
     run = Run(path.name, role, found.times_s(), found.step_s, found.spread(values))
     return run, [warning for warning in warnings if warning]
 

@@ -21,10 +21,11 @@ from pounding.constants import STD_PER_MAD
 from pounding.diagnosis.contact_force.impacts import found_noise
 from pounding.diagnosis.inference.filtering import Filtered, run_filter, whitened_innovations
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.model import Model, shift
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.model.table_motion import HELD, SMOOTH
 from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.floors import level_floors
 
@@ -88,10 +89,16 @@ def _slowed(run: RunData) -> RunData:
         fine_step_s=run.step_s,
         step_s=run.step_s * every,
         time_s=run.time_s[::every],
-        table=fewer(run.table),
+        table=fewer(_smooth(run)),
+        table_between=SMOOTH,
         measured=columns(run.measured),
         contact=columns(run.contact),
     )
+
+
+def _smooth(run: RunData) -> np.ndarray:
+    """Return the table's acceleration as samples of a smooth curve: held samples act half a step later."""
+    return shift(run.table, run.step_s, -0.5 * run.step_s) if run.table_between == HELD else run.table
 
 
 def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int, int]]:

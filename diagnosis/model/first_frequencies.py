@@ -60,7 +60,8 @@ def frequency_warnings(model: Model) -> list[str]:
             continue
         said.append(
             f"{frame.name}: the first frequency in the data is {found.hertz:.2f} Hz "
-            f"and in the baseline model {first:.2f} Hz, {apart / spread:.1f} prior standard deviations apart; if nothing was changed on "
+            f"and in the baseline model {first:.2f} Hz, "
+            f"{apart / spread:.1f} prior standard deviations apart; if nothing was changed on "
             "purpose, check that this is the frame that case.toml names"
         )
     return said

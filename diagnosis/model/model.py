@@ -18,6 +18,7 @@ from pounding.diagnosis.model.nuisance import Assembly, nuisance_parameters, var
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
+from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
 
 FINER = 4
@@ -62,8 +63,9 @@ class Model:
         self.prior = prior
         self.parameters = nuisance_parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
-        self._splines = [
-            CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
+        self._tables = [
+            TableMotion(run.table, run.step_s, run.table_between, run.step_s / run.substeps)
+            for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
         self._own: np.ndarray | None = None
@@ -76,7 +78,7 @@ class Model:
     def table_slope(self, run: RunData) -> np.ndarray:
         """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
         number = next(i for i, one in enumerate(self.observed.runs) if one is run)
-        return np.asarray(self._splines[number](np.arange(len(run.table)) * run.step_s, 1))
+        return self._tables[number].slope()
 
     def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
         """Return the system of the baseline model with nuisance parameters and effects.
@@ -169,7 +171,7 @@ class Model:
         run = self.observed.runs[number]
         true = (times_s - assembly.table_delay_s) * (1 + assembly.table_clock)
         late = np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
-        return np.asarray((1 + assembly.table_gain) * self._splines[number](late))
+        return np.asarray((1 + assembly.table_gain) * self._tables[number].at(late))
 
     def overlap(self, modes: Modes) -> np.ndarray:
         """Return which part of each of `modes` is each of the baseline frames' own modes, shape (floors, modes)."""
