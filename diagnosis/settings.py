@@ -181,6 +181,13 @@ class Checks:
     tone: float = 200.0
     """[power over the median beside it] A line of the spectrum with more power is a tone. Origin: chosen; noise alone
     reaches some 40."""
+    tone_quiet: float = 0.1
+    """[power of whitened noise] Where the spectrum is lower than this, a tone is told from this: what stands out of a
+    band that is far quieter than the sensor's noise moves no verdict. Origin: chosen; lines of 1e-4 of the motion in a
+    recording of twelve digits were tones without it."""
+    table_line: float = 0.01
+    """[largest power] A line of the table's own spectrum with more of it may have harmonics in the answer of a frame
+    that is not linear. Origin: chosen."""
     beside: int = 41
     """[bins] The median is taken over so many bins to each side of a line. Origin: chosen."""
     own: float = 0.02

@@ -43,7 +43,7 @@ class RunData:
         measured: Channels in SI, NaN where missing, shape (samples, channels).
         contact: Measured contact forces [N], compression positive, shape (samples, contacts measured).
         table_between: How the table's acceleration goes on between samples (`pounding.diagnosis.model.table_motion`).
-        fine_contact, fine_step_s: Contact forces on a finer grid where there is one: between samples a short force is no line.
+        fine_contact, fine_step_s: Contact forces on a finer grid, if any: between samples a short force is no line.
     """
 
     name: str
