@@ -36,6 +36,14 @@ class Screening:
     clipped_share: float = 0.3
     """[share of the samples near the largest value] A channel is clipped only if more than this share of them is
     exactly at the largest value. Origin: chosen."""
+    long_samples: int = 1_000_000
+    """[samples of all channels and runs] Runs of frames that stand alone and have more are sampled less often. Origin:
+    chosen for the memory: the 200 cases of the benchmark have half as many at most."""
+    long_rate_hz: float = 250.0
+    """[Hz] Long runs keep at least this sampling rate. Origin: chosen, that of pairs."""
+    long_rate_modes: float = 3.0
+    """[highest natural frequency] Long runs keep at least this sampling rate. Origin: chosen; the low-pass is flat to
+    0.4 of the rate."""
     frequency_range: tuple[float, float] = (0.4, 2.0)
     """[first frequency of the baseline] Where the measured first frequency is looked for. Origin: chosen."""
     frequency_unlikely: float = 3.0

@@ -12,11 +12,11 @@ from scipy.signal import StateSpace, lsim
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.case.writing import write_case
-from pounding.diagnosis.contact_force.pairs import slowed
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
+from pounding.diagnosis.model.slowing import slowed
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.model.table_motion import HELD, LINEAR, SMOOTH, TableMotion
 from pounding.diagnosis.model.twin import simulate_engine
@@ -77,7 +77,7 @@ def test_the_engine_follows_what_is_stated(held: bool, stated: str) -> None:
 
 def test_a_held_table_is_late_by_half_a_sample_where_samples_are_left_out() -> None:
     model, unstated = (model_of(driven(True, stated)) for stated in (HELD, None))
-    slow, early = (one.seeing(slowed(one.observed)) for one in (model, unstated))
+    slow, early = (one.seeing(slowed(one.observed, 300.0)) for one in (model, unstated))
     assert slow.observed.slower > 1
     assert slow.observed.runs[0].table_between == SMOOTH
     assert error(slow, predicted(slow)) < 0.5 * error(early, predicted(early))
