@@ -11,8 +11,9 @@ from pounding.diagnosis.errors import CaseError
 TIME = "time_s"
 JITTER = 0.1
 """[samples] A stamp may be so far from the grid beyond its rounding: what a logger's clock jitters."""
-LONGEST_GAP_S = 0.05
-"""[s] Rows that are missing for longer are no dropout: what the table did then is not known."""
+LONGEST_GAP_S = 0.02
+"""[s] Rows that are missing for longer are no dropout: in 0.02 s the table is filled in to 5 % of its motion, in 0.05 s to
+20 to 50 % (`tests/diagnosis/model/test_dropouts.py`)."""
 SHORTEST_GAP = 3
 """[samples] So many rows in a row may be missing in any case."""
 MOST_MISSING = 0.2

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline
 from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.dropouts import filled
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
     ACCELERATION,
@@ -220,5 +221,4 @@ def _filled(series: np.ndarray, where: str, warnings: list[str]) -> np.ndarray:
     if not missing.any():
         return np.array(series, float)
     warnings.append(f"{where}: {missing.sum()} dropouts of the table's motion were interpolated")
-    index = np.arange(len(series))
-    return np.asarray(np.interp(index, index[~missing], series[~missing]))
+    return filled(series)
