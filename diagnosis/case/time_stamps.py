@@ -94,7 +94,8 @@ def _fitted(time: np.ndarray) -> Grid:
         if np.array_equal(nearest, places):
             break
         places = nearest
-    return Grid(start, step, places.astype(int))
+    # To a nanosecond, or a start at 0 is one at -7e-16.
+    return Grid(round(start, 9) + 0.0, step, places.astype(int))
 
 
 def rounding(time: np.ndarray, words: list[str]) -> np.ndarray:

@@ -17,6 +17,8 @@ from pounding.diagnosis.settings import SETTINGS
 
 SEGMENT_CYCLES = 16
 """Length of the segments of a spectrum in cycles of the first frequency of the baseline model."""
+SPIKE = 1.5
+"""What is larger than so many times the value that one sample in 200 exceeds counts as that."""
 
 
 def check_resolved(model: Model) -> None:
@@ -51,6 +53,7 @@ def frequency_warnings(model: Model) -> list[str]:
     for number, frame in enumerate(model.structure.frames):
         first = _first(model, modes, number)
         found = measured_frequency(model, number, first)
+        said += _odd_run(model, number, first)
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         unlikely = SETTINGS.screening.frequency_unlikely * spread
         if found is None or found.holds(first):
@@ -71,6 +74,7 @@ def frequency_warnings(model: Model) -> list[str]:
 class Peak:
     """Where a floor answers the table most [Hz], the resolution [Hz], and between which frequencies it answers half as much.
 
+    `amplification` is the relative acceleration there for a unit of the table's.
     A storey that sticks and slips answers from the one frequency to the other, and none of them is the first alone.
     """
 
@@ -78,13 +82,35 @@ class Peak:
     resolution_hz: float
     from_hz: float
     to_hz: float
+    amplification: float
 
     def holds(self, hertz: float) -> bool:
         """Return whether a frequency [Hz] lies in the peak."""
         return self.from_hz <= hertz <= self.to_hz
 
 
-def measured_frequency(model: Model, frame: int, first_hz: float) -> Peak | None:
+def _odd_run(model: Model, frame: int, first_hz: float) -> list[str]:
+    """Return a sentence if the first frequency in one run is unlike that in all others, nothing if they are alike."""
+    runs, worst, said = range(len(model.observed.runs)), 0.0, []
+    unlikely = SETTINGS.screening.frequency_unlikely * 0.5 * model.prior.frame_stiffness
+    for number in runs if len(runs) > 1 else ():
+        own = measured_frequency(model, frame, first_hz, [number])
+        others = measured_frequency(model, frame, first_hz, [one for one in runs if one != number])
+        if own is None or others is None or own.holds(others.hertz) or others.holds(own.hertz):
+            continue
+        apart = abs(float(np.log(own.hertz / others.hertz)))
+        if apart > max(unlikely, worst):
+            worst = apart
+            said = [
+                f"{model.structure.frames[frame].name}: the first frequency is {own.hertz:.2f} Hz in "
+                f"{model.observed.runs[number].name} and {others.hertz:.2f} Hz in the other runs; are all of one frame?"
+            ]
+    return said
+
+
+def measured_frequency(
+    model: Model, frame: int, first_hz: float, runs: Sequence[int] | None = None
+) -> Peak | None:
     """Return where a frame's highest measured floor answers the table most.
 
     The ratio of cross spectrum to the table's own, as a displacement, in which the first mode is the largest; of it the
@@ -96,15 +122,20 @@ def measured_frequency(model: Model, frame: int, first_hz: float) -> Peak | None
         model: The baseline model.
         frame: Number of the frame.
         first_hz: Its first frequency in the baseline model [Hz].
+        runs: Numbers of the runs, all by default.
     """
+    observed = model.observed
+    used = observed.runs if runs is None else [observed.runs[number] for number in runs]
     floor = model.observed.floor
     inside = np.flatnonzero(model.at_frame(frame))
-    if len(inside) == 0:
-        return None
-    channel = int(inside[np.argmax(floor[inside])])
-    derivative = {ACCELERATION: 2, VELOCITY: 1}.get(int(model.observed.quantity[channel]), 0)
-    spectra = _spectra([(run, channel) for run in model.observed.runs], first_hz)
-    return None if spectra is None else _peak(spectra, first_hz, derivative)
+    # A dead sensor, or a table's, shows no frequency; the next lower one may.
+    for channel in inside[np.argsort(-floor[inside], kind="stable")]:
+        derivative = {ACCELERATION: 2, VELOCITY: 1}.get(int(model.observed.quantity[channel]), 0)
+        spectra = _spectra([(run, int(channel)) for run in used], first_hz)
+        found = None if spectra is None else _peak(spectra, first_hz, derivative)
+        if found is not None and found.amplification > SETTINGS.screening.answers:
+            return found
+    return None
 
 
 @dataclass(frozen=True)
@@ -123,6 +154,9 @@ def _spectra(runs: Sequence[tuple[RunData, int]], first_hz: float) -> _Spectra |
     step_s = 0.0
     for run, channel in runs:
         answer = np.nan_to_num(run.measured[:, channel])
+        # A spike has all frequencies.
+        usual = SPIKE * np.percentile(np.abs(answer), 99.5)
+        answer = np.clip(answer, -usual, usual)
         segment = int(SEGMENT_CYCLES / first_hz / run.step_s)
         if (
             len(answer) < segment
@@ -160,4 +194,5 @@ def _peak(spectra: _Spectra, first_hz: float, derivative: int) -> Peak | None:
         spectra.resolution_hz,
         float(hertz[first[-1]] if len(first) else hertz[0]),
         float(hertz[last[0]] if len(last) else hertz[-1]),
+        float(height[top] * (2 * np.pi) ** (2 - derivative) * hertz[top] ** 2),
     )
