@@ -27,7 +27,7 @@ def filled(series: np.ndarray) -> np.ndarray:
     if not missing.any() or missing.all():
         return np.array(series, float)
     index = np.arange(len(series))
-    found = np.interp(index, index[~missing], series[~missing])
+    found = np.asarray(np.interp(index, index[~missing], series[~missing]))
     mean = float(found.mean())
     covariance = _autocovariance(found - mean)
     if covariance[0] <= 0.0:

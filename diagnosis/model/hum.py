@@ -23,7 +23,8 @@ def hum_of(series: np.ndarray, step_s: float) -> tuple[np.ndarray, list[float]]:
         series: Samples, NaN where missing, shape (samples,).
         step_s: Sampling step [s].
     """
-    found, frequencies = np.zeros(len(series)), []
+    found = np.zeros(len(series))
+    frequencies: list[float] = []
     good = np.isfinite(series)
     if good.sum() < PARTS * 2 * (max(BESIDE) + 1):
         return found, frequencies

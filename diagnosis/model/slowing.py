@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import fftconvolve, firwin, resample_poly
 
+from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.storeys import Structure, solve_modes
@@ -45,6 +46,15 @@ def slowed_if_long(observed: Observations, structure: Structure) -> Observations
         f"{fewest:.4g} Hz or more, which keeps every mode of the frame; misfit and noise are those below half that rate"
     )
     return slow
+
+
+def samples_looked_at(case: Case) -> int:
+    """Return about how many samples of all runs of a case the diagnosis looks at."""
+    ours = SETTINGS.screening
+    size = sum(run.values.size for run in case.runs)
+    if case.contacts or size <= ours.long_samples:
+        return sum(len(run.time_s) for run in case.runs)
+    return sum(int(len(run.time_s) * min(1.0, ours.long_rate_hz * run.step_s)) for run in case.runs)
 
 
 def _highest_hz(structure: Structure) -> float:

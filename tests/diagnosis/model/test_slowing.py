@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.model import slowing
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.slowing import slowed_if_long
+from pounding.diagnosis.model.slowing import samples_looked_at, slowed_if_long
 from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.models import STEP_S, measured
 
@@ -37,6 +39,16 @@ def test_long_runs_are_sampled_at_the_rate_that_modes_need(few: None) -> None:
     assert len(slow.runs[0].time_s) == len(slow.runs[0].table) == len(slow.runs[0].measured) == 750
     (said,) = slow.warnings
     assert "125 Hz" in said
+
+
+def test_the_samples_that_are_announced_are_those_that_are_looked_at(few: None) -> None:
+    runs = tuple(
+        Run(run.name, None, run.time_s, run.step_s, np.zeros((len(run.time_s), 6)))
+        for run in measured(samples=3000).observed.runs
+    )
+    case = Case("bench", Path("bench"), (), runs, ())
+    assert samples_looked_at(case) == 2 * 750
+    assert samples_looked_at(replace(case, runs=runs[:1])) == 3000
 
 
 def test_a_linear_frame_does_not_notice(few: None) -> None:
