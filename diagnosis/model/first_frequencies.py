@@ -90,22 +90,22 @@ class Peak:
 
 
 def _odd_run(model: Model, frame: int, first_hz: float) -> list[str]:
-    """Return a sentence if the first frequency in one run is unlike that in all others, nothing if they are alike."""
-    runs, worst, said = range(len(model.observed.runs)), 0.0, []
+    """Return a sentence if the first frequency in one run is unlike that in the others, nothing if they are alike."""
+    runs = model.observed.runs
+    each = [(run, measured_frequency(model, frame, first_hz, [number])) for number, run in enumerate(runs)]
+    known = sorted(((run.name, peak) for run, peak in each if peak is not None), key=lambda one: one[1].hertz)
+    if not known:
+        return []
+    usual, middle = known[(len(known) - 1) // 2]
+    name, odd = max(known, key=lambda one: abs(np.log(one[1].hertz / middle.hertz)))
     unlikely = SETTINGS.screening.frequency_unlikely * 0.5 * model.prior.frame_stiffness
-    for number in runs if len(runs) > 1 else ():
-        own = measured_frequency(model, frame, first_hz, [number])
-        others = measured_frequency(model, frame, first_hz, [one for one in runs if one != number])
-        if own is None or others is None or own.holds(others.hertz) or others.holds(own.hertz):
-            continue
-        apart = abs(float(np.log(own.hertz / others.hertz)))
-        if apart > max(unlikely, worst):
-            worst = apart
-            said = [
-                f"{model.structure.frames[frame].name}: the first frequency is {own.hertz:.2f} Hz in "
-                f"{model.observed.runs[number].name} and {others.hertz:.2f} Hz in the other runs; are all of one frame?"
-            ]
-    return said
+    near = abs(np.log(odd.hertz / middle.hertz)) <= unlikely
+    if near or odd.holds(middle.hertz) or middle.holds(odd.hertz):
+        return []
+    return [
+        f"{model.structure.frames[frame].name}: the first frequency is {odd.hertz:.2f} Hz in {name} and "
+        f"{middle.hertz:.2f} Hz in {usual}; are both of one frame?"
+    ]
 
 
 def measured_frequency(

@@ -190,4 +190,6 @@ def test_a_run_of_another_frame_is_said_and_makes_no_name(tmp_path: Path) -> Non
     runs = (case.runs[0], replace(case.runs[1], values=values), case.runs[2])
     report = report_on(replace(case, runs=runs), tmp_path)
     assert report.verdict == "unknown_effect"
-    assert warned(report, "in run2.csv and 6.81 Hz in the other runs; are all of one frame?")
+    assert warned(
+        report, "the first frequency is 9.04 Hz in run2.csv and 6.70 Hz in run1.csv; are both of one frame?"
+    )
