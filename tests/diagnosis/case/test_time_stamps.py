@@ -109,3 +109,17 @@ def test_digits_are_counted_where_they_are_printed() -> None:
     words = ["0", "0.0016384", "9.9983616", "10.001638", "10.5", "1.05e1", "100"]
     digit = rounding(np.array([float(word) for word in words]), words)
     np.testing.assert_allclose(digit, [1e-7, 1e-7, 1e-7, 1e-6, 1e-6, 1e-6, 1.0])
+
+
+@pytest.mark.parametrize("written", ["{:.8g}", "{:.6f}"])
+def test_a_recording_of_twenty_thousand_rounded_stamps_is_read(
+    written: str, open_cases: Path, tmp_path: Path
+) -> None:
+    header, *rows = (open_cases / "real-oscillator" / "run1.csv").read_text().splitlines()
+    cells = [row.partition(",") for row in rows]
+    lines = [header, *(f"{written.format(float(time))},{rest}" for time, _, rest in cells)]
+    (tmp_path / "run1.csv").write_text("\n".join(lines) + "\n")
+    run, warnings = read_run(tmp_path / "run1.csv", CHANNELS)
+    assert run.step_s == pytest.approx(0.0016384, rel=1e-8)
+    assert len(run.values) == 20000
+    assert warnings == ["run1.csv: column 'd1' is no [[channel]] of the case and not used"]
