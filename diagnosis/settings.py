@@ -36,6 +36,30 @@ class Screening:
     clipped_share: float = 0.3
     """[share of the samples near the largest value] A channel is clipped only if more than this share of them is
     exactly at the largest value. Origin: chosen."""
+    still: float = 0.003
+    """[rms of the largest floor acceleration] A table whose acceleration reads less is at rest, or its sensor is dead.
+    Origin: theory: in resonance a frame of half a per cent damping amplifies a hundredfold, 0.01."""
+    woken: float = 0.1
+    """[rms of the table] A channel that repeats one value at an end of a run is dead if the table moves more. Origin:
+    chosen."""
+    hum: float = 4.0
+    """[amplitude beside it] A line at a mains frequency with a larger mean amplitude is hum. Origin: chosen."""
+    hum_steady: float = 0.5
+    """[amplitude] Hum differs less than this from its mean in every part of a run. Origin: chosen; what shaking excites
+    comes and goes."""
+    hum_of_table: float = 0.1
+    """[rms of the table] A table with a larger line at a mains frequency is shaken so: it is no hum. Origin: chosen."""
+    answers: float = 0.5
+    """[table acceleration] A channel shows a first frequency only if a floor answers with more acceleration there.
+    Origin: theory: a mode answers with the inverse of twice its damping ratio, a dead sensor with nothing."""
+    long_samples: int = 1_000_000
+    """[samples of all channels and runs] Runs of frames that stand alone and have more are sampled less often. Origin:
+    chosen for the memory: the 200 cases of the benchmark have half as many at most."""
+    long_rate_hz: float = 250.0
+    """[Hz] Long runs keep at least this sampling rate. Origin: chosen, that of pairs."""
+    long_rate_modes: float = 3.0
+    """[highest natural frequency] Long runs keep at least this sampling rate. Origin: chosen; the low-pass is flat to
+    0.4 of the rate."""
     frequency_range: tuple[float, float] = (0.4, 2.0)
     """[first frequency of the baseline] Where the measured first frequency is looked for. Origin: chosen."""
     frequency_unlikely: float = 3.0
@@ -183,6 +207,13 @@ class Checks:
     tone: float = 200.0
     """[power over the median beside it] A line of the spectrum with more power is a tone. Origin: chosen; noise alone
     reaches some 40."""
+    tone_quiet: float = 0.1
+    """[power of whitened noise] Where the spectrum is lower than this, a tone is told from this: what stands out of a
+    band that is far quieter than the sensor's noise moves no verdict. Origin: chosen; lines of 1e-4 of the motion in a
+    recording of twelve digits were tones without it."""
+    table_line: float = 0.01
+    """[largest power] A line of the table's own spectrum with more of it may have harmonics in the answer of a frame
+    that is not linear. Origin: chosen."""
     beside: int = 41
     """[bins] The median is taken over so many bins to each side of a line. Origin: chosen."""
     own: float = 0.02

@@ -25,6 +25,7 @@ from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, observe
 from pounding.diagnosis.model.sensors import screened, usable
+from pounding.diagnosis.model.slowing import slowed_if_long
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.report import Report
@@ -185,6 +186,8 @@ def _find(
 ) -> tuple[Findings, Decision]:
     structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
+    if not case.contacts:
+        observed = slowed_if_long(observed, structure)
     model = Model(structure, observed, case.prior)
     check_resolved(model)
     if not case.contacts:

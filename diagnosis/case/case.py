@@ -56,7 +56,10 @@ class CaseFrame:
 
 @dataclass(frozen=True)
 class Channel:
-    """A measured column. `floor` counts from 1, 0 is the table; `contact` counts from 1 as in the file."""
+    """A measured column. `floor` counts from 1, 0 is the table; `contact` counts from 1 as in the file.
+
+    `interpolation` says how the table's acceleration goes on between its samples: ``zoh``, ``linear``, or None: smoothly.
+    """
 
     name: str
     quantity: str
@@ -64,6 +67,7 @@ class Channel:
     frame: str | None = None
     floor: int | None = None
     contact: int | None = None
+    interpolation: str | None = None
 
     @property
     def to_si(self) -> float:
@@ -74,6 +78,11 @@ class Channel:
     def is_table(self) -> bool:
         """Whether the channel says how the table moved (a table quantity, or floor 0)."""
         return self.quantity in OF_THE_TABLE or self.floor == 0
+
+    @property
+    def is_table_acceleration(self) -> bool:
+        """Whether the channel is the table's acceleration."""
+        return self.is_table and self.quantity in ("table_acceleration", "absolute_acceleration")
 
 
 @dataclass(frozen=True)

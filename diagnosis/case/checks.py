@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,6 +41,7 @@ ROLES = ("training", "held_out")
 OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
 """Keys of a frame that is given by its masses and modes."""
 JOINTS = ("calibrated", "rigid")
+INTERPOLATIONS = ("zoh", "linear")
 
 
 def check(described: Description, folder: Path, places: Places) -> tuple[Case, list[tuple[str, str | None]]]:
@@ -180,6 +182,21 @@ def _channel(
         meant = named(table.unit)
         end = f"; did you mean {meant!r}?" if meant in units else f"; use one of {', '.join(units)}"
         raise error(f"unit {table.unit!r} is none of {table.quantity}'s{end}", "unit")
+    channel = _placed(table, known, contacts, error)
+    if table.interpolation is None:
+        return channel
+    if table.interpolation not in INTERPOLATIONS:
+        end = suggest(table.interpolation, list(INTERPOLATIONS))
+        raise error(f"unknown interpolation {table.interpolation!r}{end}", "interpolation")
+    if not channel.is_table_acceleration:
+        what = "interpolation says what the table does between samples; state it of the table's acceleration only"
+        raise error(what, "interpolation")
+    return replace(channel, interpolation=table.interpolation)
+
+
+def _placed(
+    table: ChannelTable, known: tuple[CaseFrame, ...], contacts: int, error: Callable[..., CaseError]
+) -> Channel:
     if table.quantity in OF_THE_TABLE:
         return Channel(table.name, table.quantity, table.unit)
     if table.quantity in OF_A_CONTACT:

@@ -10,13 +10,13 @@ import numpy as np
 
 from pounding import bounds
 from pounding.diagnosis.case.case import Channel, Run
+from pounding.diagnosis.case.time_stamps import TIME, grid
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments import csv_table
 from pounding.experiments.measurements.quantities import BOUNDS
 from pounding.experiments.text_file import is_ended, read_text
 from pounding.frames.files import replacing
 
-TIME = "time_s"
 MIN_SAMPLES = 32
 """The filters that divide a misfit into bands need some twenty."""
 
@@ -40,9 +40,9 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     if len(cells.rows) < MIN_SAMPLES:
         raise CaseError(f"{path.name} has {len(cells.rows)} samples; a run needs at least {MIN_SAMPLES}")
     numbers = csv_table.numbers(header, cells, path.name, CaseError, column="channel")
-    step_s = _step(path, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
-    bounds.STEP.check(step_s, f"{path.name}: the step of {TIME}", CaseError)
-    bounds.DURATION.check(step_s * (len(numbers) - 1), f"{path.name}: the run's length", CaseError)
+    found = grid(path.name, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
+    bounds.STEP.check(found.step_s, f"{path.name}: the step of {TIME}", CaseError)
+    bounds.DURATION.check(found.step_s * (found.samples - 1), f"{path.name}: the run's length", CaseError)
     columns = [_column(path, header, channel) for channel in channels]
     values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
     _check_values(path, cells.lines, channels, values)
@@ -59,9 +59,13 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     if not ended and len(last) < len(above):
         said = f"the last line has no end, and its last number, {last!r}, may be cut"
         warnings.append(f"{path.name}: {said}; get the file again if it is")
-    start = numbers[0, 0]
-    time_s = start + step_s * np.arange(len(numbers))
-    return Run(path.name, role, time_s, step_s, values), [warning for warning in warnings if warning]
+    lost = found.samples - len(values)
+    if lost:
+        several = ("s are", "their times") if lost > 1 else (" is", "its time")
+        said = f"missing, as the times say; dropouts stand at {several[1]}"
+        warnings.append(f"{path.name}: {lost} of {found.samples} row{several[0]} {said}")
+    run = Run(path.name, role, found.times_s(), found.step_s, found.spread(values))
+    return run, [warning for warning in warnings if warning]
 
 
 def _cells(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
@@ -92,34 +96,6 @@ def _check_header(path: Path, header: list[str]) -> None:
     for index, name in enumerate(header):
         if name in header[:index]:
             raise CaseError(f"{path.name} line 1: column {name!r} stands there twice; rename or remove one")
-
-
-def _step(path: Path, lines: list[int], time: np.ndarray, words: list[str]) -> float:
-    """Return the sampling step [s] of times that are uniform up to the digits that they are written with."""
-    missing = np.flatnonzero(np.isnan(time))
-    if missing.size:
-        raise CaseError(f"{path.name} line {lines[missing[0]]}: {TIME} is empty; every row needs its time")
-    intervals = np.diff(time)
-    backwards = np.flatnonzero(intervals <= 0)
-    if backwards.size:
-        line = lines[backwards[0] + 1]
-        raise CaseError(
-            f"{path.name} line {line}: time does not go on ({time[backwards[0] + 1]:g} s); sort or mend it"
-        )
-    typical = float(np.median(intervals))
-    digit = 10.0 ** -max(
-        len(word.strip().lower().partition("e")[0].partition(".")[2]) for word in words[:1000]
-    )
-    off = np.flatnonzero(np.abs(intervals - typical) > 1.01 * digit + 1e-4 * typical)
-    # Written with few digits, intervals may jump by a digit; but never by half a sample.
-    off = off if digit < 0.25 * typical else np.flatnonzero(np.abs(intervals - typical) > 0.5 * typical)
-    if off.size:
-        first = int(off[0])
-        raise CaseError(
-            f"{path.name} line {lines[first + 1]}: time steps by {intervals[first]:.6g} s where others step "
-            f"by {typical:.6g} s; resample to uniform time, or fill lost samples with rows of empty cells"
-        )
-    return float((time[-1] - time[0]) / (len(time) - 1))
 
 
 def _check_values(path: Path, lines: list[int], channels: Sequence[Channel], values: np.ndarray) -> None:

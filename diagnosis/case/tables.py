@@ -38,6 +38,7 @@ class ChannelTable(msgspec.Struct, forbid_unknown_fields=True):
     frame: str | None = None
     floor: int | None = None
     contact: int | None = None
+    interpolation: str | None = None
 
 
 class ContactTable(msgspec.Struct, forbid_unknown_fields=True):

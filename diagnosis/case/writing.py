@@ -73,7 +73,8 @@ def _modal_keys(datum: ModalDatum) -> dict[str, Any]:
 
 def _channel_keys(channel: Channel) -> dict[str, Any]:
     keys = {"name": channel.name, "frame": channel.frame, "floor": channel.floor, "contact": channel.contact}
-    return {**keys, "quantity": channel.quantity, "unit": channel.unit}
+    stated = {"quantity": channel.quantity, "unit": channel.unit, "interpolation": channel.interpolation}
+    return {**keys, **stated}
 
 
 def _contact_keys(contact: Contact) -> dict[str, Any]:

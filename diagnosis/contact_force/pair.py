@@ -25,6 +25,7 @@ from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import ContactEvent, Observations
 from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.slowing import slowed
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -152,7 +153,7 @@ def found_again(pair: Pair, training: Sequence[int]) -> Pair:
 def _slow(pair: Pair) -> Model:
     full = pair.full
     observed = _with_contact_events(full.observed, _contacts(pair))
-    return full.seeing(pairs.slowed(observed))
+    return full.seeing(slowed(observed, SETTINGS.forces.rate_hz))
 
 
 def _contacts(pair: Pair) -> list[tuple[int, Sequence[float], float]]:

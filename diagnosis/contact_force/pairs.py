@@ -15,14 +15,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.signal import correlate, fftconvolve, firwin, resample_poly
+from scipy.signal import correlate
 
 from pounding.constants import STD_PER_MAD
 from pounding.diagnosis.contact_force.impacts import found_noise
 from pounding.diagnosis.inference.filtering import Filtered, run_filter, whitened_innovations
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.sensitivity import Term, signatures
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.settings import SETTINGS
@@ -47,51 +46,6 @@ class Pushes:
     force: np.ndarray
     windows: tuple[tuple[int, int], ...]
     ln_bayes: float
-
-
-def slowed(observed: Observations) -> Observations:
-    """Return the observations low-passed without delay and sampled at `forces.rate_hz` or a little more."""
-    slower = min(_every(run) for run in observed.runs)
-    return replace(observed, runs=tuple(_slowed(run) for run in observed.runs), slower=slower)
-
-
-def _every(run: RunData) -> int:
-    return max(1, int(1.0 / (run.step_s * SETTINGS.forces.rate_hz) + 1e-6))
-
-
-def _slowed(run: RunData) -> RunData:
-    every = _every(run)
-    if every < 2:
-        return run
-
-    def fewer(series: np.ndarray) -> np.ndarray:
-        good = np.isfinite(series)
-        if not good.any():
-            return series[::every]
-        index = np.arange(len(series))
-        filled = np.interp(index, index[good], series[good])
-        slow = resample_poly(filled, 1, every, padtype="line")
-        # What leans on a missing sample is missing too.
-        missing = np.convolve(~good, np.ones(2 * every + 1), "same")[::every] > 0
-        return np.where(missing[: len(slow)], np.nan, slow)
-
-    def columns(values: np.ndarray) -> np.ndarray:
-        slow = [fewer(column) for column in values.T]
-        return np.ascontiguousarray(np.stack(slow, axis=1)) if slow else values[::every]
-
-    # The filter of `resample_poly` without leaving samples out.
-    taps = firwin(20 * every + 1, 1.0 / every, window=("kaiser", 5.0))
-    smooth = [fftconvolve(force, taps, "same") for force in run.contact.T]
-    return replace(
-        run,
-        fine_contact=np.stack(smooth, axis=1) if smooth else None,
-        fine_step_s=run.step_s,
-        step_s=run.step_s * every,
-        time_s=run.time_s[::every],
-        table=fewer(run.table),
-        measured=columns(run.measured),
-        contact=columns(run.contact),
-    )
 
 
 def shared_floors(structure: Structure, left: int, right: int) -> list[tuple[int, int]]:

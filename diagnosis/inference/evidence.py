@@ -115,7 +115,8 @@ def score(
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
         signature = run_signatures(model, filtered, number, groups)
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
-        signature = signature.astype(float) * np.concatenate([spread, width])
+        signature = signature.astype(float)
+        signature *= np.concatenate([spread, width])
         if present:
             nuisance = len(spread)
             signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])

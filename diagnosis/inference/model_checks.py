@@ -52,16 +52,19 @@ def _tones(model: Model, filtered: Filtered) -> list[str]:
     white = whitened_runs(model, filtered.prediction.innovations, filtered.filters, filtered.runs)
     for series, number in zip(white, filtered.runs, strict=True):
         run = model.observed.runs[number]
+        shaken = table_lines(run.table, run.step_s)
         for frequency in tones(series, run.step_s):
             mode = np.abs(frequency / own - 1.0).min() < SETTINGS.checks.own
             if (
                 not mode
                 and not _hum(frequency)
+                and not _harmonic(frequency, shaken, 1 / (len(run.table) * run.step_s))
                 and not any(abs(frequency - f) < SETTINGS.checks.same_tone_hz for f in found)
             ):
                 found[frequency] = run.name
+    where = "several channels" if len(model.observed.names) > 1 else "the only channel"
     return [
-        f"{name}: a tone of {frequency:.1f} Hz in several channels, which neither the table nor a mode makes; "
+        f"{name}: a tone of {frequency:.1f} Hz in {where}, which neither the table nor a mode makes; "
         "is it a machine, or a part that sways by itself?"
         for frequency, name in found.items()
     ]
@@ -70,6 +73,44 @@ def _tones(model: Model, filtered: Filtered) -> list[str]:
 def _hum(frequency: float) -> bool:
     near = SETTINGS.checks.hum_hz
     return any(frequency > near and abs(frequency - round(frequency / f) * f) < near for f in MAINS_HZ)
+
+
+def table_lines(table: np.ndarray, step_s: float) -> np.ndarray:
+    """Return the frequencies [Hz] of strong lines of the table's own motion, shape (lines,), to a tenth of a bin.
+
+    Args:
+        table: Its acceleration, shape (samples,).
+        step_s: Sampling step [s].
+    """
+    power = _power(table - table.mean())
+    if len(table) < 4 * SETTINGS.checks.beside or not power.any():
+        return np.zeros(0)
+    out = power > np.maximum(
+        SETTINGS.checks.tone * _beside(power[:, None])[:, 0], SETTINGS.checks.table_line * power.max()
+    )
+    peaks = [line.start + int(power[line].argmax()) for (line,) in find_objects(label(out)[0])]
+    bins = np.arange(len(power))
+    centres = [
+        np.average(bins[peak - 1 : peak + 2], weights=power[peak - 1 : peak + 2]) for peak in peaks if peak
+    ]
+    return np.array(centres) / (len(table) * step_s)
+
+
+def _harmonic(frequency: float, lines: np.ndarray, bin_hz: float) -> bool:
+    """Return whether a frequency [Hz] is one of these lines or a multiple of one, as a law that is not linear makes them."""
+    order = np.maximum(np.rint(frequency / lines), 1.0)
+    return bool(np.any(np.abs(frequency - order * lines) < (2 + 0.1 * order) * bin_hz))
+
+
+def _power(series: np.ndarray) -> np.ndarray:
+    """Return the power of a series, (samples, ...), in each bin of its spectrum, a window being used."""
+    window = np.hanning(len(series)).reshape(-1, *[1] * (series.ndim - 1))
+    return np.asarray(np.abs(np.fft.rfft(series * window, axis=0)) ** 2)
+
+
+def _beside(power: np.ndarray) -> np.ndarray:
+    """Return the median of a spectrum (bins, channels) beside each bin."""
+    return np.asarray(median_filter(power, size=(2 * SETTINGS.checks.beside + 1, 1), mode="reflect"))
 
 
 def tones(series: np.ndarray, step_s: float) -> Sequence[float]:
@@ -82,9 +123,10 @@ def tones(series: np.ndarray, step_s: float) -> Sequence[float]:
     samples, channels = series.shape
     if samples < 4 * SETTINGS.checks.beside:
         return []
-    power = np.abs(np.fft.rfft(series * np.hanning(samples)[:, None], axis=0)) ** 2
-    beside = median_filter(power, size=(2 * SETTINGS.checks.beside + 1, 1), mode="reflect")
-    out = power > SETTINGS.checks.tone * np.maximum(beside, np.finfo(float).tiny)
+    power = _power(series)
+    # Whitened noise has unit variance, and a Hann window keeps three eighths of it.
+    quiet = SETTINGS.checks.tone_quiet * 0.375 * samples
+    out = power > SETTINGS.checks.tone * np.maximum(_beside(power), quiet)
     out[:3] = False
     # A window spreads a line over its neighbours.
     near = binary_dilation(out, np.ones((3, 1), bool))

@@ -24,6 +24,7 @@ from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisanc
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
+from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
 
 FINER = 4
@@ -69,8 +70,9 @@ class Model:
         self.parameters = nuisance_parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
         self.discrepant = np.array([parameter.kind == MODAL_STIFFNESS for parameter in self.parameters], bool)
-        self._splines = [
-            CubicSpline(np.arange(len(run.table)) * run.step_s, run.table) for run in observed.runs
+        self._tables = [
+            TableMotion(run.table, run.step_s, run.table_between, run.step_s / run.substeps)
+            for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
         self._own: np.ndarray | None = None
@@ -91,7 +93,7 @@ class Model:
     def table_slope(self, run: RunData) -> np.ndarray:
         """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
         number = next(i for i, one in enumerate(self.observed.runs) if one is run)
-        return np.asarray(self._splines[number](np.arange(len(run.table)) * run.step_s, 1))
+        return self._tables[number].slope()
 
     def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
         """Return the system of the baseline model with nuisance parameters and effects.
@@ -184,7 +186,7 @@ class Model:
         run = self.observed.runs[number]
         true = (times_s - assembly.table_delay_s) * (1 + assembly.table_clock)
         late = np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
-        return np.asarray((1 + assembly.table_gain) * self._splines[number](late))
+        return np.asarray((1 + assembly.table_gain) * self._tables[number].at(late))
 
     def overlap(self, modes: Modes) -> np.ndarray:
         """Return which part of each of `modes` is each of the baseline frames' own modes, shape (floors, modes)."""

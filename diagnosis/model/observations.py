@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.dropouts import filled
 from pounding.diagnosis.model.kalman import TABLE_NOISE_RATE
 from pounding.diagnosis.model.noise import largest_noise
 from pounding.diagnosis.model.predictor import (
@@ -21,6 +22,7 @@ from pounding.diagnosis.model.predictor import (
     VELOCITY,
 )
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.model.table_motion import SMOOTH
 
 QUANTITIES = {
     "absolute_acceleration": ACCELERATION,
@@ -44,7 +46,8 @@ class RunData:
         table: Table acceleration [m/s^2], gaps filled, shape (samples,).
         measured: Channels in SI, NaN where missing, shape (samples, channels).
         contact: Measured contact forces [N], compression positive, shape (samples, contacts measured).
-        fine_contact, fine_step_s: The same on a finer grid where there is one: between samples a short force is no line.
+        table_between: How the table's acceleration goes on between samples (`pounding.diagnosis.model.table_motion`).
+        fine_contact, fine_step_s: Contact forces on a finer grid, if any: between samples a short force is no line.
     """
 
     name: str
@@ -53,20 +56,21 @@ class RunData:
     table: np.ndarray
     measured: np.ndarray
     contact: np.ndarray
+    table_between: str = SMOOTH
     fine_contact: np.ndarray | None = None
     fine_step_s: float = 0.0
 
     @cached_property
     def largest_noise(self) -> np.ndarray:
         """The largest noise that each channel can have in SI, shape (channels,); infinite where samples were made fewer."""
-        if self.fine_contact is not None:
+        if self.fine_step_s > 0.0:
             return np.full(self.measured.shape[1], np.inf)
         return np.array([largest_noise(column, self.step_s, self.table) for column in self.measured.T])
 
     @cached_property
     def largest_table_noise(self) -> float:
         """The largest noise that the table's channel can have [m/s^2], as slow as the model's table noise is."""
-        if self.fine_contact is not None:
+        if self.fine_step_s > 0.0:
             return float("inf")
         white = largest_noise(self.table, self.step_s, self.table)
         return float(white * np.sqrt(TABLE_NOISE_RATE * self.step_s / 2))
@@ -197,31 +201,34 @@ def _contact_floors(case: Case, structure: Structure, contact: int) -> tuple[int
 
 def _run(case: Case, run: Run, columns: list[int], forces: list[int], warnings: list[str]) -> RunData:
     contact = np.nan_to_num(run.values[:, forces]) if forces else np.zeros((len(run.values), 0))
+    table, between = _table(case, run, warnings)
     return RunData(
         name=run.file,
         step_s=run.step_s,
         time_s=run.time_s,
-        table=_table(case, run, warnings),
+        table=table,
+        table_between=between,
         measured=np.ascontiguousarray(run.values[:, columns]),
         contact=contact,
     )
 
 
-def _table(case: Case, run: Run, warnings: list[str]) -> np.ndarray:
-    """Return the table's acceleration: its channel, or else the second derivative of its displacement."""
+def _table(case: Case, run: Run, warnings: list[str]) -> tuple[np.ndarray, str]:
+    """Return the table's acceleration and how it goes on between samples.
+
+    It is that of its channel, or else the second derivative of its displacement.
+    """
     for column, channel in enumerate(case.channels):
-        acceleration = channel.quantity == "table_acceleration" or (
-            channel.floor == 0 and channel.quantity == "absolute_acceleration"
-        )
-        if acceleration and np.isfinite(run.values[:, column]).sum() > 10:
-            return _filled(run.values[:, column], f"{run.file}: channel {channel.name}", warnings)
+        if channel.is_table_acceleration and np.isfinite(run.values[:, column]).sum() > 10:
+            series = _filled(run.values[:, column], f"{run.file}: channel {channel.name}", warnings)
+            return series, channel.interpolation or SMOOTH
     for column, channel in enumerate(case.channels):
         if channel.is_table and np.isfinite(run.values[:, column]).sum() > 10:
             warnings.append(
                 f"{run.file}: no table acceleration was measured; it is the second derivative of {channel.name}"
             )
             series = _filled(run.values[:, column], f"{run.file}: channel {channel.name}", warnings)
-            return np.asarray(CubicSpline(run.time_s, series)(run.time_s, 2))
+            return np.asarray(CubicSpline(run.time_s, series)(run.time_s, 2)), SMOOTH
     raise CaseError(
         f"{case.folder / run.file}: no channel says how the table moved; add its acceleration or displacement"
     )
@@ -232,5 +239,4 @@ def _filled(series: np.ndarray, where: str, warnings: list[str]) -> np.ndarray:
     if not missing.any():
         return np.array(series, float)
     warnings.append(f"{where}: {missing.sum()} dropouts of the table's motion were interpolated")
-    index = np.arange(len(series))
-    return np.asarray(np.interp(index, index[~missing], series[~missing]))
+    return filled(series)

@@ -11,7 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.hum import hum_of
 from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
+from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -29,15 +31,17 @@ def screened(observed: Observations) -> Observations:
                 f"{run.name}: every channel repeats one value after {run.time_s[-1]:g} s "
                 f"({len(recorded.time_s) - len(run.time_s)} samples); left out"
             )
+        run = _without_hum(run, observed)
         measured = run.measured.copy()
         for channel, name in enumerate(observed.names):
             series = measured[:, channel]
-            for fault, bad in (("dead", _dead(series, run.step_s)), ("clipped", _clipped(series))):
+            for fault, told in (("dead", _dead), ("clipped", _clipped)):
+                bad = told(series, run)
                 if bad.any():
                     series[bad] = np.nan
                     observed.warnings.append(_sentence(observed, run, channel, name, fault, bad))
         runs.append(replace(run, measured=measured))
-    if not any(_shaken(run) for run in runs):
+    if not any(_shaken(observed, run) for run in runs):
         still = [_still(run) for run in runs if _moved(run)] or [
             f"{', '.join(run.name for run in runs)}: nothing moves in any run; check that the files hold the measurements"
         ]
@@ -47,7 +51,7 @@ def screened(observed: Observations) -> Observations:
 
 def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
     """Return the runs in which the table moves and something is measured; the others get a warning."""
-    found = [number for number in runs if _shaken(observed.runs[number])]
+    found = [number for number in runs if _shaken(observed, observed.runs[number])]
     for number in set(runs) - set(found):
         run = observed.runs[number]
         said = _still(run) if _moved(run) else f"{run.name}: nothing moves in this run"
@@ -66,8 +70,34 @@ def _ended(run: RunData) -> RunData:
     return replace(run, **parts)
 
 
-def _shaken(run: RunData) -> bool:
-    return float(np.ptp(run.table)) > 0 and _moved(run)
+def _without_hum(run: RunData, observed: Observations) -> RunData:
+    """Return a run without hum of the mains, with a warning; a table that is shaken at a mains frequency is no hum."""
+    of_table, lines = hum_of(run.table, run.step_s)
+    if lines and of_table.std() > SETTINGS.screening.hum_of_table * run.table.std():
+        return run
+    measured, names = run.measured.copy(), ["the table"] if lines else []
+    for channel, name in enumerate(observed.names):
+        series, found = hum_of(measured[:, channel], run.step_s)
+        if found:
+            measured[:, channel] -= series
+            lines, names = [*lines, *found], [*names, name]
+    if not names:
+        return run
+    hertz = ", ".join(f"{one:g}" for one in sorted({float(round(line)) for line in lines}))
+    observed.warnings.append(f"{run.name}: hum of the mains ({hertz} Hz) in {', '.join(names)}; subtracted")
+    return replace(run, table=run.table - of_table, measured=measured)
+
+
+def _shaken(observed: Observations, run: RunData) -> bool:
+    return float(np.ptp(run.table)) > 0 and _moved(run) and not _still_beside_floors(observed, run)
+
+
+def _still_beside_floors(observed: Observations, run: RunData) -> bool:
+    """Return whether a table reads next to nothing while floors move."""
+    floors = observed.rms(run)[observed.quantity == ACCELERATION]
+    known = floors[np.isfinite(floors)]
+    table = float(np.std(run.table))
+    return len(known) > 0 and table < SETTINGS.screening.still * float(known.max())
 
 
 def _moved(run: RunData) -> bool:
@@ -75,10 +105,13 @@ def _moved(run: RunData) -> bool:
 
 
 def _still(run: RunData) -> str:
-    """Return what is wrong with a run in which something is measured and the table reads one value."""
+    """Return what is wrong with a run in which something is measured and the table reads one value or next to nothing."""
+    reads = f"{run.table[0]:g} m/s^2 throughout"
+    if np.ptp(run.table) > 0:
+        reads = f"{np.std(run.table):.2g} m/s^2 (rms)"
     return (
-        f"{run.name}: the table's channel reads {run.table[0]:g} m/s^2 throughout while floors move: its sensor is dead, "
-        "or the table was at rest; give its motion by another channel, or a run in which it shakes"
+        f"{run.name}: the table's channel reads {reads} while floors move: its sensor is dead, or "
+        "the table was at rest; give its motion by another channel, or a run in which it shakes"
     )
 
 
@@ -93,21 +126,26 @@ def _sentence(
     return f"{place} is clipped at {largest:g} in its own unit ({bad.sum()} samples); those were left out"
 
 
-def _dead(series: np.ndarray, step_s: float) -> np.ndarray:
-    """Return where a channel repeats a value for long, but at the ends of a run, where the frame may be at rest."""
+def _dead(series: np.ndarray, run: RunData) -> np.ndarray:
+    """Return where a channel repeats a value for long; at the ends of a run only if the table moves there."""
     bad = np.zeros(len(series), bool)
     good = np.isfinite(series)
-    if not good.any() or np.nanmax(np.abs(series)) == 0:
+    if not good.any() or np.nanmin(series) == np.nanmax(series):
         return np.asarray(good)
-    least = max(SETTINGS.screening.dead_samples, int(SETTINGS.screening.dead_s / step_s))
+    ours = SETTINGS.screening
+    least = max(ours.dead_samples, int(ours.dead_s / run.step_s))
+    moving = ours.woken * float(np.std(run.table))
     edges = np.flatnonzero(np.diff(series) != 0) + 1
     for start, stop in zip(np.r_[0, edges], np.r_[edges, len(series)], strict=True):
-        if stop - start >= least and start > 0 and stop < len(series) and np.isfinite(series[start]):
+        if stop - start < least or not np.isfinite(series[start]):
+            continue
+        # At an end the frame may be at rest.
+        if (start > 0 and stop < len(series)) or float(np.std(run.table[start:stop])) > moving:
             bad[start:stop] = True
     return bad
 
 
-def _clipped(series: np.ndarray) -> np.ndarray:
+def _clipped(series: np.ndarray, run: RunData) -> np.ndarray:
     """Return where a channel sits at its largest or smallest value, if it does so too often to be chance."""
     least = SETTINGS.screening.clipped_samples
     return np.asarray(at_its_top(series, least) | at_its_top(-series, least))

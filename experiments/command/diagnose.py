@@ -151,7 +151,9 @@ def _ask_to_execute(candidates: Path) -> None:
 
 
 def _works(case: Case, calibrate: bool) -> list[estimates.Work]:
-    samples = sum(len(run.time_s) for run in case.runs)
+    from pounding.diagnosis.model.slowing import samples_looked_at
+
+    samples = samples_looked_at(case)
     built = [load(frame.file or frame.name) for frame in case.frames if frame.kind != "modal"]
     floors = sum(frame.storeys for frame in case.frames)
     works = [estimates.of_diagnosis(samples, floors), *map(estimates.of_frame, built)]

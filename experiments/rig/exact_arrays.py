@@ -87,7 +87,7 @@ class Storeys(NamedTuple):
         first: The first connection that is a law in a storey: how many contacts there are.
         address: Where the laws' compiled functions are (l,).
         parameters: Their parameters in SI (l, PARAMETERS).
-        in_room: 1 where the table's velocity counts in the rate that a law sees, else 0 (l,).
+        in_room: Share of the table's velocity in the rate that a law sees (l,).
         remembers: Which of them have a memory (l,).
         jolt: Bound of what a unit force of each adds to each connection's relative acceleration (c, l + f) [1/kg].
         table_rate: Velocity of the table at the intervals' ends (m + 1,) [m/s].

@@ -291,8 +291,9 @@ def _called(storeys: Any, law: int, at_s: float, before: int, d: float, v: float
     memories, each = storeys.memory.ctypes.data + law * size, size * storeys.memory.shape[1]
     numbers = storeys.parameters.ctypes.data + law * _BYTES * storeys.parameters.shape[1]
     moment = storeys.moment
-    if storeys.in_room[law] != 0.0:
-        v += moment[1] + at_s * (moment[2] + at_s * moment[3])
+    share = storeys.in_room[law]
+    if share != 0.0:
+        v += share * (moment[1] + at_s * (moment[2] + at_s * moment[3]))
     return float(
         called_at(
             storeys.address[law],

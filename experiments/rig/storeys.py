@@ -28,7 +28,7 @@ class StoreyLaw:
         row: What the floors' displacements contribute to the drift (storeys,) [-].
         parameters: Its parameters in SI (PARAMETERS,).
         body: Which frame of the row, from 0.
-        in_room: Whether the rate that it sees is that in the room, the table's included, not that of the drift alone.
+        in_room: Share of the table's rate in the rate that it sees: one in the room, nothing for that of the drift alone.
         remembers: Whether it has a memory; what remembers sees every turn of the drift.
         memory: What it remembers at the start (MEMORY,); nothing by default.
     """
@@ -37,7 +37,7 @@ class StoreyLaw:
     row: Real
     parameters: Real
     body: int = 0
-    in_room: bool = False
+    in_room: float = 0.0
     remembers: bool = True
     memory: Real = field(default_factory=lambda: np.zeros(MEMORY))
 

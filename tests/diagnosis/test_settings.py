@@ -27,6 +27,7 @@ MODULES = [
 NO_THRESHOLDS = {
     "steps and limits of a numerical method": {
         "first_frequencies.SEGMENT_CYCLES",
+        "first_frequencies.SPIKE",
         "coordinates.REACH",
         "histories.LARGEST_SLOPE",
         "modal_evidence.STEPS",

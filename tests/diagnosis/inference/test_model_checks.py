@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.model_checks import model_checks, strain, tones
+from pounding.diagnosis.inference.model_checks import model_checks, strain, table_lines, tones
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import STEP_S, measured
@@ -95,3 +95,70 @@ def test_another_frame_is_told() -> None:
     assert count == 7
     said = model_checks(model, null_model(model, values))
     assert any("case.toml" in sentence for sentence in said)
+
+
+def sine_test(table_hz: float, tone_hz: float) -> Model:
+    """The bench shaken by little more than a sine, with a tone in its channels that no model makes."""
+    model = measured()
+    sine = 10.0 * np.sin(2 * np.pi * table_hz * TIME)
+    shaken = tuple(replace(run, table=run.table + sine) for run in model.observed.runs)
+    driven = Model(model.structure, replace(model.observed, runs=shaken), model.prior)
+    rng = np.random.default_rng(3)
+    runs = []
+    for run, output in zip(shaken, driven.predict(np.zeros(len(model.std))).outputs, strict=True):
+        tone = np.outer(np.sin(2 * np.pi * tone_hz * TIME), [0.3, 0.3, 0.3, 0.0, 0.0])
+        runs.append(
+            replace(
+                run, measured=output + output.std(axis=0) * (tone + 0.02 * rng.standard_normal(output.shape))
+            )
+        )
+    return Model(model.structure, replace(model.observed, runs=tuple(runs)), model.prior)
+
+
+def said_of_tones(model: Model) -> list[str]:
+    return [said for said in model_checks(model, null_model(model)) if "a tone of" in said]
+
+
+@pytest.mark.parametrize("order", [2, 3, 5, 7])
+def test_a_harmonic_of_what_the_table_does_is_no_machine(order: int) -> None:
+    assert len(said_of_tones(with_tone(order * 4.33, 0.3, [0, 1, 2]))) == 1
+    assert said_of_tones(sine_test(4.33, order * 4.33)) == []
+
+
+def test_a_tone_beside_the_harmonics_of_the_table_is_a_machine() -> None:
+    (said,) = said_of_tones(sine_test(4.33, 5.5 * 4.33))
+    assert "23.8 Hz" in said
+
+
+def test_the_lines_of_a_table_are_its_sines_and_noise_has_none() -> None:
+    sines = np.sin(2 * np.pi * 4.33 * TIME) + 0.3 * np.sin(2 * np.pi * 12.99 * TIME)
+    table = sines + 0.01 * noise(1)[:, 0]
+    np.testing.assert_allclose(table_lines(table, STEP_S), [4.33, 12.99], atol=0.03)
+    assert table_lines(noise(1)[:, 0], STEP_S).size == 0
+    assert table_lines(np.zeros(SAMPLES), STEP_S).size == 0
+
+
+def test_a_line_far_below_the_noise_of_a_sensor_is_no_tone() -> None:
+    # A sensor whose noise is white to the filter, and whose band above 100 Hz is empty but for a line.
+    spectrum = np.fft.rfft(noise(2), axis=0)
+    spectrum[int(100.0 * SAMPLES * STEP_S) :] *= 1e-4
+    series = np.fft.irfft(spectrum, SAMPLES, axis=0)
+    line = np.sin(2 * np.pi * 180.0 * TIME)[:, None]
+    assert tones(series + 0.01 * line, STEP_S) == []
+    assert tones(series + 0.5 * line, STEP_S) == pytest.approx([180.0], abs=0.3)
+
+
+def test_a_tone_in_the_only_channel_is_said_to_be_in_one() -> None:
+    model = with_tone(23.0, 0.3, [2])
+    observed = model.observed
+    runs = tuple(replace(run, measured=run.measured[:, [2]]) for run in observed.runs)
+    kept = replace(
+        observed,
+        names=observed.names[2:3],
+        to_si=observed.to_si[2:3],
+        quantity=observed.quantity[2:3],
+        floor=observed.floor[2:3],
+        runs=runs,
+    )
+    (said,) = said_of_tones(Model(model.structure, kept, model.prior))
+    assert "in the only channel" in said

@@ -45,7 +45,7 @@ def test_without_gain_it_is_the_exact_linear_response() -> None:
     )
     finer = 8
     at = np.arange(finer * (len(run.table) - 1) + 1) * STEP_S / finer
-    table = model._splines[0](at)
+    table = model._tables[0].at(at)
     displacement, _ = linear_response(stick, table, STEP_S / finer)
     expected = displacement[::finer][:, [0, 2]]
     simulated = run.measured[:, 3:]
@@ -59,7 +59,7 @@ def test_a_law_acts_as_an_integrator_of_another_kind_says() -> None:
     run = model.observed.runs[0]
     modes = model.modes(model.assemble(np.zeros(len(model.std))))
     row = model.structure.drift[1] @ modes.floors
-    spline = model._splines[0]
+    spline = model._tables[0].at
     n = len(modes.omega)
 
     def rate(t: float, z: np.ndarray) -> np.ndarray:

@@ -1,0 +1,41 @@
+"""The table's acceleration between its samples: smooth, straight lines, or held as a digital drive holds it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+SMOOTH, LINEAR, HELD = "smooth", "linear", "zoh"
+
+
+class TableMotion:
+    """The table's acceleration as a function of time.
+
+    Args:
+        samples: Acceleration [m/s^2], shape (samples,).
+        step_s: Sampling step [s].
+        between: How it goes on between samples: `SMOOTH`, `LINEAR` or `HELD`.
+        width_s: Time [s] over which a held acceleration is averaged: a substep of whoever asks. A delay that moves a
+            jump within a substep would otherwise change nothing.
+    """
+
+    def __init__(self, samples: np.ndarray, step_s: float, between: str, width_s: float) -> None:
+        self._times, self._samples = np.arange(len(samples)) * step_s, samples
+        self._between, self._half_s = between, 0.5 * width_s
+        self._spline = CubicSpline(self._times, samples)
+        self._ends = np.arange(len(samples) + 1) * step_s
+        self._rate = np.concatenate([[0.0], np.cumsum(samples) * step_s])
+
+    def at(self, times_s: np.ndarray) -> np.ndarray:
+        """Return the acceleration [m/s^2] at times from the first sample to the last [s], shape of `times_s`."""
+        if self._between == LINEAR:
+            return np.asarray(np.interp(times_s, self._times, self._samples))
+        if self._between == HELD:
+            first, last = np.maximum(times_s - self._half_s, 0.0), times_s + self._half_s
+            gained = np.interp(last, self._ends, self._rate) - np.interp(first, self._ends, self._rate)
+            return np.asarray(gained / (last - first))
+        return np.asarray(self._spline(times_s))
+
+    def slope(self) -> np.ndarray:
+        """Return the rate of change at the samples [m/s^3], shape (samples,), of a smooth curve whatever lies between."""
+        return np.asarray(self._spline(self._times, 1))
