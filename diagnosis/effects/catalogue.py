@@ -39,6 +39,7 @@ class Quantity:
         name, unit: Its name, and its unit as reported. per_si: How many of that unit an SI unit is.
         reported: Whether it is reported.
         logarithmic: Whether it keeps its sign, and is refined as a logarithm.
+        spread: Prior standard deviation [SI] of a departure from zero; zero where the prior follows from the motion.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Quantity:
     per_si: float = 1.0
     reported: bool = True
     logarithmic: bool = False
+    spread: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -164,10 +164,12 @@ class AddedMass(FrameEffect):
         assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
 
 
-DRAG_RATE = 0.1
-"""Rate [m/s] at which a drag of another power is as large as that of the second; about the floors' on a shaking table."""
-POWER_SPREAD = 0.1
-"""Share of the prior's width, that of a logarithm, by which the power of the rate may depart from the second."""
+DRAG_RATE = 0.3
+"""Rate [m/s] at which drag of another power is as large as that of the second: about the largest on a shaking table."""
+POWER_SPREAD, SHARE_SPREAD = 0.3, 0.3
+"""Prior standard deviations of the power of the rate about the second, and of the table's share in the rate about one."""
+POWERS = (1.0, 4.0)
+"""Least and largest power of the rate."""
 
 
 @memoryless
@@ -190,8 +192,8 @@ class AirDrag(LawEffect, FrameEffect):
     law = drag
     quantities = (
         Quantity("coefficient", "N s^2/m^2", logarithmic=True),
-        Quantity("power", "1", reported=False, logarithmic=True),
-        Quantity("table_share", "1", reported=False),
+        Quantity("power_beyond_two", "1", reported=False, spread=POWER_SPREAD),
+        Quantity("table_share_beyond_one", "1", reported=False, spread=SHARE_SPREAD),
     )
     sign = 1
     nonlinear = True
@@ -216,12 +218,12 @@ class AirDrag(LawEffect, FrameEffect):
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the coefficient, and what leaves power and rate as they are."""
-        return np.array([amplitude, 1.0, 1.0])
+        return np.array([amplitude, 0.0, 0.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return coefficient, power and the table's share."""
-        power = 2.0 * float(values[1]) ** POWER_SPREAD
-        return (abs(float(values[0])), power, min(max(float(values[2]), 0.0), 1.0))
+        power = min(max(2.0 + float(values[1]), POWERS[0]), POWERS[1])
+        return (abs(float(values[0])), power, 1.0 + float(values[2]))
 
 
 @CATALOGUE.add

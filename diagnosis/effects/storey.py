@@ -19,8 +19,8 @@ SHARPNESS = 8.0
 SHARPEST = 30.0
 UNLOADING_SPREAD = 0.3
 LARGEST_UNLOADING = 0.9
-"""Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite; how much softer
-it may unload, as a share of the prior's width, that of a logarithm, and at most."""
+"""Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite; prior
+standard deviation of the share of its stiffness that is lost as unloading begins, and its largest value."""
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
 STICKING_RATIO = 0.3
@@ -212,7 +212,7 @@ class Hysteresis(StoreyEffect):
         Quantity("yield_force", "N", logarithmic=True),
         Quantity("stiffness", "N/m", logarithmic=True),
         Quantity("sharpness", "1", reported=False, logarithmic=True),
-        Quantity("unloading", "1", reported=False, logarithmic=True),
+        Quantity("unloading", "1", reported=False, spread=UNLOADING_SPREAD),
     )
     sign = 1
     nonlinear = True
@@ -240,12 +240,12 @@ class Hysteresis(StoreyEffect):
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return yield force, stiffness and the sharpness of the knee."""
-        return np.array([amplitude * shape[0], amplitude, SHARPNESS, 1.0])
+        return np.array([amplitude * shape[0], amplitude, SHARPNESS, 0.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the yielding part less its elastic force."""
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
-        unloading = min(max(UNLOADING_SPREAD * float(np.log(abs(values[3]))), -1.0), LARGEST_UNLOADING)
+        unloading = min(max(float(values[3]), -1.0), LARGEST_UNLOADING)
         return (abs(float(values[0])), abs(float(values[1])), sharpness, unloading)
 
 

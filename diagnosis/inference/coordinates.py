@@ -69,6 +69,8 @@ class Coordinates:
         start = np.concatenate([np.asarray(v, float) for v in values] or [np.zeros(0)])
         width = np.concatenate([np.asarray(w, float) for w in widths] or [np.zeros(0)])
         wide = np.where(logarithmic, LOG_WIDTH, width)
+        spread = np.array([one.spread for effect in effects for one in effect.quantities])
+        wide = np.where(spread > 0.0, spread, wide)
         return cls(model.spread(discrepancy), tuple(effects), start, wide, logarithmic, tuple(fixed))
 
     def theta(self, nuisance: np.ndarray) -> np.ndarray:

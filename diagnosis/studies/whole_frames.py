@@ -90,6 +90,11 @@ def _whole(make: Callable[[str], Acting]) -> Callable[[Model, float], Loads]:
     return one
 
 
+def _drag(model: Model, size: float) -> Loads:
+    effect = AirDrag(frame=model.structure.frames[0].name)
+    return [(effect, effect.values(size, ()))] if size else []
+
+
 def _rocking(model: Model, size: float) -> Loads:
     return [(BaseRocking(frame=model.structure.frames[0].name), np.array([1e3 / size]))] if size else []
 
@@ -122,7 +127,7 @@ CATALOGUE = (
         "drag of every floor",
         "N s^2/m^2",
         _log(0.3, 100.0, 13),
-        _whole(lambda name: AirDrag(frame=name)),
+        _drag,
     ),
     WholeFrame(
         "cubic_stiffness",
