@@ -71,9 +71,7 @@ def draw_set(count: int, seed: int, *, pairs: bool = False, engine: str = "own")
     order = rng.permutation(count)
     seeds = rng.integers(2**31, size=count)
     noises = _dealt(rng, list(NOISES[engine]))
-    return [
-        Drawn(i, hidden[at], next(frames), int(seeds[i]), next(noises)) for i, at in enumerate(order)
-    ]
+    return [Drawn(i, hidden[at], next(frames), int(seeds[i]), next(noises)) for i, at in enumerate(order)]
 
 
 def _dealt(rng: np.random.Generator, cards: list[Card]) -> Iterator[Card]:

@@ -143,7 +143,8 @@ def run_benchmark(
         ``memory_mb`` and ``judged``: truth and verdict of each case in short.
 
     Raises:
-        CaseError: An unknown method or engine, one that is not installed, a set without cases or without any of a kind, or not one that could be finished.
+        CaseError: An unknown method or engine, an engine that is not installed, a set without cases or without
+            any of a kind, or not one that could be finished.
     """
     method(way)
     world_of(engine)
@@ -155,7 +156,14 @@ def run_benchmark(
         raise CaseError(
             f"no case of the kind {' or '.join(only)} among the {len(drawn)} that are drawn; ask for more cases"
         )
-    settings = {"count": count, "seed": seed, "way": way, "motions": motions, "pairs": pairs, "engine": engine}
+    settings = {
+        "count": count,
+        "seed": seed,
+        "way": way,
+        "motions": motions,
+        "pairs": pairs,
+        "engine": engine,
+    }
     done = sweep(
         one_case,
         cases,

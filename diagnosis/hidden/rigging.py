@@ -50,7 +50,9 @@ class Rig:
         shaking = self.shakings[run]
         if coarsely:
             return observed(scenario, happen(scenario, _coarse(shaking, self.log), run), self.channels)
-        return observed(scenario, self.world.quickly(scenario, shaking, run), self.channels)[:: self.log.finer]
+        return observed(scenario, self.world.quickly(scenario, shaking, run), self.channels)[
+            :: self.log.finer
+        ]
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
         """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""

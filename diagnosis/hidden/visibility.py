@@ -12,6 +12,7 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.scenario import Scenario
 
+
 @dataclass(frozen=True)
 class Patience:
     """How long nuisance parameters are refitted.
@@ -103,7 +104,7 @@ class Eye:
             fresh = gained < patience.enough
             if fresh:
                 imitable, factor = self._sensitivity(at)
-        return left
+        return np.asarray(left)
 
     def _descend(
         self, target: np.ndarray, at: np.ndarray, step: np.ndarray, left: np.ndarray

@@ -116,7 +116,14 @@ def diagnose(
         estimates.announce(estimates.of_benchmark(first or benchmark))
         _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
         return
-    asked = {"--seed": seed, "--first": first, "--only": only, "--pairs": pairs or None, "--engine": engine, "--way": way}
+    asked = {
+        "--seed": seed,
+        "--first": first,
+        "--only": only,
+        "--pairs": pairs or None,
+        "--engine": engine,
+        "--way": way,
+    }
     for name, value in asked.items():
         if value is not None:
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")

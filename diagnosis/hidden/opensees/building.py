@@ -68,7 +68,7 @@ def built(rng: np.random.Generator, name: str) -> PlaneFrame:
 
 
 @dataclass(frozen=True)
-class _Errors:
+class Errors:
     """Unit errors of one frame; storeys (n,), joints (n + 1,), floors (n,), masses (n,), sides ()."""
 
     storeys: np.ndarray
@@ -93,9 +93,10 @@ class _Errors:
         )
 
 
-def _drawn(rng: np.random.Generator, storeys: int) -> _Errors:
+def drawn_errors(rng: np.random.Generator, storeys: int) -> Errors:
+    """Draw the unit errors of a frame of so many storeys."""
     normal = rng.standard_normal
-    return _Errors(normal(storeys), normal(storeys + 1), normal(storeys), normal(storeys), float(normal()))
+    return Errors(normal(storeys), normal(storeys + 1), normal(storeys), normal(storeys), float(normal()))
 
 
 def settle(
@@ -116,7 +117,7 @@ def settle(
         The rig with them, and what the truth says of them.
     """
     target = wanted or float(np.exp(rng.uniform(*np.log(MODEL_ERROR))))
-    errors = {name: _drawn(rng, frame.storeys) for name, frame in bare.frames.items()}
+    errors = {name: drawn_errors(rng, frame.storeys) for name, frame in bare.frames.items()}
     believed = replace(bare, frames={name: _believed(name) for name in bare.frames})
     seen = [not channel.is_table and channel.quantity != "contact_force" for channel in sight.channels]
     noise = np.where(seen, sight.noise_of(sight.clean(bare)), np.inf)
@@ -132,8 +133,11 @@ def settle(
         left = eye.unexplained(sight.clean(scenario), start, PATIENCE)[:, seen] * noise[seen]
         return float(np.median(_rms(left) / _rms(truth - truth.mean(axis=0))))
 
-    scale, found = _sized(lambda scale: misfit(wrong(scale)), target)
-    said = {name: {key: np.asarray(value).tolist() for key, value in vars(one).items()} for name, one in errors.items()}
+    scale, found = search(lambda scale: misfit(wrong(scale)), target)
+    said = {
+        name: {key: np.asarray(value).tolist() for key, value in vars(one).items()}
+        for name, one in errors.items()
+    }
     return wrong(scale), {
         "wanted": target,
         "misfit": found,
@@ -177,7 +181,7 @@ def _first_guess(believed: Scenario, true: Scenario) -> np.ndarray:
     return np.clip(start, -0.99 * REACH, 0.99 * REACH)
 
 
-def _on(errors: _Errors, frame: Any, scale: float) -> PlaneFrame:
+def _on(errors: Errors, frame: Any, scale: float) -> PlaneFrame:
     return errors.on(frame, scale)
 
 
@@ -190,7 +194,7 @@ def _rms(values: np.ndarray) -> np.ndarray:
     return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
-def _sized(misfit: Any, target: float) -> tuple[float, float]:
+def search(misfit: Any, target: float) -> tuple[float, float]:
     """Return the scale whose misfit comes nearest to the target, and that misfit."""
     tried = {0.0: misfit(0.0)}
     low, high, scale = 0.0, LARGEST_SCALE, 1.0

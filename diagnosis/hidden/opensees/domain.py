@@ -73,7 +73,9 @@ class Domain:
         for direction in directions:
             self.ops.remove("sp", node, direction)
 
-    def spring(self, low: int, high: int, direction: int, kind: str, *numbers: Any, damped: bool = False) -> int:
+    def spring(
+        self, low: int, high: int, direction: int, kind: str, *numbers: Any, damped: bool = False
+    ) -> int:
         """Put a material between two nodes at one place and return the element's tag.
 
         Args:
@@ -149,7 +151,7 @@ class Domain:
         if ops.analyze(count, step_s) == 0:
             return True
         ops.algorithm("KrylovNewton")
-        found = ops.analyze(4 * count, step_s / 4) == 0
+        found: bool = ops.analyze(4 * count, step_s / 4) == 0
         ops.algorithm("ModifiedNewton", "-initial")
         return found
 

@@ -60,7 +60,7 @@ def air_drag(setting: Setting, size: float, rng: np.random.Generator) -> tuple[S
         Link(setting.frame, floor, 0, materials.viscous(float(c), power), absolute=True)
         for floor, c in enumerate(each, 1)
     ]
-    scenario = _with_links(setting, *[lambda _, link=link: link for link in links])  # type: ignore[misc]
+    scenario = _with_links(setting, *[lambda _, link=link: link for link in links])
     return scenario, {
         "coefficient": (coefficient * float(each.mean()) / own, "N s^2/m^2"),
         "power": (power, "-"),
@@ -113,11 +113,15 @@ def bumper(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Sce
     gap = float(side * rng.uniform(0.25, 0.7) * peak)
     stiffness = 4 * size * setting.at(setting.typical.stiffness)
     lossy, loss, reach = rng.random() < 0.5, rng.uniform(2e-4, 1e-3), rng.uniform(0.1, 0.2) * peak
+    others: tuple[float, ...] = ()
     if lossy:
-        law, also = materials.lossy_stop(gap, stiffness, loss), ()
+        law = materials.lossy_stop(gap, stiffness, loss)
     else:
-        law, also = materials.progressive_stop(gap, stiffness, reach), (0.5 * stiffness, 2 * stiffness)
-    return _with_storey_law(setting, law), {"gap": (gap * 1e3, "mm"), "stiffness": (stiffness, "N/m", *also)}
+        law, others = materials.progressive_stop(gap, stiffness, reach), (0.5 * stiffness, 2 * stiffness)
+    return _with_storey_law(setting, law), {
+        "gap": (gap * 1e3, "mm"),
+        "stiffness": (stiffness, "N/m", *others),
+    }
 
 
 def breathing_stiffness(
@@ -167,7 +171,10 @@ def rattling_mass(setting: Setting, size: float, rng: np.random.Generator) -> tu
     mass = 0.1 * size * setting.at(setting.beams.floor_mass)
     play = rng.uniform(0.3, 1.0) * float(setting.typical.rms_drift.sum())
     circular = 2 * np.pi * setting.typical.first_hz
-    stiffness, damping = mass * (rng.uniform(15, 30) * circular) ** 2, mass * circular * rng.uniform(0.02, 0.1)
+    stiffness, damping = (
+        mass * (rng.uniform(15, 30) * circular) ** 2,
+        mass * circular * rng.uniform(0.02, 0.1),
+    )
     rider = Rider(setting.frame, setting.floor, mass, materials.cage(play, stiffness, damping))
     whole = replace(scenario, riders=(*scenario.riders, rider))
     return whole, {"mass": (mass, "kg"), "play": (play * 1e3, "mm")}

@@ -11,7 +11,7 @@ import numpy as np
 SLIDERS = 12
 """Points of Ramberg and Osgood's curve, between which it is straight."""
 
-POINTS = 201
+POINTS = 401
 """Points of a curve that is made of straight lines."""
 
 
@@ -78,7 +78,9 @@ def ramberg_osgood(yield_force: float, stiffness: float, offset: float, power: f
     # The first slides where the curve leaves its first tangent; the last tangent stays elastic.
     at[0] = forces[0] / stiffness
     slopes = np.append(stiffness, np.diff(forces) / np.diff(at))
-    sliders = [("ElasticPP", float(k), float(d)) for k, d in zip(slopes[:-1] - slopes[1:], at[:-1], strict=True)]
+    sliders = [
+        ("ElasticPP", float(k), float(d)) for k, d in zip(slopes[:-1] - slopes[1:], at[:-1], strict=True)
+    ]
     return Materials((*sliders, ("Elastic", float(slopes[-1]) - stiffness)))
 
 
@@ -155,7 +157,9 @@ def _lines(at: np.ndarray, force: np.ndarray) -> Materials:
     return Materials((("ElasticMultiLinear", "-strain", *at.tolist(), "-stress", *force.tolist()),))
 
 
-def contact(law: str, stiffness: float, gap: float, ratio: float, damping: float, mass: float) -> tuple[Any, ...]:
+def contact(
+    law: str, stiffness: float, gap: float, ratio: float, damping: float, mass: float
+) -> tuple[Any, ...]:
     """Return OpenSees' own material for what two floors do to each other.
 
     Args:

@@ -164,7 +164,9 @@ def raise_frame(domain: Domain, frame: PlaneFrame) -> Standing:
         left, right = corners[storey + 1]
         elements.append(domain.number())
         across = float(frame.floor_bending[storey]) / modulus
-        ops.element("elasticBeamColumn", elements[-1], left, right, STRETCHLESS * area, modulus, across, straight)
+        ops.element(
+            "elasticBeamColumn", elements[-1], left, right, STRETCHLESS * area, modulus, across, straight
+        )
         for (low, _), (high, _) in zip(heads[storey], heads[storey + 1], strict=True):
             elements.append(domain.number())
             inertia = 0.5 * float(frame.bending[storey]) / modulus
@@ -172,10 +174,14 @@ def raise_frame(domain: Domain, frame: PlaneFrame) -> Standing:
     floors = corners[1:]
     above = np.append(frame.axial[1:], 0.0)
     loads = [
-        (corner, 0.0, -0.5 * float(weight)) for pair, weight in zip(floors, frame.axial - above, strict=True) for corner in pair
+        (corner, 0.0, -0.5 * float(weight))
+        for pair, weight in zip(floors, frame.axial - above, strict=True)
+        for corner in pair
     ]
     masses = _masses(domain, frame, floors)
-    return Standing(frame, tuple(left for left, _ in floors), tuple(floors), masses, tuple(loads), tuple(elements))
+    return Standing(
+        frame, tuple(left for left, _ in floors), tuple(floors), masses, tuple(loads), tuple(elements)
+    )
 
 
 def _base(domain: Domain, frame: PlaneFrame) -> tuple[int, int]:
@@ -207,9 +213,11 @@ def _head(domain: Domain, frame: PlaneFrame, level: int, x: float, corner: int) 
     return head, domain.spring(corner, head, 6, "Elastic", 0.5 * float(frame.joint[level]), damped=True)
 
 
-def _masses(domain: Domain, frame: PlaneFrame, floors: Sequence[tuple[int, int]]) -> dict[tuple[int, int], float]:
+def _masses(
+    domain: Domain, frame: PlaneFrame, floors: Sequence[tuple[int, int]]
+) -> dict[tuple[int, int], float]:
     """Give the floors their masses and half of those of the columns at them, and return them."""
-    masses = {}
+    masses: dict[tuple[int, int], float] = {}
     for number, (left, right) in enumerate(floors, 1):
         columns = frame.column_mass * (0.5 if number == frame.storeys else 1.0)
         mass = float(frame.floor_mass[number - 1]) + columns
@@ -225,7 +233,9 @@ def _condensed(domain: Domain, standing: Standing) -> Matrices:
     rows = [domain.ops.nodeDOFs(node)[direction - 1] for node, direction in kept]
     others = np.setdiff1d(np.arange(len(stiffness)), rows)
     across = stiffness[np.ix_(rows, others)]
-    whole = stiffness[np.ix_(rows, rows)] - across @ np.linalg.solve(stiffness[np.ix_(others, others)], across.T)
+    whole = stiffness[np.ix_(rows, rows)] - across @ np.linalg.solve(
+        stiffness[np.ix_(others, others)], across.T
+    )
     level = {corner: number for number, pair in enumerate(standing.corners) for corner in pair}
     floors = np.zeros((frame.storeys, len(kept)))
     along = np.zeros_like(floors)

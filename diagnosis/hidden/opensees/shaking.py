@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,15 +132,14 @@ class _Stage:
     def _tie(self) -> None:
         """Put the materials in; sliders first, for they have to be pressed while nothing rides loose."""
         pressed = []
-        for link, end, slide in zip(self.links, self.ends, self.slides, strict=True):
+        for link, end, slider in zip(self.links, self.ends, self.slides, strict=True):
             if link.lower and not link.absolute:
                 self.domain.release(end, 1)
                 self.domain.ops.equalDOF(self._node(link.frame, link.lower), end, 1)
             if isinstance(link.law, Slider):
-                self._slider(link, link.law, end, slide)
-                pressed.append((slide, 0.0, -PRESSED_N))
-        if pressed:
-            self.domain.stand(pressed)
+                self._slider(link, link.law, end, slider)
+                pressed.append(slider)
+        press(self.domain, pressed)
         for link, end in zip(self.links, self.ends, strict=True):
             if isinstance(link.law, Materials):
                 self._side_by_side(link.law, end, self._node(link.frame, link.upper))
@@ -158,20 +157,10 @@ class _Stage:
             self.moduli.append((parameter, law.modulus))
 
     def _slider(self, link: Link, law: Slider, low: int, high: int) -> None:
-        """Put in a flat bearing: it moves along x with the upper floor and is pressed down on the lower."""
-        domain, ops = self.domain, self.domain.ops
-        domain.release(high, 1, 2)
-        ops.equalDOF(self._node(link.frame, link.upper), high, 1)
-        axial, turning, friction = domain.number(), domain.number(), domain.number()
-        ops.uniaxialMaterial("Elastic", axial, 1e4 * PRESSED_N)
-        ops.uniaxialMaterial("Elastic", turning, 1e-3)
-        coefficient = law.level / PRESSED_N
-        ops.frictionModel(
-            "VelDependent", friction, law.breakaway * coefficient, coefficient, 1.0 / law.fades
-        )
-        upright = ("-orient", 0, 1, 0, -1, 0, 0)
-        rules = ("-P", axial, "-Mz", turning, *upright)
-        ops.element("flatSliderBearing", domain.number(), low, high, friction, law.stiffness, *rules)
+        """Put in a slider: it moves along x with the upper floor and is pressed down on the lower."""
+        self.domain.release(high, 1, 2)
+        self.domain.ops.equalDOF(self._node(link.frame, link.upper), high, 1)
+        slide(self.domain, law, low, high)
 
     def _shake(self, run: int) -> None:
         """Move the table, the room as it is seen from it, and press on floors what nobody measured."""
@@ -192,7 +181,9 @@ class _Stage:
     def _levers(self) -> list[tuple[int, float, float]]:
         levers = []
         for standing in self.frames.values():
-            for (left, right), height in zip(standing.corners, standing.frame.heights_m.tolist(), strict=True):
+            for (left, right), height in zip(
+                standing.corners, standing.frame.heights_m.tolist(), strict=True
+            ):
                 levers += [(node, -standing.masses[node, 1] * height, 0.0) for node in (left, right)]
         return levers
 
@@ -260,7 +251,10 @@ class _Stage:
         for _ in range(parts * IN_CONTACT):
             if not self.domain.step(1, step / IN_CONTACT):
                 return None
-            total -= [self.domain.ops.eleResponse(element, "material", 1, "stress")[0] for element, *_ in self.contacts]
+            total -= [
+                self.domain.ops.eleResponse(element, "material", 1, "stress")[0]
+                for element, *_ in self.contacts
+            ]
         mean: list[float] = (np.maximum(total, 0.0) / (parts * IN_CONTACT)).tolist()
         return mean
 
@@ -273,6 +267,32 @@ class _Stage:
             if nearer + max(rate, 0.0) * step_s > gap - NEAR_M:
                 return True
         return False
+
+
+def slide(domain: Domain, law: Slider, low: int, high: int) -> int:
+    """Put a flat bearing between two nodes at one place and return its element; see `press`.
+
+    Args:
+        domain: Where it is put.
+        law: Its law.
+        low: Node that carries it.
+        high: Node that slides on it, free along x and y.
+    """
+    ops = domain.ops
+    axial, turning, friction, element = (domain.number() for _ in range(4))
+    ops.uniaxialMaterial("Elastic", axial, 1e4 * PRESSED_N)
+    ops.uniaxialMaterial("Elastic", turning, 1e-3)
+    coefficient = law.level / PRESSED_N
+    ops.frictionModel("VelDependent", friction, law.breakaway * coefficient, coefficient, 1.0 / law.fades)
+    rules = ("-P", axial, "-Mz", turning, "-orient", 0, 1, 0, -1, 0, 0)
+    ops.element("flatSliderBearing", element, low, high, friction, law.stiffness, *rules)
+    return element
+
+
+def press(domain: Domain, nodes: Sequence[int]) -> None:
+    """Press the upper nodes of sliders down for good."""
+    if nodes:
+        domain.stand([(node, 0.0, -PRESSED_N) for node in nodes])
 
 
 def _plane(frame: object) -> PlaneFrame:
