@@ -159,7 +159,13 @@ def _with_torsion(beams: Beams, planar: Matrices) -> Matrices:
 
 
 def with_appendage(appendage: Appendage, beams: Beams, bare: Matrices) -> Matrices:
-    """Add the appendage's displacement relative to the table as the last unknown."""
+    """Add the appendage's displacement relative to the table as the last unknown.
+
+    Args:
+        appendage: What hangs on a floor.
+        beams: The frame on which it hangs.
+        bare: The frame's matrices without it.
+    """
     spring = appendage.mass * (2 * np.pi * appendage.frequency_hz) ** 2
     stretch = np.append(-bare.floors[appendage.floor - 1], 1.0)
     grown = _bordered(bare.stiffness, np.zeros(len(bare.push)), 0.0) + spring * np.outer(stretch, stretch)

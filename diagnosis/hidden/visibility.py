@@ -12,6 +12,9 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.scenario import Scenario
 
+REACH = 2.5
+"""How far an nuisance parameter may go to imitate an effect, in prior standard deviations."""
+
 
 @dataclass(frozen=True)
 class Patience:
@@ -20,16 +23,15 @@ class Patience:
     Attributes:
         refits: Most steps.
         enough: Share of the misfit that a step has to take away to be followed by another.
+        reach: How far a parameter may go, in prior standard deviations.
     """
 
     refits: int
     enough: float
+    reach: float = REACH
 
 
 Clean = Callable[[Scenario, bool], np.ndarray]
-
-REACH = 2.5
-"""How far an nuisance parameter may go to imitate an effect, in prior standard deviations."""
 
 LEAST = 1e-6
 """Visibility of what changes no channel at all."""
@@ -96,7 +98,9 @@ class Eye:
             imitable, factor = self._sensitivity(start)
         for _ in range(patience.refits):
             wanted = np.linalg.solve(factor.T, imitable.T @ left.ravel() - at)
-            step = lsq_linear(factor, wanted, (-REACH - at - 1e-9, REACH - at + 1e-9), tol=1e-6).x
+            step = lsq_linear(
+                factor, wanted, (-patience.reach - at - 1e-9, patience.reach - at + 1e-9), tol=1e-6
+            ).x
             gained, at, left = self._descend(target, at, step, left)
             if gained < patience.enough and fresh:
                 break

@@ -16,7 +16,7 @@ from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.modes import frequencies_hz
 from pounding.diagnosis.hidden.opensees.plane_frame import PlaneFrame, plane_frame, tuned
 from pounding.diagnosis.hidden.scenario import Scenario
-from pounding.diagnosis.hidden.visibility import REACH, Eye, Patience, nudged, ordinary_parameters, rooms
+from pounding.diagnosis.hidden.visibility import Eye, Patience, nudged, ordinary_parameters, rooms
 from pounding.diagnosis.hidden.world import Sight
 
 MODEL_ERROR = (0.005, 0.05)
@@ -28,16 +28,16 @@ RAYLEIGH_SHARE = 0.5
 UPPER_SHARE = 0.2
 """Of the modal ratio: what stiffness-proportional damping adds in the highest lateral mode, and above in proportion."""
 
-SPREAD = {"storeys": 0.02, "joints": 0.05, "base": 0.15, "floors": 0.10, "masses": 0.005, "sides": 0.05}
+SPREAD = {"storeys": 0.02, "joints": 0.03, "base": 0.10, "floors": 0.10, "masses": 0.004, "sides": 0.05}
 """Standard deviations of a model error of scale 1, each on its own (relative)."""
 
-PATIENCE = Patience(refits=40, enough=0.03)
-"""Of the refit: its misfit decides how large the errors are made."""
+PATIENCE = Patience(refits=40, enough=0.03, reach=2.0)
+"""Of the refit, whose misfit decides how large the errors are made: no parameter goes further than a frame may be off."""
 
 FREQUENCY_WEIGHT = 2000.0
 """Weight of a frequency's logarithm beside the prior in the refit's first guess."""
 
-LARGEST_SCALE = 12.0
+LARGEST_SCALE = 3.0
 TRIALS = 8
 NEAR = 0.1
 """Misfit found over misfit wanted at which the search ends (logarithm)."""
@@ -178,7 +178,7 @@ def _first_guess(believed: Scenario, true: Scenario) -> np.ndarray:
         return np.append(FREQUENCY_WEIGHT * (logs(nudged(believed, at)) - wanted), moved)
 
     start[stiff] = least_squares(misfit, np.zeros(stiff.sum()), diff_step=1e-4, max_nfev=20).x
-    return np.clip(start, -0.99 * REACH, 0.99 * REACH)
+    return np.clip(start, -0.99 * PATIENCE.reach, 0.99 * PATIENCE.reach)
 
 
 def _on(errors: Errors, frame: Any, scale: float) -> PlaneFrame:

@@ -83,7 +83,7 @@ class Domain:
             high: Second node.
             direction: 1: x, 2: y, 6: rotation.
             kind: The material as OpenSees calls it.
-            *numbers: Its parameters.
+            numbers: Its parameters.
             damped: Whether Rayleigh damping acts on it.
         """
         material, element = self.number(), self.number()
