@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -32,18 +33,20 @@ def test_without_opensees_the_engine_is_refused_before_anything_is_made() -> Non
         run_benchmark(4, engine="opensees")
 
 
-@pytest.mark.parametrize("words", [["hide", "nothing", "--out", "case"], ["diagnose", "--benchmark", "4"]])
+@pytest.mark.parametrize("words", [["hide", "nothing", "--out", "CASE"], ["diagnose", "--benchmark", "4"]])
 def test_the_command_refuses_in_one_sentence(words: list[str], tmp_path: Path) -> None:
     (tmp_path / "openseespy.py").write_text("raise ImportError('libblas.so.3 is not there')")
-    code = (
-        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); sys.argv[1:] = {[*words, '--engine', 'opensees']!r};"
-        "from pounding.experiments.command import main; main()"
-    )
+    words = [str(tmp_path / "case") if word == "CASE" else word for word in words]
     ran = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, timeout=120
+        [sys.executable, "-m", "pounding.experiments.command", *words, "--engine", "opensees"],
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert ran.returncode == 2
     assert "libblas3 liblapack3" in ran.stderr
+    assert "libblas.so.3 is not there" in ran.stderr
     assert "Traceback" not in ran.stderr
     assert not (tmp_path / "case" / "case.toml").exists()
 
@@ -100,7 +103,7 @@ def test_a_progressive_stop_has_its_stiffness_in_the_middle(side: float) -> None
     assert (pressed[1] - pressed[0]) / 2e-4 == pytest.approx(1e5)
 
 
-@pytest.mark.parametrize("target", [0.002, 0.013, 0.05])
+@pytest.mark.parametrize("target", [0.002, 0.013, 0.03])
 def test_the_scale_of_a_model_error_is_found_or_is_the_least(target: float) -> None:
     scale, found = search(lambda scale: 0.004 + 0.006 * scale**1.5, target)
     assert abs(np.log(found / target)) < NEAR or scale == 0.0 < target < found
