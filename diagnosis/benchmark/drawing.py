@@ -12,9 +12,7 @@ from typing import TypeVar
 import numpy as np
 
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.hidden.contact_effects import CONTACT
-from pounding.diagnosis.hidden.effects import CATALOGUE
-from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.worlds import WORLDS
 
 Card = TypeVar("Card")
 
@@ -22,20 +20,28 @@ NULLS, OUTSIDERS, DOUBLES = 0.2, 0.1, 0.1
 """Shares of the cases without an effect, with one outside the catalogue, and with two; the rest have one."""
 
 SINGLE_FRAMES = (("5A",), ("5B",), ("10",), ("15B",))
+SINGLES = {"own": SINGLE_FRAMES, "opensees": (("5A",), ("5B",), ("10",), ("15A",), ("15B",))}
 PAIRS = (("15B", "5B"), ("10", "5B"))
+
+NOISES: dict[str, tuple[float | None, ...]] = {"own": (None,), "opensees": (0.005, 0.01, 0.02, 0.05)}
+"""Noise of a case by its engine: drawn by the case itself in the own world."""
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """One case of a set: its number, what is hidden on which frames, and the seed of all else."""
+    """One case of a set: its number, what is hidden on which frames, the seed of all else, and the noise asked for.
+
+    `noise` is over each channel's root mean square; the case draws it when None.
+    """
 
     index: int
     effects: tuple[str, ...]
     frames: tuple[str, ...]
     seed: int
+    noise: float | None = None
 
 
-def draw_set(count: int, seed: int, *, pairs: bool = False) -> list[Drawn]:
+def draw_set(count: int, seed: int, *, pairs: bool = False, engine: str = "own") -> list[Drawn]:
     """Draw a set of cases on single frames, or on pairs that may touch.
 
     On pairs every second effect is one of the contact's.
@@ -44,25 +50,28 @@ def draw_set(count: int, seed: int, *, pairs: bool = False) -> list[Drawn]:
         count: Number of cases.
         seed: Of the set; the same gives the same cases, and a longer set does not begin with a shorter one.
         pairs: Whether two frames stand side by side.
+        engine: The world in which effects are hidden: ``own`` or ``opensees``.
 
     Raises:
         CaseError: There is no case in it.
     """
     if count < 1:
         raise CaseError(f"a benchmark of {count} cases says nothing; give at least 1")
+    world = WORLDS[engine]
     rng = np.random.default_rng([seed, count])
     nulls, outsiders, doubles = (round(share * count) for share in (NULLS, OUTSIDERS, DOUBLES))
-    catalogue, outside = _dealt(rng, list(CATALOGUE)), _dealt(rng, list(OUTSIDE))
+    catalogue, outside = _dealt(rng, list(world.catalogue)), _dealt(rng, list(world.outside))
     if pairs:
-        catalogue = _in_turn(_dealt(rng, list(CONTACT)), catalogue)
+        catalogue = _in_turn(_dealt(rng, list(world.contact)), catalogue)
     hidden: list[tuple[str, ...]] = [()] * nulls
     hidden += [(next(outside),) for _ in range(outsiders)]
     hidden += [_pair(catalogue) for _ in range(doubles)]
     hidden += [(next(catalogue),) for _ in range(count - len(hidden))]
-    frames = _dealt(rng, list(PAIRS if pairs else SINGLE_FRAMES))
+    frames = _dealt(rng, list(PAIRS if pairs else SINGLES[engine]))
     order = rng.permutation(count)
     seeds = rng.integers(2**31, size=count)
-    return [Drawn(i, hidden[at], next(frames), int(seeds[i])) for i, at in enumerate(order)]
+    noises = _dealt(rng, list(NOISES[engine]))
+    return [Drawn(i, hidden[at], next(frames), int(seeds[i]), next(noises)) for i, at in enumerate(order)]
 
 
 def _dealt(rng: np.random.Generator, cards: list[Card]) -> Iterator[Card]:

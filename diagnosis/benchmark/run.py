@@ -21,7 +21,7 @@ from pounding.diagnosis.benchmark.summary import summarise
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.motions import available
-from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.worlds import WORLDS, world_of
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.diagnosis.report.reading import report_from
 from pounding.diagnosis.report.report import Report
@@ -43,7 +43,8 @@ KINDS = ("nothing", "single", "double", "outside")
 
 def kind(drawn: Drawn) -> str:
     """Return what a drawn case hides: one of `KINDS`."""
-    return "outside" if any(effect in OUTSIDE for effect in drawn.effects) else KINDS[len(drawn.effects)]
+    outside = {name for world in WORLDS.values() for name in world.outside}
+    return "outside" if any(effect in outside for effect in drawn.effects) else KINDS[len(drawn.effects)]
 
 
 def method(name: str) -> Method:
@@ -65,7 +66,9 @@ def method(name: str) -> Method:
     raise CaseError(f"no method {name!r} to judge; use one of {', '.join(METHODS)}")
 
 
-def one_case(index: int, count: int, seed: int, way: str, motions: str, pairs: bool) -> dict[str, Any]:
+def one_case(
+    index: int, count: int, seed: int, way: str, motions: str, pairs: bool, engine: str
+) -> dict[str, Any]:
     """Hide, diagnose and only then open the truth of one case of a set.
 
     Args:
@@ -75,12 +78,21 @@ def one_case(index: int, count: int, seed: int, way: str, motions: str, pairs: b
         way: One of `METHODS`.
         motions: ``records``, ``artificial`` or ``mixed``.
         pairs: Whether the set is one of pairs.
+        engine: The world of the set: ``own`` or ``opensees``.
 
     Returns:
         ``truth`` and ``report`` as JSON texts, ``seconds`` [s] and ``memory_mb``, the largest so far [MB].
     """
-    drawn = draw_set(count, seed, pairs=pairs)[index]
-    hidden = hide(drawn.effects, drawn.frames, seed=drawn.seed, source=motions, title=f"case {index}")
+    drawn = draw_set(count, seed, pairs=pairs, engine=engine)[index]
+    hidden = hide(
+        drawn.effects,
+        drawn.frames,
+        seed=drawn.seed,
+        source=motions,
+        title=f"case {index}",
+        engine=engine,
+        noise=drawn.noise,
+    )
     with scratch() as folder:
         case = folder / "case"
         write_hidden(hidden, case)
@@ -108,6 +120,7 @@ def run_benchmark(
     console: Console | None = None,
     first: int | None = None,
     only: Sequence[str] = KINDS,
+    engine: str = "own",
 ) -> dict[str, Any]:
     """Judge a way of diagnosis on a drawn set.
 
@@ -123,24 +136,34 @@ def run_benchmark(
         console: Where progress is shown.
         first: Judge only so many cases of the set, in its random order; all when None.
         only: Judge only cases of these kinds, some of `KINDS`.
+        engine: The world in which effects are hidden: ``own`` or ``opensees``.
 
     Returns:
         The figures of `summarise`, and ``parameters``, ``method``, ``motion_records``, ``failures``,
         ``memory_mb`` and ``judged``: truth and verdict of each case in short.
 
     Raises:
-        CaseError: An unknown method, a set without cases or without any of a kind, or not one that could be finished.
+        CaseError: An unknown method or engine, an engine that is not installed, a set without cases or without
+            any of a kind, or not one that could be finished.
     """
     method(way)
+    world_of(engine)
     if first is not None and not 1 <= first <= count:
         raise CaseError(f"the first {first} of {count} cases: give 1 to {count}")
-    drawn = draw_set(count, seed, pairs=pairs)[:first]
+    drawn = draw_set(count, seed, pairs=pairs, engine=engine)[:first]
     cases = [{"index": one.index} for one in drawn if kind(one) in only]
     if not cases:
         raise CaseError(
             f"no case of the kind {' or '.join(only)} among the {len(drawn)} that are drawn; ask for more cases"
         )
-    settings = {"count": count, "seed": seed, "way": way, "motions": motions, "pairs": pairs}
+    settings = {
+        "count": count,
+        "seed": seed,
+        "way": way,
+        "motions": motions,
+        "pairs": pairs,
+        "engine": engine,
+    }
     done = sweep(
         one_case,
         cases,

@@ -76,6 +76,10 @@ class Beams:
         """Height of each floor above the base [m]."""
         return self.height_m * np.arange(1, self.storeys + 1)
 
+    def matrices(self) -> Matrices:
+        """Return the matrices of the frame."""
+        return assemble(self)
+
 
 @dataclass(frozen=True)
 class Matrices:
@@ -116,7 +120,7 @@ def assemble(beams: Beams) -> Matrices:
         matrices = _on_a_rocking_base(beams, matrices)
     if beams.eccentricity_m:
         matrices = _with_torsion(beams, matrices)
-    return _with_appendage(beams.appendage, beams, matrices) if beams.appendage else matrices
+    return with_appendage(beams.appendage, beams, matrices) if beams.appendage else matrices
 
 
 def _on_a_rocking_base(beams: Beams, fixed: Matrices) -> Matrices:
@@ -154,8 +158,14 @@ def _with_torsion(beams: Beams, planar: Matrices) -> Matrices:
     )
 
 
-def _with_appendage(appendage: Appendage, beams: Beams, bare: Matrices) -> Matrices:
-    """Add the appendage's displacement relative to the table as the last unknown."""
+def with_appendage(appendage: Appendage, beams: Beams, bare: Matrices) -> Matrices:
+    """Add the appendage's displacement relative to the table as the last unknown.
+
+    Args:
+        appendage: What hangs on a floor.
+        beams: The frame on which it hangs.
+        bare: The frame's matrices without it.
+    """
     spring = appendage.mass * (2 * np.pi * appendage.frequency_hz) ** 2
     stretch = np.append(-bare.floors[appendage.floor - 1], 1.0)
     grown = _bordered(bare.stiffness, np.zeros(len(bare.push)), 0.0) + spring * np.outer(stretch, stretch)

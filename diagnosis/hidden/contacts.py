@@ -46,7 +46,7 @@ class Contact(Law):
         self.touch, self.reduced_mass = touch, reduced_mass
         self.closes_at = touch.gap_m
         self.approach = 0.0
-        self.ratio = _ratio(touch)
+        self.ratio = damping_ratio(touch)
 
     def force(self, time: float, deformation: float, rate: float, step: float) -> float:
         """Return the force [N] where the left floor has come nearer by `deformation` [m]."""
@@ -79,7 +79,7 @@ class Contact(Law):
             self.approach = max(rate, 1e-3)
 
 
-def _ratio(touch: Touch) -> float:
+def damping_ratio(touch: Touch) -> float:
     """Return the damping ratio of a law for its restitution; 0 where it has none."""
     e = touch.restitution
     if e is None:

@@ -16,12 +16,12 @@ from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import Touch
 from pounding.diagnosis.hidden.effects import Parameters, Setting
 from pounding.diagnosis.hidden.instruments import recorded
-from pounding.diagnosis.hidden.outsiders import OUTSIDE
-from pounding.diagnosis.hidden.places import EFFECTS, Place, Wanted, locate, wanted
+from pounding.diagnosis.hidden.places import Place, Wanted, locate, wanted
 from pounding.diagnosis.hidden.reference import typical
 from pounding.diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
-from pounding.diagnosis.hidden.scenario import Scenario, happen
+from pounding.diagnosis.hidden.scenario import Scenario
 from pounding.diagnosis.hidden.visibility import LEAST, Eye
+from pounding.diagnosis.hidden.worlds import world_of
 
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
@@ -48,6 +48,9 @@ def hide(
     source: str = "mixed",
     duration_s: float | None = None,
     title: str | None = None,
+    engine: str = "own",
+    noise: float | None = None,
+    model_error: float | None = None,
 ) -> Hidden:
     """Make a case with hidden effects.
 
@@ -60,23 +63,35 @@ def hide(
         source: Of the motions: ``records``, ``artificial`` or ``mixed``.
         duration_s: Length of each run [s]; drawn when None.
         title: Title of the case; says nothing of the truth by default.
+        engine: The world: ``own``, or ``opensees`` where that is installed.
+        noise: Noise of every response channel over its root mean square [-]; drawn when None.
+        model_error: Misfit that the second world's model error leaves after calibration, over the motion [-];
+            drawn when None.
 
     Raises:
-        CaseError: An effect, place, frame or option is not known.
+        CaseError: An effect, place, frame or option is not known, or the engine is not installed.
     """
-    wants = [want for want in map(wanted, effects) if want]
+    world = world_of(engine)
+    here = world.effects
+    wants = [want for word in effects if (want := wanted(word, here, engine))]
     if source not in motions.SOURCES:
         raise CaseError(f"motions {source!r} are not known; use one of {', '.join(motions.SOURCES)}")
     if visibility is not None and not 0 < visibility < 1e3:
         raise CaseError(f"visibility is {visibility:g}; give a number above 0, 1 is as strong as the noise")
     if duration_s is not None and not 0.5 <= duration_s <= 60.0:
         raise CaseError(f"duration is {duration_s:g} s; give 0.5 to 60")
+    for name, share in (("noise", noise), ("model error", model_error)):
+        if share is not None and not 1e-4 <= share <= 0.5:
+            raise CaseError(f"{name} is {100 * share:g} %; give 0.01 to 50")
     rng = np.random.default_rng(seed)
     damped = any(want.name == "contact_damping" for want in wants)
-    rig = draw_rig(rng, frames, source, duration_s, damped=damped)
-    eye = _eye(rig)
+    rig = draw_rig(
+        rng, frames, source, duration_s, world=world, damped=damped, noise=noise, model_error=model_error
+    )
     scenario, stated = rig.bare, []
+    eye = _eye(rig) if wants else None
     for want in wants:
+        assert eye is not None
         target = visibility or float(np.exp(rng.uniform(*np.log(VISIBILITY))))
         scenario, truth = _put(rng, rig, eye, scenario, want, target)
         stated.append(truth)
@@ -94,8 +109,9 @@ def _put(
     rng: np.random.Generator, rig: Rig, eye: Eye, scenario: Scenario, want: Wanted, target: float
 ) -> tuple[Scenario, dict[str, Any]]:
     """Put one effect into the scenario, as strong as wanted as far as that makes sense."""
-    effect = EFFECTS[want.name]
-    where = locate(rng, want, dict(rig.bare.frames), rig.channels)
+    here = rig.world.effects
+    effect = here[want.name]
+    where = locate(rng, want, dict(rig.bare.frames), rig.channels, here)
     setting = _setting(rig, where)
     sign = _sign(rng, effect.largest, effect.smallest)
     limit = effect.largest if sign > 0 else -effect.smallest
@@ -187,7 +203,7 @@ def _setting(rig: Rig, where: Place) -> Setting:
     frame = where.frame or next(iter(rig.bare.frames))
     apart = replace(rig.bare, touches=())
     motion = rig.shakings[0]
-    free = happen(apart, motion, 0)
+    free = rig.world.quickly(apart, motion, 0)
     setting = Setting(
         rig.bare, typical(apart, frame, free, motion.velocity), frame, where.storey or 0, where.floor or 0
     )
@@ -219,9 +235,9 @@ def _truth(
     rig: Rig, seed: int, source: str, stated: list[dict[str, Any]], touches: Sequence[Touch]
 ) -> dict[str, Any]:
     """Return all that is true of a case, for whoever judges a diagnosis of it."""
-    outside = any(effect["effect"] in OUTSIDE for effect in stated)
+    outside = any(effect["effect"] in rig.world.outside for effect in stated)
     kinds = {0: "nothing", 1: "single", 2: "double"}
-    return {
+    truth = {
         "schema": 1,
         "seed": seed,
         "frames": list(rig.bare.frames),
@@ -240,4 +256,6 @@ def _truth(
         "table_gain": rig.bare.table_gain,
         "table_delay_ms": 1e3 * rig.bare.table_delay_s,
         "touches": [vars(touch) for touch in touches],
+        "engine": rig.world.name,
     }
+    return truth if rig.model_error is None else truth | {"model_error": rig.model_error}

@@ -20,6 +20,9 @@ PAIR_RATES_HZ = (1000.0, 1024.0, 2000.0)
 PAIR_FINE_HZ = 8000.0
 """The same for frames that touch: an impact takes about a millisecond."""
 
+USUAL_NOISE = 0.02
+"""Noise of a response channel in the middle of what is drawn."""
+
 FORCE_NOISE_N = 0.5
 """A force cell's noise where nothing touches [N]."""
 
@@ -95,27 +98,40 @@ def _channel(
     return Channel(name, quantity, unit, frame=frame, floor=floor)
 
 
-def logger(rng: np.random.Generator, channels: tuple[Channel, ...], *, pair: bool = False) -> Logger:
+def logger(
+    rng: np.random.Generator,
+    channels: tuple[Channel, ...],
+    *,
+    pair: bool = False,
+    noise: float | None = None,
+    pair_rates_hz: tuple[float, ...] = PAIR_RATES_HZ,
+) -> Logger:
     """Draw rate, noise and sensors of a case.
 
     Args:
         rng: Draws.
         channels: Channels of the case.
         pair: Whether two frames may touch.
+        noise: Noise of every response channel over its root mean square [-]; drawn, channel by channel, when None.
+        pair_rates_hz: Samples per second among which a pair's are drawn.
     """
     touching = any(channel.quantity == "contact_force" for channel in channels) or pair
-    rate = float(rng.choice(PAIR_RATES_HZ if touching else RATES_HZ))
-    noise = np.exp(rng.uniform(np.log(0.01), np.log(0.04))) * rng.uniform(0.7, 1.4, len(channels))
+    rate = float(rng.choice(pair_rates_hz if touching else RATES_HZ))
+    levels = np.exp(rng.uniform(np.log(0.01), np.log(0.04))) * rng.uniform(0.7, 1.4, len(channels))
     # One kind of accelerometer for table and floors; displacement sensors are as quick, but not the same.
     common = rng.uniform(1000.0, 2500.0)
     own = [
         1.0 if channel.quantity.endswith("acceleration") else rng.uniform(0.7, 1.4) for channel in channels
     ]
+    table_noise = float(rng.uniform(0.005, 0.01))
+    if noise is not None:
+        # The table's stays in proportion, or it would drown what the others tell.
+        levels, table_noise = np.full(len(channels), noise), table_noise * noise / USUAL_NOISE
     return Logger(
         rate,
         int(np.ceil((PAIR_FINE_HZ if touching else FINE_HZ) / rate)),
-        noise,
-        float(rng.uniform(0.005, 0.01)),
+        levels,
+        table_noise,
         common * np.array(own) * rng.normal(1.0, 0.03, len(channels)),
         np.array([rng.uniform(0.1, 0.4) if c.quantity == "contact_force" else 0.7 for c in channels]),
         float(rng.choice([0.0, 1 / rate, 2.5])),

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag, eigh
 
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.hidden.beams import Beams, assemble
+from pounding.diagnosis.hidden.beams import Beams
 
 HIGHEST_HZ = 400.0
 """Modes above are left out [Hz]."""
@@ -36,7 +36,7 @@ class Modes:
 
 def modes(beams: Beams) -> Modes:
     """Return the frame in its modes up to `HIGHEST_HZ`, at least as many as storeys."""
-    matrices = assemble(beams)
+    matrices = beams.matrices()
     squared, shapes = eigh(matrices.stiffness, matrices.mass)
     if squared[0] <= 0:
         raise CaseError(f"the hidden frame {beams.name} buckles; hide a smaller effect")
@@ -71,14 +71,14 @@ def joined(parts: Sequence[Modes]) -> Modes:
 
 def frequencies_hz(beams: Beams, count: int) -> np.ndarray:
     """Return the lowest frequencies [Hz], shape (count,)."""
-    matrices = assemble(beams)
+    matrices = beams.matrices()
     squared = eigh(matrices.stiffness, matrices.mass, eigvals_only=True, subset_by_index=[0, count - 1])
     return np.asarray(np.sqrt(np.maximum(squared, 0)) / (2 * np.pi))
 
 
 def storey_stiffness(beams: Beams) -> np.ndarray:
     """Return shear over drift of each storey [N/m] under loads in proportion to height, shape (storeys,)."""
-    matrices = assemble(beams)
+    matrices = beams.matrices()
     load = beams.heights_m
     drift = np.diff(
         matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T @ load), prepend=0.0
@@ -88,7 +88,7 @@ def storey_stiffness(beams: Beams) -> np.ndarray:
 
 def lone_storey_stiffness(beams: Beams) -> np.ndarray:
     """Return the shear for a unit drift of one storey alone, the floors above it moving along [N/m]."""
-    matrices = assemble(beams)
+    matrices = beams.matrices()
     floors = np.linalg.inv(matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T))
     above = np.tril(np.ones((beams.storeys, beams.storeys)))
     return np.asarray(np.einsum("is,ij,js->s", above, floors, above))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,18 +29,27 @@ class Wanted:
     place: str | None = None
 
 
-def wanted(word: str) -> Wanted | None:
+def wanted(word: str, here: Mapping[str, Effect] = EFFECTS, engine: str = "own") -> Wanted | None:
     """Read ``effect`` or ``effect:place``; None for ``nothing``.
 
+    Args:
+        word: What was asked for.
+        here: What can be hidden in the world of the engine, by name.
+        engine: Name of the engine.
+
     Raises:
-        CaseError: There is no such effect.
+        CaseError: There is no such effect, or not in this world.
     """
     name, _, place = word.partition(":")
     if name == NOTHING:
         return None
-    if name not in EFFECTS:
-        close = difflib.get_close_matches(name, EFFECTS, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join((NOTHING, *EFFECTS))}"
+    if name not in here:
+        if name in EFFECTS:
+            raise CaseError(
+                f"{name} cannot be hidden by the engine {engine}; use another effect or another engine"
+            )
+        close = difflib.get_close_matches(name, here, n=1)
+        hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join((NOTHING, *here))}"
         raise CaseError(f"no effect {name!r} can be hidden; {hint}")
     return Wanted(name, place or None)
 
@@ -58,7 +68,11 @@ class Place:
 
 
 def locate(
-    rng: np.random.Generator, want: Wanted, frames: dict[str, Beams], channels: tuple[Channel, ...]
+    rng: np.random.Generator,
+    want: Wanted,
+    frames: dict[str, Beams],
+    channels: tuple[Channel, ...],
+    here: Mapping[str, Effect] = EFFECTS,
 ) -> Place:
     """Return the place of an effect, drawn where it was not said.
 
@@ -67,11 +81,12 @@ def locate(
         want: The effect and the place that is wanted.
         frames: Frames of the rig by name.
         channels: Channels of the case.
+        here: What can be hidden in its world, by name.
 
     Raises:
         CaseError: The place is not there.
     """
-    kind = EFFECTS[want.name].place
+    kind = here[want.name].place
     frame = str(rng.choice(list(frames)))
     if kind == "table":
         return Place()

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden import motions
-from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
-from pounding.diagnosis.hidden.instruments import Logger, logger, place, sampled
+from pounding.diagnosis.hidden.instruments import PAIR_RATES_HZ, Logger, logger, place, sampled
 from pounding.diagnosis.hidden.motions import Motion
-from pounding.diagnosis.hidden.scatter import built, set_up
+from pounding.diagnosis.hidden.scatter import set_up
 from pounding.diagnosis.hidden.scenario import Happened, Scenario, happen, observed
+from pounding.diagnosis.hidden.world import Sight, World
 
 DURATION_S = (6.0, 8.0)
 PAIR_DURATION_S = (4.0, 5.5)
@@ -34,6 +35,8 @@ class Rig:
     channels: tuple[Channel, ...]
     log: Logger
     shakings: tuple[Motion, ...]
+    world: World
+    model_error: Mapping[str, Any] | None = None
 
     def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
         """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
@@ -41,18 +44,25 @@ class Rig:
         Args:
             scenario: What is simulated.
             run: Number of the run, from 0.
-            coarsely: Take the motion at the logger's rate too: good for the difference of two linear
-                scenarios.
+            coarsely: Take the motion at the logger's rate too, and the frames in their modes: good for the
+                difference of two linear scenarios.
         """
-        shaking, finer = self.shakings[run], self.log.finer
+        shaking = self.shakings[run]
         if coarsely:
-            shaking = Motion(shaking.source, shaking.step_s * finer, shaking.acceleration[::finer])
-        truth = observed(scenario, happen(scenario, shaking, run), self.channels)
-        return truth if coarsely else truth[::finer]
+            return observed(scenario, happen(scenario, _coarse(shaking, self.log), run), self.channels)
+        return observed(scenario, self.world.quickly(scenario, shaking, run), self.channels)[
+            :: self.log.finer
+        ]
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
         """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""
-        return sampled(observed(scenario, happen(scenario, self.shakings[run], run), self.channels), self.log)
+        happened = self.world.happen(scenario, self.shakings[run], run)
+        return sampled(observed(scenario, happened, self.channels), self.log)
+
+
+def _coarse(shaking: Motion, log: Logger) -> Motion:
+    """Return a motion at the logger's rate."""
+    return Motion(shaking.source, shaking.step_s * log.finer, shaking.acceleration[:: log.finer])
 
 
 def draw_rig(
@@ -61,7 +71,10 @@ def draw_rig(
     source: str,
     duration_s: float | None = None,
     *,
+    world: World,
     damped: bool = False,
+    noise: float | None = None,
+    model_error: float | None = None,
 ) -> Rig:
     """Draw a rig.
 
@@ -70,24 +83,36 @@ def draw_rig(
         names: One frame, or two that may touch at the roof of the lower one, the left one first.
         source: Of the motions (see `motions.draw`).
         duration_s: Length of each run [s]; drawn when None.
+        world: The world in which it stands.
         damped: Whether the contact's law has to be one with damping.
+        noise: Noise of every response channel over its root mean square [-]; drawn when None.
+        model_error: Misfit that the model error leaves after calibration, over the motion [-]; drawn when None.
 
     Raises:
-        CaseError: More than two frames, or the same twice.
+        CaseError: A model error in a world without; more than two frames, or the same twice.
     """
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
         raise CaseError(f"frames {', '.join(names)}: give one, or two different ones that stand side by side")
-    frames = {name: built(rng, baseline(name)) for name in names}
+    if model_error is not None and world.settle is None:
+        raise CaseError(
+            f"the engine {world.name} has no model error to ask for; use --engine opensees or leave it out"
+        )
+    frames = {name: world.built(rng, name) for name in names}
     pair = len(frames) == 2
     channels = place(rng, frames)
-    log = logger(rng, channels, pair=pair)
+    rates = world.pair_rates_hz or PAIR_RATES_HZ
+    log = logger(rng, channels, pair=pair, noise=noise, pair_rates_hz=rates)
     duration = duration_s or float(rng.uniform(*(PAIR_DURATION_S if pair else DURATION_S)))
     shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
-    bare = set_up(rng, frames, channels)
+    bare, error = set_up(rng, frames, channels, world.scenario), None
+    if world.settle is not None:
+        bare, error = world.settle(rng, bare, Sight(channels, log, _coarse(shakings[0], log)), model_error)
     if not pair:
-        return Rig(bare, (), channels, log, shakings)
-    stated = _stated_contact(rng, bare, shakings[0], DAMPED if damped else tuple(STIFFNESS))
-    return Rig(replace(bare, touches=(_built(rng, stated),)), (stated,), channels, log, shakings)
+        return Rig(bare, (), channels, log, shakings, world, error)
+    free = world.quickly(bare, shakings[0], 0)
+    stated = _stated_contact(rng, bare, free, DAMPED if damped else tuple(STIFFNESS))
+    touching = replace(bare, touches=(_built(rng, stated),))
+    return Rig(touching, (stated,), channels, log, shakings, world, error)
 
 
 def approach(scenario: Scenario, happened: Happened, left: str, right: str, floor: int) -> float:
@@ -106,10 +131,10 @@ def approach(scenario: Scenario, happened: Happened, left: str, right: str, floo
     return float(nearer.max())
 
 
-def _stated_contact(rng: np.random.Generator, bare: Scenario, motion: Motion, laws: Sequence[str]) -> Touch:
+def _stated_contact(rng: np.random.Generator, bare: Scenario, free: Happened, laws: Sequence[str]) -> Touch:
     left, right = bare.frames
     floor = min(beams.storeys for beams in bare.frames.values())
-    gap = rng.uniform(*GAPS) * approach(bare, happen(bare, motion, 0), left, right, floor)
+    gap = rng.uniform(*GAPS) * approach(bare, free, left, right, floor)
     law = str(rng.choice(laws))
     restitution = float(rng.uniform(0.6, 0.85)) if law in DAMPED else None
     damping = None

@@ -44,16 +44,22 @@ def _ratios(rng: np.random.Generator, baseline: float, storeys: int) -> np.ndarr
     return np.asarray(ratio * np.exp(rng.normal(0.0, rng.uniform(0.05, 0.15), storeys)))
 
 
-def set_up(rng: np.random.Generator, frames: dict[str, Beams], channels: tuple[Channel, ...]) -> Scenario:
+def set_up(
+    rng: np.random.Generator,
+    frames: dict[str, Beams],
+    channels: tuple[Channel, ...],
+    kind: type[Scenario] = Scenario,
+) -> Scenario:
     """Return the rig with the small faults that every table and sensor has.
 
     Args:
         rng: Draws the faults.
         frames: Frames by name.
         channels: Channels of the case.
+        kind: What the rig is, by the world in which it stands.
     """
     responses = [channel for channel in channels if not channel.is_table]
-    return Scenario(
+    return kind(
         frames,
         table_gain=float(rng.normal(0.0, 0.005)),
         table_delay_s=float(rng.normal(0.0, 1e-4)),

@@ -113,10 +113,7 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     """
     whole = joined([modes(beams) for beams in scenario.frames.values()])
     step, count = motion.step_s, len(motion.acceleration)
-    said = at_rate(motion.acceleration, 1 + scenario.table_clock)
-    table = (1 + scenario.table_gain) * shifted(said, scenario.table_delay_s / step)
-    pitch = scenario.table_tilt * table
-    pitching = np.gradient(np.gradient(pitch, step), step)
+    table, pitch, pitching = table_motion(scenario, motion)
     drive = -np.outer(whole.gamma, table - STANDARD_GRAVITY * pitch) - np.outer(whole.pitch, pitching)
     time = step * np.arange(count)
     for load in scenario.loads:
@@ -126,6 +123,20 @@ def happen(scenario: Scenario, motion: Motion, run: int) -> Happened:
     springs = [_local(scenario, spring, whole, velocity, time[-1]) for spring in scenario.springs]
     response = integrate(whole, drive, step, contacts + springs)
     return _floors(scenario, whole, response, motion, table, pitch, pitching)
+
+
+def table_motion(scenario: Scenario, motion: Motion) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return how the table really moved: acceleration [m/s^2], pitch [rad] and its acceleration, (samples,) each.
+
+    Args:
+        scenario: What is on the table, with the table's faults.
+        motion: What the table channel says.
+    """
+    step = motion.step_s
+    said = at_rate(motion.acceleration, 1 + scenario.table_clock)
+    table = (1 + scenario.table_gain) * shifted(said, scenario.table_delay_s / step)
+    pitch = scenario.table_tilt * table
+    return table, pitch, np.gradient(np.gradient(pitch, step), step)
 
 
 def _local(

@@ -89,6 +89,14 @@ def diagnose(
             group=OF_BENCHMARK, negative=(), help="Pairs of frames that pound instead of single frames."
         ),
     ] = False,
+    engine: Annotated[
+        Literal["own", "opensees"] | None,
+        Parameter(
+            group=OF_BENCHMARK,
+            help="World of the cases: our own simulator (default), or OpenSees, for development "
+            "(docs/diagnosis/hidden-cases.md).",
+        ),
+    ] = None,
     way: Annotated[
         Literal["diagnosis", "refit", "sparse", "sparse-pysindy"] | None,
         Parameter(
@@ -107,9 +115,16 @@ def diagnose(
                 "--benchmark draws its own cases; leave out the case, --candidates, --trust and --calibrate"
             )
         estimates.announce(estimates.of_benchmark(first or benchmark))
-        _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", out, json)
+        _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
         return
-    asked = {"--seed": seed, "--first": first, "--only": only, "--pairs": pairs or None, "--way": way}
+    asked = {
+        "--seed": seed,
+        "--first": first,
+        "--only": only,
+        "--pairs": pairs or None,
+        "--engine": engine,
+        "--way": way,
+    }
     for name, value in asked.items():
         if value is not None:
             raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
@@ -175,6 +190,7 @@ def _benchmark(
     only: Sequence[str] | None,
     pairs: bool,
     way: str,
+    engine: str,
     out: Path | None,
     json: bool,
 ) -> None:
@@ -186,6 +202,7 @@ def _benchmark(
         seed=seed,
         pairs=pairs,
         way=way,
+        engine=engine,
         out=out,
         console=progress_console(),
         first=first,

@@ -36,6 +36,24 @@ def hide(
             help="Shake with the four records if they can be found, with artificial motions, or with both."
         ),
     ] = "mixed",
+    engine: Annotated[
+        Literal["own", "opensees"],
+        Parameter(
+            help="Simulator: our own, or OpenSees with other frames and laws, which is for development and has to be "
+            "installed apart (docs/diagnosis/hidden-cases.md)."
+        ),
+    ] = "own",
+    noise: Annotated[
+        float | None,
+        Parameter(help="Noise of every response channel [% of its rms]; default: drawn, 0.7 to 5.6."),
+    ] = None,
+    model_error: Annotated[
+        float | None,
+        Parameter(
+            help="With --engine opensees: what the model error leaves after calibration [% of the motion]; "
+            "default: drawn, 0.5 to 5."
+        ),
+    ] = None,
     duration: Annotated[
         float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8, 4 to 5.5 for pairs.")
     ] = None,
@@ -66,6 +84,9 @@ def hide(
         visibility=visibility,
         source=motions,
         duration_s=duration,
+        engine=engine,
+        noise=None if noise is None else noise / 100,
+        model_error=None if model_error is None else model_error / 100,
     )
     written = write_hidden(hidden, out, truth)
     asked = {
@@ -73,6 +94,9 @@ def hide(
         "frames": list(frame or ["5A"]),
         "visibility": visibility,
         "seed": seed,
+        "engine": engine,
+        "noise_percent": noise,
+        "model_error_percent": model_error,
     }
     result: dict[str, Any] = {
         **stamp({**asked, "motions": motions, "duration_s": duration}),

@@ -24,6 +24,9 @@ PROJECT = tomllib.loads((HOUSE / "pyproject.toml").read_text(encoding="utf-8"))[
 BROUGHT_BY = {"llvmlite": "numba", "vtkmodules": "pyvista"}
 """Libraries that belong to a dependency of ours and may be used as it uses them."""
 
+DEVELOPMENT = {"openseespy"}
+"""No dependency and no extra, because its licence forbids redistribution; refused in a sentence where it is not there."""
+
 _DISTRIBUTIONS = packages_distributions()
 
 BLOCKER = """
@@ -73,7 +76,8 @@ def test_libraries_are_dependencies_and_those_of_extras_are_imported_by_one_func
     used: dict[str, str] = {}
     for path in MODULES.values():
         used |= {one.partition(".")[0]: place(path) for one in imported(path, types=False)}
-    used = {one: path for one, path in used.items() if one not in {"pounding", *sys.stdlib_module_names}}
+    ignored = {"pounding", *DEVELOPMENT, *sys.stdlib_module_names}
+    used = {one: path for one, path in used.items() if one not in ignored}
     assert not used.keys() & EXTRAS.keys(), "to be imported by extra_module"
     declared = names(PROJECT["dependencies"])
     unknown = {one: path for one, path in used.items() if not names(distributions(one)) & declared}

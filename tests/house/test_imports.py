@@ -63,6 +63,7 @@ TOUCHED_ONLY_IN = {
         "diagnosis/model/twin.py",
     },
     "pyfe3d": {"frames/fe/shells.py"},
+    "openseespy": {"diagnosis/hidden/opensees/domain.py"},
     "pyvista": {"frames/drawing/pictures.py", "experiments/pictures/scenes.py"},
 }
 

@@ -25,6 +25,7 @@ from pounding.diagnosis.hidden.motions import Motion, draw
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
+from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
 
 HIDDEN = Path(__file__).parents[3] / "diagnosis" / "hidden"
@@ -43,7 +44,9 @@ MAY_USE = {
 """Frames as data, ground motions, whole files, and the format's reading, writing and units; nothing that knows an effect."""
 
 
-@pytest.mark.parametrize("path", sorted(HIDDEN.glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(HIDDEN.rglob("*.py")), ids=lambda path: path.relative_to(HIDDEN).as_posix()
+)
 def test_imports_nothing_that_knows_an_effect(path: Path) -> None:
     used = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -69,7 +72,7 @@ def test_imports_nothing_that_knows_an_effect(path: Path) -> None:
 
 def test_the_rule_of_imports_has_an_object() -> None:
     """Every module that may be used is used, so that the names above are those that are imported."""
-    text = "".join(path.read_text(encoding="utf-8") for path in HIDDEN.glob("*.py"))
+    text = "".join(path.read_text(encoding="utf-8") for path in HIDDEN.rglob("*.py"))
     assert all(
         f"from {name} import" in text or f"from pounding import {name.rpartition('.')[2]}" in text
         for name in MAY_USE
@@ -293,7 +296,7 @@ def test_an_undamped_contact_gives_everything_back(law: str) -> None:
 
 
 def test_the_first_impact_of_a_pair_is_resolved(monkeypatch: pytest.MonkeyPatch) -> None:
-    rig = draw_rig(np.random.default_rng(5), ["10", "5B"], "artificial", 1.5)
+    rig = draw_rig(np.random.default_rng(5), ["10", "5B"], "artificial", 1.5, world=OWN)
     peaks = []
     for parts in (8, 32):
         monkeypatch.setattr(stepping, "FINER", parts)

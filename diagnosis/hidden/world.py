@@ -1,0 +1,86 @@
+"""What a world of hidden cases consists of: its frames, how a run happens in it, and what can be hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Channel
+from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.effects import Effect
+from pounding.diagnosis.hidden.instruments import Logger
+from pounding.diagnosis.hidden.motions import Motion
+from pounding.diagnosis.hidden.scenario import Happened, Scenario, happen, observed
+
+Happen = Callable[[Scenario, Motion, int], Happened]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """What sensors and logger see of a run: the channels, the logger, and the motion at its rate."""
+
+    channels: tuple[Channel, ...]
+    log: Logger
+    motion: Motion
+
+    def clean(self, scenario: Scenario) -> np.ndarray:
+        """Return what ideal sensors read if all were linear, in SI, shape (samples, channels)."""
+        return observed(scenario, happen(scenario, self.motion, 0), self.channels)
+
+    def noise_of(self, clean: np.ndarray) -> np.ndarray:
+        """Return the standard deviation of each channel's noise, shape (channels,).
+
+        Args:
+            clean: What ideal sensors read, in SI, shape (samples, channels).
+        """
+        return self.log.noise_of(self.channels, clean)
+
+
+class Settle(Protocol):
+    """Gives the frames of a rig their errors; returns the rig and what the truth says of them."""
+
+    def __call__(
+        self, rng: np.random.Generator, bare: Scenario, sight: Sight, wanted: float | None
+    ) -> tuple[Scenario, Mapping[str, Any]]:
+        """Settle the rig `bare`; `rng` draws, `wanted` is the size of the error [-], drawn when None."""
+
+
+@dataclass(frozen=True)
+class World:
+    """A world of hidden cases.
+
+    Attributes:
+        name: As `--engine` names it.
+        catalogue: Effects of the catalogue that can be hidden, by name.
+        asked_for: Those that are hidden only where they are asked for.
+        contact: What can be hidden where two frames touch.
+        outside: What is in no catalogue.
+        built: Draws a frame of the thesis as it was built.
+        scenario: The kind of `Scenario` that its effects change.
+        happen: Lets a run happen.
+        quickly: The same where only the difference of two runs matters.
+        settle: Gives the frames a model error; None where `built` is all.
+        require: Refuses where the world's simulator is not installed.
+        pair_rates_hz: Samples per second of a pair; those of `instruments` when empty.
+    """
+
+    name: str
+    catalogue: Mapping[str, Effect]
+    asked_for: Mapping[str, Effect]
+    contact: Mapping[str, Effect]
+    outside: Mapping[str, Effect]
+    built: Callable[[np.random.Generator, str], Beams]
+    scenario: type[Scenario]
+    happen: Happen
+    quickly: Happen
+    settle: Settle | None = None
+    require: Callable[[], None] | None = None
+    pair_rates_hz: tuple[float, ...] = ()
+
+    @property
+    def effects(self) -> dict[str, Effect]:
+        """All that can be hidden in it, by name."""
+        return {**self.catalogue, **self.asked_for, **self.contact, **self.outside}
