@@ -50,8 +50,7 @@ def _listed(found: Findings, single: list[Judged]) -> Judged:
         return single[0]
     near = catalogue[0].ln_bayes > single[0].ln_bayes - SETTINGS.decision.rival
     left = [1.0 - explained(found, one, 1.0) for one in (catalogue[0], single[0])]
-    settled = remaining(found, catalogue[0]) < unexplained_from(found)
-    return catalogue[0] if near or settled or left[1] > SETTINGS.decision.rival_left * left[0] else single[0]
+    return catalogue[0] if near or left[1] > SETTINGS.decision.rival_left * left[0] else single[0]
 
 
 def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:

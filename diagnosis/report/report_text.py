@@ -209,7 +209,8 @@ def assumptions(case: Case, report: Report) -> list[str]:
         f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
         f"{JOINT_STIFFNESS:.0%}.",
         *([_STRUCK] if case.contacts else []),
-        "Standard errors are those of the noise alone; a law that is not quite the catalogue's adds its own error.",
+        "Standard errors contain the noise, the nuisance parameters and what is refined of a law's shape; a law that "
+        "differs from the catalogue's in another way adds its own error.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
         f"Misfits are medians over {channels} channel{'s' * (channels != 1)}; evidence is against the calibrated model.",

@@ -118,7 +118,7 @@ PROBLEMS = {
         6.0, (Tried((CUBIC,), 5000.0, 4.0),), "unknown_effect", 0
     ),
     "something outside the catalogue is clearly better": Problem(
-        4.0, (Tried((rival,), 5000.0, 1.0), Tried((CUBIC,), 4500.0, 2.0)), "unknown_effect", 0
+        4.0, (Tried((rival,), 5000.0, 1.0), Tried((CUBIC,), 4500.0, 1.1)), "unknown_effect", 0
     ),
     "something outside the catalogue is likelier and explains no more": Problem(
         4.0, (Tried((rival,), 5000.0, 1.9), Tried((CUBIC,), 4500.0, 2.0)), "effect_named", 1
