@@ -109,7 +109,7 @@ def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generato
     """
     assert found.pair is not None
     bare = with_contacts(found.pair.full)
-    values = drawn(bare, rng)
+    values = drawn(bare, rng, (truth.frames or found.null).fit.filtered.discrepancy)
     acting = scattered(truth.frames, rng) if truth.frames is not None else []
     between = _between(case, found.pair, truth, rng)
     runs = [

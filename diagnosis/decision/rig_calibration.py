@@ -188,7 +188,7 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model
         rng: Random numbers for nuisance parameters, sizes and noise.
     """
     model = found.model
-    nuisance = drawn(model, rng)
+    nuisance = drawn(model, rng, truth.fit.filtered.discrepancy)
     acting = scattered(truth, rng)
     share, table_share = noise_shares(found)
     runs: list[RunData] = []
@@ -211,14 +211,24 @@ def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
     noise, first = filtered.noise[0], found.model.observed.runs[filtered.runs[0]]
     rms = root_mean_square(first.measured)
     known = np.isfinite(noise.channel) & (rms > 0)
-    share = np.where(known, noise.channel / np.where(rms > 0, rms, 1.0), 0.0)
-    return share, noise.table / float(root_mean_square(first.table))
+    # What a fit takes for noise may be what its model lacks.
+    channel = np.fmin(noise.channel, first.largest_noise)
+    table = min(noise.table, first.largest_table_noise)
+    share = np.where(known, channel / np.where(rms > 0, rms, 1.0), 0.0)
+    return share, table / float(root_mean_square(first.table))
 
 
-def drawn(model: Model, rng: np.random.Generator) -> np.ndarray:
-    """Return nuisance parameters drawn from their priors, in their own units, shape (nuisance,)."""
+def drawn(model: Model, rng: np.random.Generator, discrepancy: float) -> np.ndarray:
+    """Return nuisance parameters drawn from their priors, in their own units, shape (nuisance,).
+
+    Args:
+        model: The baseline model.
+        rng: Random numbers.
+        discrepancy: Scale of the model discrepancy [-], which frames of this kind have.
+    """
     within = SETTINGS.calibration.within
-    return np.asarray(model.std * np.clip(rng.standard_normal(len(model.std)), -within, within))
+    spread = model.spread(discrepancy)
+    return np.asarray(spread * np.clip(rng.standard_normal(len(spread)), -within, within))
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:

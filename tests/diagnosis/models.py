@@ -39,8 +39,9 @@ def measured(
     noise: float = 0.02,
     samples: int = 2000,
     runs: int = 2,
+    values: np.ndarray | None = None,
 ) -> Model:
-    """Return the model with runs that it made itself, effects included, and white noise."""
+    """Return the model with runs that it made itself, effects and nuisance parameters included, and white noise."""
     quantity = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
     floor = np.array([0, 1, 2, 0, 2])
     names = ("a1", "a2", "a3", "d1", "d3")
@@ -59,9 +60,8 @@ def measured(
     clean = Model(structure, Observations(names, np.ones(5), quantity, floor, blank), Prior())
     rng = np.random.default_rng(7)
     filled = []
-    for run, output in zip(
-        blank, clean.predict(np.zeros(len(clean.std)), None, effects).outputs, strict=True
-    ):
+    made_with = np.zeros(len(clean.std)) if values is None else values
+    for run, output in zip(blank, clean.predict(made_with, None, effects).outputs, strict=True):
         noisy = output + noise * output.std(axis=0) * rng.standard_normal(output.shape)
         filled.append(replace(run, measured=noisy))
     return Model(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())
