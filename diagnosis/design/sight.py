@@ -61,7 +61,12 @@ class Sight:
         return cls(model, filtered, run, output, noise, nuisance, nuisance.T @ nuisance)
 
     def of_effect(self, effect: Effect, values: np.ndarray) -> float:
-        """Return the rms of what an effect adds to the channel where it shows most, in units of the noise."""
+        """Return the rms of what an effect adds to the channel where it shows most, in units of the noise.
+
+        Args:
+            effect: The effect.
+            values: Its SI parameters, shape (parameters,).
+        """
         acting = [*self.filtered.effects, (effect, values)]
         with np.errstate(over="ignore", invalid="ignore"):
             changed = simulate(self.model, self.filtered.values, acting, [self.run])[0]

@@ -168,14 +168,14 @@ DRAG_RATE = 0.3
 """Rate [m/s] at which drag of another power is as large as that of the second: about the largest on a shaking table."""
 POWER_SPREAD, SHARE_SPREAD = 0.3, 0.3
 """Prior standard deviations of the power of the rate about the second, and of the table's share in the rate about one."""
-POWERS = (1.0, 4.0)
-"""Least and largest power of the rate."""
+BEYOND_TWO = (-1.0, 2.0)
+"""Least and largest that the power of the rate may have beyond the second."""
 
 
 @memoryless
 def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v abs(v) at the rate `DRAG_RATE`, growing by another power p1 of the rate; p0 the drag [N s^2/m^2]."""
-    force: float = p[0] * v * DRAG_RATE * (abs(v) / DRAG_RATE) ** (p[1] - 1.0)
+    """Return p0 v abs(v) at the rate `DRAG_RATE`, p0 the drag [N s^2/m^2]; p1 what its power has beyond the second."""
+    force: float = p[0] * v * DRAG_RATE * (abs(v) / DRAG_RATE) ** (1.0 + p[1])
     return force
 
 
@@ -221,9 +221,9 @@ class AirDrag(LawEffect, FrameEffect):
         return np.array([amplitude, 0.0, 0.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return coefficient, power and the table's share."""
-        power = min(max(2.0 + float(values[1]), POWERS[0]), POWERS[1])
-        return (abs(float(values[0])), power, 1.0 + float(values[2]))
+        """Return coefficient, what the power has beyond the second, and the table's share."""
+        beyond = min(max(float(values[1]), BEYOND_TWO[0]), BEYOND_TWO[1])
+        return (abs(float(values[0])), beyond, 1.0 + float(values[2]))
 
 
 @CATALOGUE.add

@@ -7,26 +7,13 @@ them needless gains by it (Kennedy and O'Hagan 2001; Beck 2010).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.special import logsumexp
 
 SCALES = 1e-4 * 2.0 ** np.arange(9)
 """Scales of the discrepancy that are possible [-]: from nothing to speak of to 2.6 % of the modes' stiffness."""
-
-
-def log_weights(
-    gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, discrepant: np.ndarray, scale: float
-) -> np.ndarray:
-    """Return the log evidence at each of `SCALES` of a fit that is linear about `theta`, up to what is common, (scales,).
-
-    Args:
-        gram: Information of the data, shape (parameters, parameters), in units of the priors at `scale`.
-        slope: Slope of the data, shape (parameters,).
-        theta: Parameters, shape (parameters,).
-        discrepant: Which of the first of them make the discrepancy, shape (nuisance,).
-        scale: Scale of the discrepancy in whose units they are [-].
-    """
-    return np.array([_log_weight(gram, slope, theta, discrepant, one / scale) for one in SCALES])
 
 
 def wider(discrepant: np.ndarray, parameters: int, factor: float) -> np.ndarray:
@@ -42,32 +29,43 @@ def wider(discrepant: np.ndarray, parameters: int, factor: float) -> np.ndarray:
     return by
 
 
-def _log_weight(
-    gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, discrepant: np.ndarray, factor: float
-) -> float:
-    by = wider(discrepant, len(theta), factor)
-    there = theta / by
-    information = gram * np.outer(by, by) + np.eye(len(gram))
-    pull = slope * by - there
-    gained = 0.5 * float(pull @ np.linalg.solve(information, pull))
-    return gained - 0.5 * float(there @ there) - 0.5 * float(np.linalg.slogdet(information)[1])
+@dataclass(frozen=True)
+class Linearised:
+    """A fit that is linear about `theta`, in units of the priors at one scale of the discrepancy.
 
+    Attributes:
+        gram: Information of the data, shape (parameters, parameters).
+        slope: Slope of the data, shape (parameters,).
+        theta: Parameters, shape (parameters,).
+        discrepant: Which of the first of them make the discrepancy, shape (nuisance,).
+        scale: Scale of the discrepancy in whose units they are [-].
+    """
 
-def likeliest_scale(
-    gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, discrepant: np.ndarray, scale: float
-) -> float:
-    """Return the one of `SCALES` with most evidence; arguments as of `log_weights`."""
-    return float(SCALES[np.argmax(log_weights(gram, slope, theta, discrepant, scale))])
+    gram: np.ndarray
+    slope: np.ndarray
+    theta: np.ndarray
+    discrepant: np.ndarray
+    scale: float
 
+    def log_weights(self) -> np.ndarray:
+        """Return the log evidence at each of `SCALES`, up to what is common, shape (scales,)."""
+        return np.array([self._log_weight(one / self.scale) for one in SCALES])
 
-def gained_by_any_scale(
-    gram: np.ndarray, slope: np.ndarray, theta: np.ndarray, discrepant: np.ndarray, scale: float
-) -> float:
-    """Return log evidence averaged over the scales less that at `scale`; other arguments as of `log_weights`."""
-    if not discrepant.any():
-        return 0.0
-    weights = log_weights(gram, slope, theta, discrepant, scale)
-    return averaged(weights) - _log_weight(gram, slope, theta, discrepant, 1.0)
+    def likeliest(self) -> float:
+        """Return the one of `SCALES` with most evidence [-]."""
+        return float(SCALES[np.argmax(self.log_weights())])
+
+    def gained(self) -> float:
+        """Return the log evidence averaged over `SCALES` less that at the own scale; nothing without a discrepancy."""
+        return averaged(self.log_weights()) - self._log_weight(1.0) if self.discrepant.any() else 0.0
+
+    def _log_weight(self, factor: float) -> float:
+        by = wider(self.discrepant, len(self.theta), factor)
+        there = self.theta / by
+        information = self.gram * np.outer(by, by) + np.eye(len(by))
+        pull = self.slope * by - there
+        gained = 0.5 * float(pull @ np.linalg.solve(information, pull))
+        return gained - 0.5 * float(there @ there) - 0.5 * float(np.linalg.slogdet(information)[1])
 
 
 def averaged(log_evidence: np.ndarray) -> float:

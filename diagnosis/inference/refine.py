@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
-from pounding.diagnosis.inference.discrepancy import gained_by_any_scale, likeliest_scale
+from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
@@ -133,7 +133,7 @@ def _rescaled(
     if not model.discrepant.any():
         return filtered, coordinates, theta
     gram, slope = coordinates.posterior(_terms(model, filtered, coordinates)).normal_equations(theta)
-    scale = likeliest_scale(gram, slope, theta, model.discrepant, filtered.discrepancy)
+    scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likeliest()
     if scale == filtered.discrepancy:
         return filtered, coordinates, theta
     moved = replace(coordinates, scale=model.spread(scale))
@@ -220,7 +220,7 @@ def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta:
     posterior = coordinates.posterior(terms)
     gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
-    any_scale = gained_by_any_scale(gram, slope, theta, model.discrepant, filtered.discrepancy)
+    any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
     known = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))
     return Fit(
         effects=coordinates.effects,

@@ -7,13 +7,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from pounding.diagnosis.effects.candidates import candidates
-from pounding.diagnosis.inference.discrepancy import (
-    SCALES,
-    averaged,
-    gained_by_any_scale,
-    likeliest_scale,
-    log_weights,
-)
+from pounding.diagnosis.inference.discrepancy import SCALES, Linearised, averaged
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import calibrated
@@ -39,7 +33,7 @@ def test_the_evidence_at_each_scale_is_that_of_the_gaussian(about: str) -> None:
     theta = np.zeros(FREE + DISCREPANT) if about == "zero" else np.full(FREE + DISCREPANT, 0.3)
     unit = columns * np.where(OURS, scale, 1e-3)
     residual = data - unit @ theta
-    found = log_weights(unit.T @ unit, unit.T @ residual, theta, OURS, scale)
+    found = Linearised(unit.T @ unit, unit.T @ residual, theta, OURS, scale).log_weights()
     exact = []
     for one in SCALES:
         wide = columns * np.where(OURS, one, 1e-3)
@@ -53,13 +47,13 @@ def test_the_likeliest_scale_is_near_the_true_one_in_the_middle_of_many() -> Non
         columns, data = linear(float(SCALES[5]), seed)
         unit = columns * np.where(OURS, SCALES[3], 1e-3)
         theta = np.zeros(FREE + DISCREPANT)
-        found.append(likeliest_scale(unit.T @ unit, unit.T @ data, theta, OURS, float(SCALES[3])))
+        found.append(Linearised(unit.T @ unit, unit.T @ data, theta, OURS, float(SCALES[3])).likeliest())
     assert np.median(found) == pytest.approx(SCALES[5], rel=0.5)
 
 
 def test_evidence_is_the_mean_over_the_scales() -> None:
     assert averaged(np.full(len(SCALES), -3.0)) == pytest.approx(-3.0)
-    assert gained_by_any_scale(np.eye(2), np.ones(2), np.zeros(2), np.zeros(2, bool), 1.0) == 0.0
+    assert Linearised(np.eye(2), np.ones(2), np.zeros(2), np.zeros(2, bool), 1.0).gained() == 0.0
 
 
 def other_frame(size: float) -> Model:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,8 @@ from pounding.diagnosis.model import sensors
 from pounding.diagnosis.settings import SETTINGS
 
 QUIET = [0.0] * 50
+RUN: Any = None
+"""What is clipped is told by the channel alone."""
 
 
 def impacts(*each: list[float]) -> np.ndarray:
@@ -22,9 +26,9 @@ def impacts(*each: list[float]) -> np.ndarray:
 def test_samples_at_the_largest_force_are_clipped(flat: int, of_a_cell: bool, of_a_channel: bool) -> None:
     force = impacts([20.0, *[50.0] * flat, 30.0])
     assert force_cell._clipped([force, impacts([10.0])]) == of_a_cell
-    assert sensors._clipped(force).any() == of_a_channel
+    assert sensors._clipped(force, RUN).any() == of_a_channel
     # A channel clips below, too.
-    np.testing.assert_array_equal(sensors._clipped(-force), sensors._clipped(force))
+    np.testing.assert_array_equal(sensors._clipped(-force, RUN), sensors._clipped(force, RUN))
 
 
 def test_samples_that_clip_one_at_a_time_are_clipped() -> None:
@@ -39,7 +43,7 @@ def test_equal_peaks_of_a_coarse_logger_are_not_clipped() -> None:
         impacts([20.0, 48.0, peak, 47.0, 10.0]) for peak in (50.0, 49.0, 50.0, 48.0, 50.0, 49.5, 50.0, 50.0)
     ]
     assert not force_cell._clipped(strong)
-    assert not sensors._clipped(np.concatenate(strong)).any()
+    assert not sensors._clipped(np.concatenate(strong), RUN).any()
 
 
 def test_what_clips_is_found_in_all_runs_together() -> None:

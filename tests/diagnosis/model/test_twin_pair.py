@@ -25,11 +25,11 @@ EFFECTS: dict[str, tuple[float, ...]] = {
     "damping_change": (20.0,),
     "coulomb_friction": (8.0, 15.0),
     "cubic_stiffness": (0.2 * STOREY / 0.005**2,),
-    "hysteresis": (20.0, 0.4 * STOREY, 8.0),
+    "hysteresis": (20.0, 0.4 * STOREY, 8.0, 0.0),
     "loosening": (-0.3,),
     "bumper": (0.003, STOREY),
     "dahl_friction": (8.0, 3e-4),
-    "air_drag": (6.0,),
+    "air_drag": (6.0, 0.0, 0.0),
     "table_tilt": (5e-4,),
 }
 """Effects that are laws in the tall frame, and one whose forces are known; in SI."""
