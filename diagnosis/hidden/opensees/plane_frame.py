@@ -8,14 +8,14 @@ masses.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import brentq
 
-from pounding import frames
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.hidden.baseline import designed
 from pounding.diagnosis.hidden.beams import Beams, Matrices, with_appendage
 from pounding.diagnosis.hidden.modes import frequencies_hz
 from pounding.diagnosis.hidden.opensees.domain import Domain
@@ -88,34 +88,18 @@ def plane_frame(name: str) -> PlaneFrame:
     Raises:
         CaseError: The frame is none of plates.
     """
-    plates = frames.load(name)
-    if not isinstance(plates, frames.PlateFrame):
-        raise CaseError(
-            f"effects can be hidden in plate frames only, and {name!r} is none; use 5A, 5B, 10, 15A or 15B"
-        )
-    reduced = frames.build(plates)
+    frame = designed(name)
+    plates, beams = frame.plates, frame.beams
     columns, youngs = len(plates.places_m), plates.material.youngs_modulus_gpa * 1e9
-    section = plates.columns.width_m * plates.columns.thickness_m
-    extra = np.array(plates.added_by_floor_kg) + plates.nonstructural_mass_kg / plates.storeys
-    floor_mass = plates.floor_plate_mass_kg + extra
     floor_bending = youngs * plates.plate.width_m * plates.plate.thickness_m**3 / 12
     lines = [x for x, _ in plates.places_m]
     start = PlaneFrame(
-        name,
-        plates.storey_height_m,
-        np.full(plates.storeys, columns * youngs * section * plates.columns.thickness_m**2 / 12),
-        np.full(plates.storeys + 1, columns * plates.joint_stiffness()),
-        floor_mass,
-        plates.storey_columns_mass_kg,
-        floor_mass * plates.plate.length_m**2 / 12,
-        np.array(plates.weights_n()),
-        np.array([float(np.max(reduced.damping_ratio))]),
-        joint_stated=plates.joint_stiffness(),
+        **{one.name: getattr(beams, one.name) for one in fields(Beams)},
         span_m=max(lines) - min(lines),
         youngs=youngs,
-        side_area=columns / 2 * section,
+        side_area=columns / 2 * plates.columns.width_m * plates.columns.thickness_m,
         floor_bending=np.full(plates.storeys, floor_bending),
-        tuned_hz=float(np.asarray(reduced.frequencies_hz)[0]),
+        tuned_hz=float(frame.frequencies_hz[0]),
     )
     return tuned(start)
 
