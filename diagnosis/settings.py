@@ -157,9 +157,10 @@ class Search:
 class Refinement:
     """When a refinement goes on, ends and steps back (`inference.refine`, `inference.posterior`, `inference.histories`)."""
 
-    box: float = 3.0
-    """[prior standard deviations] Nuisance parameters stay within this of the baseline: what lies beyond is not
-    nuisance. Origin: chosen."""
+    outside: float = 0.05
+    """[probability] Nuisance parameters stay so near to the baseline that, of all in a model whose priors are right, one
+    lies further away with this probability: some 3.3 prior standard deviations of a frame with five storeys, 3.6 of a
+    pair. What lies beyond is no nuisance. Origin: theory: the usual rate of false alarms, shared by all parameters."""
     last: int = 6
     """[-] The last descent may have so many times as many steps. Origin: chosen."""
     rescalings: int = 3

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.stats import norm
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.posterior import Likelihood, Posterior
@@ -21,6 +22,18 @@ WIDEST = 4.0
 """Prior standard deviations that a size may reach."""
 NUDGE = 1e-4
 """Change of a size, in prior standard deviations, by which the slope of what is reported of it is taken."""
+
+
+def box_of(parameters: int) -> float:
+    """Return how far a nuisance parameter may be from the baseline [prior standard deviations].
+
+    Further than any of them is likely to be: were it a fixed number, some parameter of a large model would be outside by
+    chance, and what it lacks would be called an effect with an evidence that grows with the data.
+
+    Args:
+        parameters: How many nuisance parameters there are.
+    """
+    return float(norm.isf(0.5 * SETTINGS.refinement.outside / parameters))
 
 
 @dataclass(frozen=True)
@@ -116,10 +129,10 @@ class Coordinates:
         return 1e-3 if self.logarithmic[number] else 1e-3 * max(1.0, size)
 
     def posterior(self, terms: Sequence[Likelihood]) -> Posterior:
-        """Return the posterior of terms: nuisance parameters stay within `BOX`, effects move by `REACH` at most."""
+        """Return the posterior of terms: nuisance parameters stay in their `box`, effects move by `REACH` at most."""
         own = len(self.start)
         free = np.full(own, np.inf)
-        box = np.full(len(self.scale), SETTINGS.refinement.box)
+        box = np.full(len(self.scale), box_of(len(self.scale)))
         kinked = tuple(range(len(self.scale), len(self.scale) + own))
         return Posterior(
             tuple(terms),

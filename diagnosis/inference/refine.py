@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.coordinates import Coordinates, box_of
 from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
@@ -137,7 +137,7 @@ def _rescaled(
     if scale == filtered.discrepancy:
         return filtered, coordinates, theta
     moved = replace(coordinates, scale=model.spread(scale))
-    box = SETTINGS.refinement.box
+    box = box_of(len(model.std))
     own = np.clip(coordinates.nuisance(theta) / moved.scale, -box, box)
     theta = np.concatenate([own, theta[len(own) :]])
     return _at(model, filtered.with_discrepancy(scale), moved, theta), moved, theta

@@ -11,6 +11,7 @@ from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference.clocks import clocks
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
@@ -150,7 +151,7 @@ def _refined(
     width = widths(model, effect, found.sizes, one.shape)
     if with_fit is not None:
         before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        limit = SETTINGS.refinement.box * model.spread(filtered.discrepancy)
+        limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
         moved = np.clip(filtered.values + one.nuisance, -limit, limit)
         return refine(
             model,
@@ -179,7 +180,7 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
         tried += [(shape, 1.0) for shape in nearest[1 : 1 + SETTINGS.search.start_shapes]]
     scanned = effect.near(one.shape)
     tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
-    limit = SETTINGS.refinement.box * model.spread(filtered.discrepancy)
+    limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
     starts: list[tuple[np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
