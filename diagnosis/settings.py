@@ -567,6 +567,14 @@ class Report:
     linear: float = 0.5
     """[share of the power above the noise] What remains is called linear if other stiffness, mass and damping would take
     away more of it. Origin: theory: the larger part."""
+    shape_apart: float = 3.0
+    """[standard errors] A parameter of a law's shape that is nearer to the catalogue's value is not told apart from it.
+    Origin: chosen."""
+    shape_size: float = 0.3
+    """[prior standard deviations] A parameter of a law's shape that is nearer to the catalogue's value is called like it.
+    Origin: chosen."""
+    loop_apart: float = 3.0
+    """[standard errors] Measures of a measured loop and of the law's that differ less are called alike. Origin: chosen."""
     like: float = 0.03
     """[-] A sensor's gain so near to that of another unit or polarity is called that. Origin: chosen."""
 

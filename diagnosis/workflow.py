@@ -41,6 +41,7 @@ def diagnose(
     *,
     candidates_file: Path | str | None = None,
     calibrate: bool = False,
+    film: bool = False,
 ) -> Report:
     """Diagnose a case: where it disagrees with the baseline model, what is missing, and how much that explains.
 
@@ -51,6 +52,7 @@ def diagnose(
         candidates_file: Python file with effects of the user's that compete with the catalogue. It is executed, once the
             case has been read: pass a file that you trust.
         calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed).
+        film: Film the run before and after over each other, `before_after.mp4`; only with `out`.
 
     Returns:
         The report; with `out` also what `pounding.diagnosis.report.details` adds.
@@ -84,7 +86,7 @@ def diagnose(
         from pounding.diagnosis.report.writing import write_report
 
         told("writing the report", 0.92)
-        report = write_report(diagnosis, made, Path(out))
+        report = write_report(diagnosis, made, Path(out), film=film)
     told("done", 1.0)
     return report
 

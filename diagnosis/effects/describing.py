@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -43,6 +43,8 @@ class Description:
         sketch: Its picture.
         remark: What is said after the names and units of its parameters.
         told_by: A test that shows it and little else, a sentence; empty where there is none.
+        shapes: What is said of the law where a parameter of its shape, which is refined and not reported, is below the
+            catalogue's value, and where it is above.
     """
 
     equation: str
@@ -50,6 +52,7 @@ class Description:
     sketch: Sketch
     remark: str = ""
     told_by: str = ""
+    shapes: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
 
 def relation(mark: str, across: str, up: str, baseline: Function, true: Function) -> Sketch:

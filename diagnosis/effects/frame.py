@@ -203,6 +203,16 @@ class AirDrag(LawEffect, FrameEffect):
         "refined and not reported",
         "`damping_change`, `coulomb_friction`",
         relation("floors", "floor velocity", "force", nothing, lambda x: x * abs(x)),
+        shapes={
+            "power_beyond_two": (
+                "the drag grows by less than the catalogue's second power",
+                "the drag grows by more than the catalogue's second power",
+            ),
+            "table_share_beyond_one": (
+                "the air moves with the table, which the catalogue's does not",
+                "the air moves against the table, which the catalogue's does not",
+            ),
+        },
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

@@ -123,6 +123,12 @@ class CoulombFriction(StoreyEffect):
         r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$",
         "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
         loop(friction, 0.3, 30.0, 0.0, np.inf),
+        shapes={
+            "sticking_stiffness": (
+                "the joint gives more before it slides than the catalogue's",
+                "the joint gives less before it slides than the catalogue's",
+            )
+        },
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -223,6 +229,16 @@ class Hysteresis(StoreyEffect):
         "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
         loop(yielding, 0.25, 0.6, 8.0, 0.0),
         told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
+        shapes={
+            "sharpness": (
+                "the loop is rounder than the catalogue's",
+                "the loop has a sharper knee than the catalogue's",
+            ),
+            "unloading": (
+                "the loop unloads more steeply than the catalogue's",
+                "the loop unloads less steeply than the catalogue's",
+            ),
+        },
     )
 
     def largest(self, model: Model) -> float:

@@ -35,6 +35,7 @@ class ResidualForce:
     Attributes:
         run: Name of the run. time_s: Times (samples,). force: (samples, storeys) [N]. std: (storeys,) [N].
         drift, drift_rate: (samples, storeys) [m], [m/s].
+        noise: The noise and the latent forces' sizes that the smoother used.
     """
 
     run: str
@@ -43,33 +44,24 @@ class ResidualForce:
     std: np.ndarray
     drift: np.ndarray
     drift_rate: np.ndarray
+    noise: Noise
 
 
-def residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce:
+def residual_force(model: Model, filtered: Filtered, run: int, noise: Noise | None = None) -> ResidualForce:
     """Return the residual force of every storey in a run, from all of the run's measurements.
 
     Args:
         model: The baseline model.
         filtered: The model: its nuisance parameters and effects.
         run: Number of the run.
+        noise: Noise and the latent forces' sizes where they are known; else these sizes are found from the run.
     """
-    (noise,) = starting_noise(model, [run], FIRST_LEVEL)
-    # Noise that the fit has found in this run is better than that of the spectrum alone.
-    if run in filtered.runs:
-        known = filtered.noise[filtered.runs.index(run)]
-        noise = replace(noise, table=known.table)
-    least = LEAST_LEVEL / FIRST_LEVEL * noise.latent
-    for _ in range(ROUNDS):
-        found = run_filter(model, filtered.values, [noise], [run], filtered.effects)
-        rows = model.structure.drift @ found.modes.floors
-        states, spread = smoothed(
-            model.linear_system(found.modes), found, noise, model.observed.runs[run].step_s
-        )
-        latent = slice(2 * len(found.modes.omega), 2 * len(found.modes.omega) + len(noise.latent))
-        size = np.sqrt(np.mean(states[:, latent] ** 2, axis=0) + spread[latent] ** 2)
-        noise = replace(noise, latent=np.maximum(size, least))
-    modes = len(found.modes.omega)
     data = model.observed.runs[run]
+    if noise is None:
+        noise = _found(model, filtered, run)
+    found, states, spread, latent = _smoothed_run(model, filtered, run, noise)
+    modes = len(found.modes.omega)
+    rows = model.structure.drift @ found.modes.floors
     return ResidualForce(
         run=data.name,
         time_s=data.time_s,
@@ -78,7 +70,34 @@ def residual_force(model: Model, filtered: Filtered, run: int) -> ResidualForce:
         std=spread[latent],
         drift=states[:, :modes] @ rows.T,
         drift_rate=states[:, modes : 2 * modes] @ rows.T,
+        noise=noise,
     )
+
+
+def _found(model: Model, filtered: Filtered, run: int) -> Noise:
+    """Return the noise of a run with the latent forces' sizes as its measurements ask for them."""
+    (noise,) = starting_noise(model, [run], FIRST_LEVEL)
+    # Noise that the fit has found in this run is better than that of the spectrum alone.
+    if run in filtered.runs:
+        known = filtered.noise[filtered.runs.index(run)]
+        noise = replace(noise, table=known.table)
+    least = LEAST_LEVEL / FIRST_LEVEL * noise.latent
+    for _ in range(ROUNDS - 1):
+        _, states, spread, latent = _smoothed_run(model, filtered, run, noise)
+        size = np.sqrt(np.mean(states[:, latent] ** 2, axis=0) + spread[latent] ** 2)
+        noise = replace(noise, latent=np.maximum(size, least))
+    return noise
+
+
+def _smoothed_run(
+    model: Model, filtered: Filtered, run: int, noise: Noise
+) -> tuple[Filtered, np.ndarray, np.ndarray, slice]:
+    """Return a run as filtered, its smoothed states and their standard deviations, and where the latent forces are."""
+    found = run_filter(model, filtered.values, [noise], [run], filtered.effects)
+    step_s = model.observed.runs[run].step_s
+    states, spread = smoothed(model.linear_system(found.modes), found, noise, step_s)
+    first = 2 * len(found.modes.omega)
+    return found, states, spread, slice(first, first + len(noise.latent))
 
 
 def smoothed(

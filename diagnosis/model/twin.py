@@ -60,6 +60,7 @@ def simulate_engine(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
+    motions: dict[int, FrameMotion] | None = None,
 ) -> list[np.ndarray]:
     """Return the channels (samples, channels) in SI of each run as the exudyn rig gives them.
 
@@ -68,15 +69,19 @@ def simulate_engine(
         values: Its nuisance parameters in their own units, shape (nuisance,).
         effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
+        motions: Gets the motion of all frames, as one body, of each run, by its number. The body's first coordinates are
+            the floors' displacements relative to the table, frame by frame.
 
     Raises:
         CaseError: The engine did not get through a run.
     """
     assembly = model.assemble(values, effects)
-    return [
-        channels(model, assembly, run, _shaken(model, assembly, run, values, effects), values, effects)
-        for run in runs
-    ]
+    kept = {} if motions is None else motions
+    outputs = []
+    for run in runs:
+        kept[run] = _shaken(model, assembly, run, values, effects)
+        outputs.append(channels(model, assembly, run, kept[run], values, effects))
+    return outputs
 
 
 def simulate_pair(

@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.verdict import remaining, unexplained_from
 from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.model.first_frequencies import measured_frequency
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
 from pounding.diagnosis.settings import SETTINGS
@@ -38,14 +40,18 @@ def _modal(found: Findings, fit: Fit) -> list[CalibratedParameter]:
     shown = []
     for number, frame in enumerate(model.structure.frames):
         first = model.structure.first(number)
+        peak = measured_frequency(model, number, float(before.omega[first]) / (2 * np.pi))
         for mode in range(min(FREQUENCIES, frame.floors)):
             hertz = [float(one.omega[first + mode]) / (2 * np.pi) for one in (before, after)]
             ratios = [float(one.ratio[first + mode]) for one in (before, after)]
             for name, (baseline, calibrated) in (("frequency_hz", hertz), ("damping_ratio", ratios)):
+                read = peak if mode == 0 and name == "frequency_hz" else None
                 shown.append(
                     CalibratedParameter(
                         parameter=name, frame=frame.name, mode=mode + 1, baseline=baseline, calibrated=calibrated,
                         std=None, prior_std=None,
+                        measured=UNSET if read is None else read.hertz,
+                        resolution=UNSET if read is None else read.resolution_hz,
                     )
                 )  # fmt: skip
     return shown

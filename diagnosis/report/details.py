@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
+from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.decision import Verdict
@@ -13,15 +14,23 @@ from pounding.diagnosis.design.detectability import smallest
 from pounding.diagnosis.design.distinguishing_tests import distinctions
 from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import channel_misfits, simulate
+from pounding.diagnosis.inference.misfit import channel_misfits
 from pounding.diagnosis.report.calibration import calibration, remainder
+from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Made, Outputs
 from pounding.diagnosis.report.origin import origin
 from pounding.diagnosis.report.report import ChannelMisfit, Misfit, Misfits, Report, Threshold, Thresholds
+from pounding.diagnosis.report.shape import shape
 
 
-def detailed(diagnosis: Diagnosis, made: Made) -> Report:
-    """Return a report with what docs/diagnosis/reports.md lists beside the keys of the format."""
+def detailed(diagnosis: Diagnosis, made: Made, loop: Loops | None = None) -> Report:
+    """Return a report with what docs/diagnosis/reports.md lists beside the keys of the format.
+
+    Args:
+        diagnosis: What was found and decided.
+        made: The report and what was simulated for it.
+        loop: The loops of the named storey, if there is one.
+    """
     case, found, report = diagnosis.case, diagnosis.found, made.report
     judged = diagnosis.decision.judged
     sight = Sight.of(found, judged.fit.filtered)
@@ -31,6 +40,7 @@ def detailed(diagnosis: Diagnosis, made: Made) -> Report:
         calibration=calibration(found, judged),
         misfit=with_shares(report.misfit, report.verdict),
         advice=tuple(advice(diagnosis)),
+        shape=shape(diagnosis, loop) or UNSET,
         channels=channels(diagnosis, made.outputs),
         smallest_detectable=tuple(smallest(case, found, diagnosis.decision, sight)),
         apart=tuple(distinctions(report.effects, _measured(found))),
@@ -73,28 +83,14 @@ def channels(diagnosis: Diagnosis, outputs: Outputs) -> tuple[ChannelMisfit, ...
     found = diagnosis.found
     which = 1 if found.held_out else 0
     before = after = found.null.channel_misfit[which]
-    if diagnosis.decision.named:
+    if outputs:
         runs = (found.training, found.held_out)[which]
-        after = channel_misfits(found.model, after_runs(diagnosis, outputs, runs), runs)
+        after = channel_misfits(found.model, [outputs[run] for run in runs], runs)
     rows = zip(found.model.observed.names, before, after, found.floor[which], strict=True)
     return tuple(
         ChannelMisfit(channel=name, before=finite(b), after=finite(a), noise_floor=finite(noise))
         for name, b, a, noise in rows
     )
-
-
-def after_runs(diagnosis: Diagnosis, outputs: Outputs, runs: tuple[int, ...]) -> list[np.ndarray]:
-    """Return the channels (samples, channels) [SI] of runs as the engine gave them for the verdict's model.
-
-    Args:
-        diagnosis: The diagnosis.
-        outputs: Channels of runs by the exudyn model, by number of the run.
-        runs: Numbers of the runs.
-    """
-    if all(run in outputs for run in runs):
-        return [outputs[run] for run in runs]
-    fit = diagnosis.decision.judged.fit.filtered
-    return simulate(diagnosis.found.model, fit.values, fit.effects, runs)
 
 
 def _measured(found: Findings) -> dict[str, list[int]]:

@@ -15,30 +15,35 @@ from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.misfit import levelled, simulate
-from pounding.diagnosis.report.details import after_runs
+from pounding.diagnosis.report.loop_figure import loop_figure
+from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Outputs
 from pounding.diagnosis.report.misfit_maps import misfit_maps
-from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
+from pounding.diagnosis.report.palette import BLACK, BLUE, GREY, ORANGE
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.residual_force_figure import residual_force_figure
+from pounding.diagnosis.report.transmissibility import transmissibility_figure
 
 SHOWN_S = 3.0
 """Length of what is shown of a run [s], about its largest value."""
 CANDIDATES = 10
 
 
-def figures(diagnosis: Diagnosis, report: Report, outputs: Outputs) -> dict[str, bytes]:
+def figures(diagnosis: Diagnosis, report: Report, outputs: Outputs, loop: Loops | None) -> dict[str, bytes]:
     """Return the PNG of each figure by its name.
 
     Args:
         diagnosis: What was found and decided.
         report: The report with its details.
         outputs: The runs as the engine gave them for the model of the verdict.
+        loop: The loops of the named storey, if there is one.
     """
-    return {
+    shown = {} if loop is None else {"force_over_drift": _png(loop_figure(diagnosis, loop))}
+    return shown | {
         "before_after": _png(_before_after(diagnosis, outputs)),
+        "transmissibility": _png(transmissibility_figure(diagnosis, outputs)),
         "where": _png(_where(diagnosis, report)),
-        "residual_force": _png(residual_force_figure(diagnosis)),
+        "residual_force": _png(residual_force_figure(diagnosis, loop)),
         "evidence": _png(evidence_figure(report)),
     }
 
@@ -62,30 +67,36 @@ def _before_after(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
     channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
     simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
-    if diagnosis.decision.named:
-        simulated["after"] = (after_runs(diagnosis, outputs, (run,))[0], ORANGE)
+    if outputs:
+        simulated["after"] = (outputs[run], ORANGE)
     measured = data.measured[:, channel] / scale
-    figure = _figure(9, 5)
+    figure = _figure(9, 5.4)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    upper.plot(data.time_s, measured, color="black", lw=1.6, label="measured")
-    for name, (output, colour) in simulated.items():
+    for (name, (output, colour)), width in zip(simulated.items(), (1.8, 2.8), strict=False):
         difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale
         rms = float(np.sqrt(np.nanmean(difference**2)))
-        upper.plot(data.time_s, output[:, channel] / scale, color=colour, lw=0.9, label=f"simulated, {name}")
+        # What lies nearer to the measurement is drawn wider, so that both stand out behind it.
+        upper.plot(
+            data.time_s, output[:, channel] / scale, color=colour, lw=width, label=f"simulated, {name}"
+        )
         label = f"{name}: simulated − measured, rms {rms:.3g} {unit}"
-        lower.plot(data.time_s, difference, color=colour, lw=0.8, label=label)
+        lower.plot(data.time_s, difference, color=colour, lw=1.0, label=label)
+    upper.plot(data.time_s, measured, color=BLACK, lw=0.9, label="measured")
     used = "held out" if found.held_out else "the run that was used; none could be held out"
     upper.set_title(
-        f"{observed.names[channel]} in {data.name} ({used}): the channel with the largest misfit before"
+        f"{observed.names[channel]} in {data.name} ({used}): the channel with the largest misfit before",
+        fontsize=10,
+        pad=26,
     )
     middle = data.time_s[int(np.argmax(np.abs(np.nan_to_num(measured))))]
     first = min(max(data.time_s[0], middle - 0.4 * SHOWN_S), max(data.time_s[0], data.time_s[-1] - SHOWN_S))
     upper.set_xlim(first, min(data.time_s[-1], first + SHOWN_S))
     for axes in (upper, lower):
-        axes.legend(loc="upper right", fontsize=8)
-        axes.set_ylabel(f"[{unit}]")
+        axes.set_ylabel(f"{observed.names[channel]} [{unit}]" if axes is upper else f"difference [{unit}]")
         axes.grid(alpha=0.25)
     lower.set_xlabel("time [s]")
+    upper.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=3, fontsize=8, borderaxespad=0)
+    lower.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=2, fontsize=8, borderaxespad=0)
     return figure
 
 
@@ -98,23 +109,26 @@ def _where(diagnosis: Diagnosis, report: Report) -> Figure:
     bars, bands, each = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
     at = np.arange(len(names))
     bars.barh(at - 0.2, 100 * found.null.channel_misfit[which], 0.36, color=BLUE, label="before")
-    if diagnosis.decision.named:
+    after = np.array([])
+    if any(one.after is not None for one in report.channels or ()):
         after = np.array([np.nan if one.after is None else one.after for one in report.channels or ()])
         bars.barh(at + 0.2, 100 * after, 0.36, color=ORANGE, label="after")
     for row in at:
         noise = 100 * floor[row]
         bars.plot(
-            [noise, noise], [row - 0.42, row + 0.42], color="black", lw=2, label="" if row else "noise floor"
+            [noise, noise], [row - 0.42, row + 0.42], color=BLACK, lw=2, label="" if row else "noise floor"
         )
     bars.set_yticks(at, names)
     bars.set_xscale("log")
-    lengths = 100 * np.concatenate([found.null.channel_misfit[which], floor])
+    lengths = 100 * np.concatenate([found.null.channel_misfit[which], floor, after])
     bars.set_xlim(0.6 * np.nanmin(lengths), max(1.3 * np.nanmax(lengths), 4 * np.nanmin(lengths)))
     bars.xaxis.set_major_locator(LogLocator(10, (1, 2, 5)))
     bars.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     bars.xaxis.set_minor_formatter(NullFormatter())
     bars.set_xlabel("misfit [%]")
     bars.set_title("held-out run" if which else "runs used", fontsize=10)
+    # Names of channels reach to the edge of the picture.
+    figure.set_layout_engine("constrained", w_pad=0.1)
     figure.legend(*bars.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
     maps = misfit_maps(
         model,
@@ -159,8 +173,13 @@ def evidence_figure(report: Report) -> Figure:
     bars = axes.barh(
         range(len(shown)), values, color=[ORANGE if one.place in named else BLUE for one in shown]
     )
+    # On white, so that neither a line of what is needed nor the next bar runs through a number.
     axes.bar_label(
-        bars, [f"{value:.1f}" if abs(value) < 100 else f"{value:.0f}" for value in values], padding=3
+        bars,
+        [f"{value:.1f}" if abs(value) < 100 else f"{value:.0f}" for value in values],
+        padding=4,
+        fontsize=9,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
     )
     axes.set_yticks(range(len(shown)), [one.words() for one in shown])
     axes.set_ylim(-0.6, len(shown) + 0.1)
@@ -174,7 +193,7 @@ def evidence_figure(report: Report) -> Figure:
             label = "by P-Delta, joints, rocking, torsion, hysteresis"
             axes.axvline(absorbing, color=GREY, ls=":", lw=1, label=label)
         most = max(most, 3.0 * absorbing)
-    axes.legend(loc="lower right", fontsize=8)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside lower right", ncols=2, fontsize=8)
     axes.set_xscale("symlog", linthresh=10)
     axes.set_xlim(min(0.0, 1.6 * min(values, default=0.0)), max(5.0 * max(values, default=0.0), most))
     axes.set_xlabel("ln Bayes factor against 'nothing missing' (logarithmic beyond 10)")

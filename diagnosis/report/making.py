@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from msgspec import UNSET
@@ -13,13 +13,16 @@ from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import channel_misfits, median
 from pounding.diagnosis.inference.misfit_map import Spot, where
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
 from pounding.diagnosis.report.report import HeldOutMisfit, Misfit, Misfits, ModalRow, Report
 from pounding.diagnosis.settings import SETTINGS
+from pounding.experiments.rig.motion import FrameMotion
 
 Outputs = dict[int, np.ndarray]
 """Channels in SI, shape (samples, channels), by the number of the run."""
@@ -27,10 +30,17 @@ Outputs = dict[int, np.ndarray]
 
 @dataclass(frozen=True)
 class Made:
-    """A report, and the channels as the engine gave them for the model behind it; empty for the baseline model."""
+    """A report, and what the engine gave for the model behind it; nothing for the baseline model.
+
+    Attributes:
+        report: The report.
+        outputs: The channels of each run.
+        motions: The motion of all frames, as one body, of each run.
+    """
 
     report: Report
     outputs: Outputs
+    motions: dict[int, FrameMotion] = field(default_factory=dict)
 
 
 def report_on(diagnosis: Diagnosis) -> Made:
@@ -39,7 +49,8 @@ def report_on(diagnosis: Diagnosis) -> Made:
     Whatever the verdict, `after` is with the likeliest candidate in the model.
     """
     found, conclusion = diagnosis.found, diagnosis.conclusion
-    outputs = _outputs(diagnosis)
+    motions: dict[int, FrameMotion] = {}
+    outputs = _outputs(diagnosis, motions)
     training = _misfit(diagnosis, 0, outputs)
     held_out = None
     if found.held_out:
@@ -60,7 +71,7 @@ def report_on(diagnosis: Diagnosis) -> Made:
     if found.pair is not None:
         left = training.after if diagnosis.decision.named else training.before
         warnings = poor_forces(found.pair, left, training.noise_floor)
-    return Made(assembled(conclusion, misfits, spots, warnings), outputs)
+    return Made(assembled(conclusion, misfits, spots, warnings), outputs, motions)
 
 
 def assembled(
@@ -108,26 +119,40 @@ def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str
     ]
 
 
-def _outputs(diagnosis: Diagnosis) -> Outputs:
-    """Return the runs as the engine gives them with the effects in them, empty where no candidate has evidence."""
-    found, decision = diagnosis.found, diagnosis.decision
-    if decision.named:
-        judged = decision.judged
-    elif diagnosis.conclusion.verdict in NAMED or (likeliest := _likeliest(found)) is None:
+def shown_after(diagnosis: Diagnosis) -> Judged | None:
+    """Return the candidate with which `after` is run: the verdict's, else the likeliest; None where none has evidence."""
+    if diagnosis.decision.named:
+        return diagnosis.decision.judged
+    if diagnosis.conclusion.verdict in NAMED:
         # What is claimed of a contact changes nothing in frames whose forces are measured.
-        return {}
-    else:
-        judged = likeliest
-    model, filtered = found.model, judged.fit.filtered
+        return None
+    return _likeliest(diagnosis.found)
+
+
+def corrected(found: Findings, judged: Judged) -> tuple[Model, Filtered]:
+    """Return the model with a candidate in it, and with forces between frames as frames with it put them right."""
     if found.settled is not None and found.settled[0] is judged:
-        _, model, filtered = found.settled
+        return found.settled[1:]
+    return found.model, judged.fit.filtered
+
+
+def _outputs(diagnosis: Diagnosis, motions: dict[int, FrameMotion]) -> Outputs:
+    """Return the runs as the engine gives them with the effects in them, empty where no candidate has evidence.
+
+    Their motions are put beside them.
+    """
+    found, judged = diagnosis.found, shown_after(diagnosis)
+    if judged is None:
+        return {}
+    model, filtered = corrected(found, judged)
     runs = (*found.training, *found.held_out)
     try:
-        outputs = simulate_engine(model, filtered.values, filtered.effects, runs)
+        outputs = simulate_engine(model, filtered.values, filtered.effects, runs, motions)
     except CaseError:
-        if decision.named:
+        if diagnosis.decision.named:
             raise
         # Nothing is claimed of it: the report says then what the baseline model leaves.
+        motions.clear()
         return {}
     return dict(zip(runs, outputs, strict=True))
 

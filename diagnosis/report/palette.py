@@ -1,3 +1,6 @@
-"""Colours of the report: what was simulated before and after, and what stands back."""
+"""Colours of the report, told apart by the colour-blind too (Okabe and Ito 2008), from dark to light in a grey print.
 
-BLUE, ORANGE, GREY = "#2b6cb0", "#dd6b20", "#4a5568"
+Black is what was measured, blue what the calibrated model gives, orange the model with what was found, green the baseline.
+"""
+
+BLACK, BLUE, ORANGE, GREEN, GREY = "#000000", "#0072b2", "#e69f00", "#009e73", "#4a5568"

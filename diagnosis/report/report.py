@@ -147,8 +147,36 @@ class Remainder(Struct, frozen=True, kw_only=True):
     statement: str
 
 
+class LoopMeasure(Struct, frozen=True, kw_only=True):
+    """A measure of a loop of force over drift, from -1 to 1: as measured, by the law, standard error of the difference."""
+
+    measured: float
+    law: float
+    std: float
+
+
+class Shape(Struct, frozen=True, kw_only=True):
+    """The shape of what was found, beside the catalogue's and the measured loop's.
+
+    Attributes:
+        statement: What is said of it.
+        frame, storey: Where the loop is; unset without one.
+        fullness: Which part of the force goes with the drift's rate, a correlation.
+        bend: Which part of it goes with the drift's cube beyond the drift, a correlation.
+    """
+
+    statement: str
+    frame: str | UnsetType = UNSET
+    storey: int | UnsetType = UNSET
+    fullness: LoopMeasure | UnsetType = UNSET
+    bend: LoopMeasure | UnsetType = UNSET
+
+
 class CalibratedParameter(Struct, frozen=True, kw_only=True):
-    """A parameter of the baseline model after calibration, as a factor or in its unit, with its standard deviations."""
+    """A parameter of the baseline model after calibration, as a factor or in its unit, with its standard deviations.
+
+    `measured` is what can be read from the measurements without a model, `resolution` how finely; unset where nothing can.
+    """
 
     parameter: str
     baseline: float
@@ -160,6 +188,8 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     floor: int | UnsetType = UNSET
     mode: int | UnsetType = UNSET
     channel: str | UnsetType = UNSET
+    measured: float | UnsetType = UNSET
+    resolution: float | UnsetType = UNSET
 
     def where(self) -> str:
         """Return the place in words, for a table's cell."""
@@ -195,6 +225,7 @@ class Report(Struct, frozen=True, kw_only=True):
         warnings: Sentences.
         modal: Every modal datum; of cases with modal data alone.
         advice: Sentences on further measurements.
+        shape: What is said of the shape of what was found; of a report that is written to a folder.
         channels, smallest_detectable, apart, thresholds, origin: Details of a report that is written to a folder.
     """
 
@@ -211,6 +242,7 @@ class Report(Struct, frozen=True, kw_only=True):
     calibration: tuple[CalibratedParameter, ...] | None = None
     modal: tuple[ModalRow, ...] | UnsetType = UNSET
     advice: tuple[str, ...] | UnsetType = UNSET
+    shape: Shape | UnsetType = UNSET
     channels: tuple[ChannelMisfit, ...] | UnsetType = UNSET
     smallest_detectable: tuple[Detectability, ...] | UnsetType = UNSET
     apart: tuple[Distinction, ...] | UnsetType = UNSET

@@ -10,6 +10,7 @@ from msgspec import UnsetType
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.decision.claims import Claim
+from pounding.diagnosis.design.detectability import Detectability, Sized
 from pounding.diagnosis.model.nuisance import (
     BASE_STIFFNESS,
     CHANNEL_DELAY_S,
@@ -67,6 +68,39 @@ def storeys_that_moved(report: Report) -> str:
         for one in report.calibration or ()
         if one.parameter == "storey_stiffness" and one.prior_std
     )
+
+
+def beside_the_verdict(report: Report) -> list[str]:
+    """Return what stands under the verdict in its box: the law's shape, what remains, the least change that would show."""
+    said = [report.shape.statement] if report.shape else []
+    said += [f"what remains: {report.remainder.statement}"] if report.remainder else []
+    said += least_change(report)
+    return [f"{one[0].upper()}{one[1:]}." for one in said]
+
+
+def least_change(report: Report) -> list[str]:
+    """Return the smallest change of a storey's stiffness that this data could have shown; nothing where it is not known."""
+    known = [one for one in report.smallest_detectable or () if one.effect == "stiffness_change"]
+    return [
+        f"the smallest change of a storey's stiffness that this data could have shown is {_least(one)}"
+        for one in known
+    ]
+
+
+def _least(one: Detectability) -> str:
+    if one.best is None:
+        return "larger than any"
+    best = f"{_change(one.best)} in {one.best.where()}"
+    if one.places == 1:
+        return best
+    if one.worst is None:
+        return f"{best}; at {one.places - one.shown} of {one.places} storeys none would show"
+    return f"{best}, and {_change(one.worst)} in {one.worst.where()}, where it shows least"
+
+
+def _change(one: Sized) -> str:
+    value = one.parameters[0].value
+    return f"{100 * abs(value):.2g} %" if isinstance(value, float) else one.size()
 
 
 def _of_modal_data(report: Report) -> str:

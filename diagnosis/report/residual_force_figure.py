@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,6 +10,7 @@ from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.residual_force import ResidualForce, residual_force
 from pounding.diagnosis.inference.storey_force import storey_force
+from pounding.diagnosis.report.loops import Loops, without_forces
 from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
 
 SHOWN_S = 1.5
@@ -20,16 +19,23 @@ LEAST = 8
 """Seconds shown against time, and bins of the means with the least number of samples in one."""
 
 
-def residual_force_figure(diagnosis: Diagnosis) -> Figure:
+def residual_force_figure(diagnosis: Diagnosis, loop: Loops | None = None) -> Figure:
     """Return the picture of the storey in question in the strongest run that was used.
 
     The model is that of the verdict without its effects, so that their force is the residual.
+
+    Args:
+        diagnosis: What was found and decided.
+        loop: The loops of the named storey, whose estimate is taken where it is of this model.
     """
     found, decision = diagnosis.found, diagnosis.decision
     model, named = found.model, decision.named
     fit = (decision.judged if named else found.null).fit.filtered
     run = max(found.training, key=lambda number: float(np.ptp(model.observed.runs[number].table)))
-    left = residual_force(model, replace(fit, effects=()), run)
+    if named and loop is not None and found.settled is None:
+        left = loop.measured[0]
+    else:
+        left = residual_force(model, without_forces(fit), run)
     storey = _storey(diagnosis, left)
     frame, number = model.structure.place(storey)
     force, std = left.force[:, storey], float(left.std[storey])

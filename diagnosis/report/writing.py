@@ -14,13 +14,16 @@ from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.report.details import detailed
 from pounding.diagnosis.report.figures import figures
+from pounding.diagnosis.report.loops import loops
 from pounding.diagnosis.report.making import Made
 from pounding.diagnosis.report.modal import contents, drawing
+from pounding.diagnosis.report.on_the_frame import on_the_frame, write_frames
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.report_text import (
     LN_BAYES,
     against_the_next,
     assumptions,
+    beside_the_verdict,
     next_steps,
     number,
     percent,
@@ -33,22 +36,29 @@ Pictures = Mapping[str, bytes]
 """PNG by name."""
 
 
-def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
+def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool = False) -> Report:
     """Write the files of the report on runs, `report.json` last; each appears whole or not at all.
 
     Args:
         diagnosis: The diagnosis.
         made: The report and what was simulated for it.
         folder: The folder; it is made if it is missing.
+        film: Whether to film the run before and after over each other.
 
     Returns:
         The report as written: with what `pounding.diagnosis.report.details.detailed` adds.
 
     Raises:
         CaseError: The folder cannot be made or written.
+        FrameError: VTK files, picture or film cannot be written.
+        MissingExtraError: A film is asked for and imageio-ffmpeg is not installed.
     """
-    report = detailed(diagnosis, made)
-    pictures = figures(diagnosis, report, made.outputs)
+    loop = loops(diagnosis)
+    report = detailed(diagnosis, made, loop)
+    pictures = figures(diagnosis, report, made.outputs, loop)
+    shown = on_the_frame(diagnosis, made.motions)
+    if (picture := write_frames(shown, folder, film=film)) is not None:
+        pictures["on_the_frame"] = picture
     case, stated = diagnosis.case, assumptions(diagnosis.case, report)
     _write(
         folder,
@@ -59,6 +69,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path) -> Report:
         next_steps=next_steps(case, report),
         against_the_next=against_the_next(report),
         assumptions=stated,
+        frame_run=shown.run,
     )
     return report
 
@@ -100,5 +111,10 @@ def _page(template: str, *, report: Report, pictures: Pictures, **more: Any) -> 
     environment.filters |= {"number": number, "percent": percent}
     embedded = {name: base64.b64encode(picture).decode() for name, picture in pictures.items()}
     return environment.get_template(template).render(
-        report=report, sentence=sentence(report), ln_bayes=LN_BAYES, pictures=embedded, **more
+        report=report,
+        sentence=sentence(report),
+        beside=beside_the_verdict(report),
+        ln_bayes=LN_BAYES,
+        pictures=embedded,
+        **more,
     )

@@ -14,7 +14,8 @@ from pounding import bounds
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.console import estimates, options
-from pounding.experiments.console.output import emit, progress_console
+from pounding.experiments.console.output import emit, progress_console, warn
+from pounding.experiments.pictures import films
 from pounding.extras import extra_module
 from pounding.frames import load
 
@@ -51,6 +52,10 @@ def diagnose(
             negative=(),
             help="Simulate this very rig for the confidence: up to 15 minutes, goes on where it was interrupted.",
         ),
+    ] = False,
+    film: Annotated[
+        bool,
+        Parameter(negative=(), help="Write a film of the run before and after over each other to --out."),
     ] = False,
     json: options.Json = False,
     benchmark: Annotated[
@@ -110,9 +115,9 @@ def diagnose(
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
     """
     if benchmark is not None:
-        if case is not None or candidates is not None or calibrate or trust:
+        if case is not None or candidates is not None or calibrate or trust or film:
             raise CaseError(
-                "--benchmark draws its own cases; leave out the case, --candidates, --trust and --calibrate"
+                "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate and --film"
             )
         estimates.announce(estimates.of_benchmark(first or benchmark))
         _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
@@ -132,7 +137,11 @@ def diagnose(
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
     if trust and candidates is None:
         raise CaseError("--trust belongs to --candidates; leave it out or name the file that you trust")
+    if film and out is None:
+        warn("--film needs a folder: nothing is written without --out")
     # Said before the diagnosis, which takes minutes.
+    if film and out is not None:
+        films.require()
     if calibrate:
         extra_module("joblib")
     if candidates is not None:
@@ -148,7 +157,9 @@ def diagnose(
         _ask_to_execute(candidates)
     estimates.announce(*_works(read, calibrate))
     with _bar() as told:
-        report = workflow.diagnose(read, out, told, candidates_file=candidates, calibrate=calibrate)
+        report = workflow.diagnose(
+            read, out, told, candidates_file=candidates, calibrate=calibrate, film=film
+        )
     emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
 
 

@@ -87,6 +87,7 @@ def film(
     size: tuple[int, int] | None = None,
     progress: Callable[[float], None] | None = None,
     processes: int | None = None,
+    behind: Motion | None = None,
 ) -> Film:
     """Film the frames on their table.
 
@@ -103,6 +104,7 @@ def film(
         size: Width and height [pixels].
         progress: Called with the share that is done, 0 to 1.
         processes: How many processes draw; as many as there are cores when None.
+        behind: Another run of the same frames, drawn as blue lines.
 
     Returns:
         What the film shows.
@@ -128,7 +130,7 @@ def film(
         raise FrameError(reason)
     width, height = size or size_of(motion)
     drawn = round(OVERSIZE * width), round(OVERSIZE * height)
-    shown = instants(motion, times, exposure_s=step)
+    shown = instants(motion, times, exposure_s=step, behind=behind)
     images = film_images.images(setting(motion, title=title), shown, drawn, processes or film_images.cores())
     with replacing(path) as part, closing(images):
         first = next(images)

@@ -51,6 +51,9 @@ ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
 RED = "#b3262e"
 
+BEHIND = "#0072b2"
+"""Colour of the lines of another run."""
+
 
 class Instant(NamedTuple):
     """What differs from image to image.
@@ -59,11 +62,13 @@ class Instant(NamedTuple):
         time_s: The moment [s].
         coordinates: Coordinates of each frame, (n,) [m].
         forces_n: Force of each contact [N].
+        behind: Coordinates of each frame in another run, drawn as lines; empty without one.
     """
 
     time_s: float
     coordinates: tuple[Real, ...]
     forces_n: tuple[float, ...]
+    behind: tuple[Real, ...] = ()
 
 
 class Place(NamedTuple):
@@ -113,7 +118,9 @@ def setting(motion: Motion, *, title: str = "") -> Setting:
     )
 
 
-def instants(motion: Motion, times_s: ArrayLike, *, exposure_s: float = 0.0) -> list[Instant]:
+def instants(
+    motion: Motion, times_s: ArrayLike, *, exposure_s: float = 0.0, behind: Motion | None = None
+) -> list[Instant]:
     """Return what a run shows at some times.
 
     Args:
@@ -121,14 +128,18 @@ def instants(motion: Motion, times_s: ArrayLike, *, exposure_s: float = 0.0) -> 
         times_s: The times (k,) [s].
         exposure_s: Time that an image stands for [s]. Its force is the largest in so long a time before it,
             for an impact may begin and end between two images.
+        behind: Another run of the same frames, to be drawn as lines.
     """
     times = np.asarray(times_s, float)
     moved = zip(*(frame.sampled(times)[0] for frame in motion.frames), strict=True)
     forces = [_forces(contact, times, exposure_s) for contact in motion.contacts]
     rows = zip(*forces, strict=True) if forces else [()] * len(times)
+    lines: Any = [()] * len(times)
+    if behind is not None:
+        lines = zip(*(frame.sampled(times)[0] for frame in behind.frames), strict=True)
     return [
-        Instant(float(time), tuple(q), tuple(float(force) for force in row))
-        for time, q, row in zip(times, moved, rows, strict=True)
+        Instant(float(time), tuple(q), tuple(float(force) for force in row), tuple(other))
+        for time, q, row, other in zip(times, moved, rows, lines, strict=True)
     ]
 
 
@@ -158,6 +169,7 @@ def picture(
     time_s: float | None = None,
     title: str = "",
     size: tuple[int, int] | None = None,
+    behind: Motion | None = None,
 ) -> None:
     """Draw the deformed frames on their table at one moment, at rest as outline.
 
@@ -167,6 +179,7 @@ def picture(
         time_s: The moment [s]; that of `largest_moment` when None.
         title: First line of the caption.
         size: Width and height [pixels].
+        behind: Another run of the same frames, drawn as blue lines.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
@@ -175,7 +188,7 @@ def picture(
     with plotter(size or size_of(motion)) as scene:
         stage = Stage(scene, setting(motion, title=title))
         stage.add_rest()
-        stage.show(instants(motion, [moment])[0])
+        stage.show(instants(motion, [moment], behind=behind)[0])
         save(scene, path)
 
 
@@ -247,6 +260,8 @@ class Stage:
         setting = self._setting
         for actor, q in zip(self._actors, instant.coordinates, strict=True):
             actor.move(q)
+        for actor, q in zip(self._actors, instant.behind, strict=False):
+            actor.move_behind(q)
         words = [
             setting.title,
             f"t = {instant.time_s:6.3f} s, displacement enlarged {setting.factor:g} times",
@@ -288,6 +303,7 @@ class _Actor:
         self._scene = scene
         self._stress: StressMap | None = stress_map(reduced) if stressed else None
         self._q: Real = np.zeros(reduced.size)
+        self._behind: Any = None
 
     def values(self, q: Real) -> Real:
         """Return the stress [MPa] of the elements or, for sticks, the displacement [mm] of the nodes."""
@@ -314,6 +330,14 @@ class _Actor:
         self._lines.Modified()
         data, name = self._field
         data[name][:] = self.values(q)
+
+    def move_behind(self, q: Real) -> None:
+        """Move the lines of another run, which are added when they are first seen."""
+        nodes = self.shape.nodes + self.place + self.factor * self.shape.moved(q)
+        if self._behind is None:
+            self._behind = add_lines(self._scene, self.shape, nodes, colour=BEHIND)
+        self._behind.points[:] = nodes
+        self._behind.Modified()
 
     def edge(self, floor: int, side: float) -> Real:
         """Return where the front corner of a floor's left (-1) or right (1) edge is drawn (3,) [m]."""

@@ -108,7 +108,7 @@ def grid(shape: Shape, displacement: Real | None = None, *, factor: float = 1.0)
     return pyvista.PolyData(np.array(nodes, float), faces.ravel())
 
 
-def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> Any:
+def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False, colour: str = "") -> Any:
     """Add the outlines of floors and columns and return them; pale ones for a frame at rest.
 
     Args:
@@ -116,12 +116,15 @@ def add_lines(scene: Any, shape: Shape, nodes: Real, *, ghost: bool = False) -> 
         shape: Floors and columns.
         nodes: Where the nodes are (nodes, 3) [m].
         ghost: Draw a pale frame at rest.
+        colour: Draw a frame of another run in thick lines of this colour.
     """
     import pyvista
 
     lines = np.column_stack([np.full(len(shape.outline), 2), shape.outline])
     drawn = pyvista.PolyData(np.array(nodes, float), lines=lines.ravel())
     style = {"color": GHOST, "line_width": 1.0} if ghost else {"color": INK, "line_width": 1.2}
+    if colour:
+        style = {"color": colour, "line_width": 2.0}
     scene.add_mesh(drawn, **style)
     return drawn
 
