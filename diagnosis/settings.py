@@ -575,6 +575,9 @@ class Report:
     Origin: chosen."""
     loop_apart: float = 3.0
     """[standard errors] Measures of a measured loop and of the law's that differ less are called alike. Origin: chosen."""
+    loop_size: float = 0.03
+    """[-] Measures of the two loops, correlations, that differ less are called alike. Origin: chosen: less is not seen in a
+    picture."""
     like: float = 0.03
     """[-] A sensor's gain so near to that of another unit or polarity is called that. Origin: chosen."""
 

@@ -69,6 +69,9 @@ def _before_after(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
     simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
     if outputs:
         simulated["after"] = (outputs[run], ORANGE)
+    told = (
+        {} if diagnosis.decision.named else {"after": " (with the likeliest candidate, which is not claimed)"}
+    )
     measured = data.measured[:, channel] / scale
     figure = _figure(9, 5.4)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
@@ -77,7 +80,11 @@ def _before_after(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
         rms = float(np.sqrt(np.nanmean(difference**2)))
         # What lies nearer to the measurement is drawn wider, so that both stand out behind it.
         upper.plot(
-            data.time_s, output[:, channel] / scale, color=colour, lw=width, label=f"simulated, {name}"
+            data.time_s,
+            output[:, channel] / scale,
+            color=colour,
+            lw=width,
+            label=f"simulated, {name}{told.get(name, '')}",
         )
         label = f"{name}: simulated − measured, rms {rms:.3g} {unit}"
         lower.plot(data.time_s, difference, color=colour, lw=1.0, label=label)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import CubicSpline
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.residual_force import ResidualForce
@@ -13,6 +14,8 @@ from pounding.diagnosis.report.palette import BLACK, BLUE, GREY, ORANGE
 
 CYCLES = 3.0
 """Cycles of the frame's first frequency that are drawn as loops, about the largest drift."""
+FINER = 4
+"""Points a sample at which loops are drawn: fast frames have few samples a cycle."""
 BINS = 20
 LEAST = 8
 """Bins of drift for the means of each branch, and the least number of samples in one."""
@@ -58,16 +61,22 @@ def _about_the_largest(motion: ResidualForce, storey: int, length_s: float) -> n
 
 def _loop(axes: Axes, measured: ResidualForce, law: ResidualForce, storey: int, part: np.ndarray) -> None:
     drift, force = 1e3 * measured.drift[part, storey], measured.force[part, storey]
-    axes.plot(
-        1e3 * law.drift[part, storey], law.force[part, storey], color=ORANGE, lw=2.6, label="by the law"
-    )
+    axes.plot(*_between(law, storey, part), color=ORANGE, lw=2.6, label="by the law")
     axes.errorbar(
         drift, force, 2 * measured.std[storey], fmt="none", ecolor=GREY, alpha=0.25, elinewidth=1.5,
         label="± 2 standard errors",
     )  # fmt: skip
-    axes.plot(drift, force, color=BLACK, lw=1.0, label="measured")
+    axes.plot(*_between(measured, storey, part), color=BLACK, lw=1.0, label="measured")
     axes.axhline(0, color=GREY, lw=0.6)
     axes.grid(alpha=0.25)
+
+
+def _between(one: ResidualForce, storey: int, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return drift [mm] and force [N] at the samples of a part and smoothly between them, (points,) each."""
+    times = one.time_s[part]
+    finer = np.linspace(times[0], times[-1], FINER * (len(times) - 1) + 1)
+    drift, force = (CubicSpline(times, series[part, storey])(finer) for series in (one.drift, one.force))
+    return 1e3 * drift, force
 
 
 def _branches(axes: Axes, loop: Loops) -> None:

@@ -56,18 +56,21 @@ class Difference:
 
     @property
     def apart(self) -> bool:
-        """Whether the difference exceeds its standard error clearly."""
-        return abs(self.measured - self.law) > SETTINGS.report.loop_apart * self.std
+        """Whether the difference exceeds its standard error clearly, and is large enough to be seen."""
+        needed = max(SETTINGS.report.loop_apart * self.std, SETTINGS.report.loop_size)
+        return abs(self.measured - self.law) > needed
 
 
 def loops(diagnosis: Diagnosis) -> Loops | None:
-    """Return the loops of the storey in which the shown candidate has most force; None where it acts in no storey.
+    """Return the loops of the storey in which the shown candidate has most force.
+
+    None where it acts in no storey, and where nothing is missing.
 
     Args:
         diagnosis: What was found and decided.
     """
     judged, found = shown_after(diagnosis), diagnosis.found
-    if judged is None:
+    if judged is None or diagnosis.conclusion.verdict == "nothing_missing":
         return None
     model, fit = corrected(found, judged)
     strongest = _strongest(model, found.training)

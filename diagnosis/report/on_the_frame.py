@@ -89,10 +89,10 @@ def _apart(diagnosis: Diagnosis, built: Sequence[frames.ReducedFrame], body: Fra
     moved = []
     for number, reduced in enumerate(built):
         span, shape = diagnosis.found.model.structure.span(number), _shape(reduced)
-        series = (
+        place, rate, change = (
             one[:, span] @ shape.T for one in (body.displacement_m, body.velocity_m_s, body.acceleration_m_s2)
         )
-        moved.append(FrameMotion(reduced, body.time_s, *series, body.table_m_s2))
+        moved.append(FrameMotion(reduced, body.time_s, place, rate, change, body.table_m_s2))
     nothing = np.zeros(len(body.time_s))
     energy = EnergyBalance(body.time_s, nothing, nothing, nothing, nothing, nothing, nothing)
     return Motion(tuple(moved), (), energy, 0.0, 0.0, len(body.time_s))

@@ -23,14 +23,14 @@ BENT = (
 
 
 def shape(diagnosis: Diagnosis, loop: Loops | None) -> Shape | None:
-    """Return what is said of the shape of what the shown candidate is; None where none is shown.
+    """Return what is said of the shape of the shown candidate's law; None where none is shown, or nothing is missing.
 
     Args:
         diagnosis: What was found and decided.
         loop: The loops of the named storey, if there is one.
     """
     judged = shown_after(diagnosis)
-    if judged is None:
+    if judged is None or diagnosis.conclusion.verdict == "nothing_missing":
         return None
     said = [
         words
@@ -38,6 +38,8 @@ def shape(diagnosis: Diagnosis, loop: Loops | None) -> Shape | None:
         for words in departures(diagnosis.found, effect, values, std)
     ]
     name = " and ".join(place_of(effect).words() for effect in judged.effects)
+    if not diagnosis.decision.named:
+        name = f"nearest is {name}"
     if loop is None:
         return Shape(statement=f"{name}; {', and '.join(said)}") if said else None
     full, bent = fullness(loop), bend(loop)

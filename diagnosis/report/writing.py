@@ -29,6 +29,7 @@ from pounding.diagnosis.report.report_text import (
     percent,
     sentence,
 )
+from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.errors import FrameError
 from pounding.frames.files import write_whole
 
@@ -70,6 +71,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         against_the_next=against_the_next(report),
         assumptions=stated,
         frame_run=shown.run,
+        settings=SETTINGS.report,
     )
     return report
 
