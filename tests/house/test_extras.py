@@ -111,6 +111,7 @@ def test_without_any_extra_a_frame_is_shaken_and_two_collide(tmp_path: Path) -> 
             "imageio_ffmpeg",
             ["pound", "10", "5B", "--gap", "5", "--record", "elcentro-chopra", "--film", "--out", "OUT"],
         ),
+        ("imageio_ffmpeg", ["diagnose", "case", "--film", "--out", "OUT"]),
         ("joblib", ["diagnose", "case", "--calibrate", "--out", "OUT"]),
         ("pint", ["diagnose", "case", "--candidates", "mine.py", "--out", "OUT"]),
         ("pysindy", ["diagnose", "--benchmark", "1", "--way", "sparse-pysindy", "--out", "OUT"]),

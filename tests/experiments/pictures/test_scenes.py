@@ -249,3 +249,20 @@ def marked(variable):
             if variable.encode() in (folder / "environ").read_bytes():
                 found.append(folder.name)
     return found
+
+
+def test_another_run_stands_behind_in_blue_lines(collision, tmp_path):
+    def blue(name):
+        pixels = np.asarray(Image.open(tmp_path / name).convert("RGB")).astype(int)
+        return int(np.sum((pixels[..., 2] - pixels[..., 0] > 90) & (pixels[..., 1] > 70)))
+
+    def draw():
+        scenes.picture(collision, tmp_path / "alone.png", time_s=0.5)
+        scenes.picture(collision, tmp_path / "both.png", time_s=0.5, behind=collision)
+
+    if draws(draw, tmp_path):
+        assert blue("both.png") > blue("alone.png") + 300
+    (shown,) = scenes.instants(collision, [0.5], behind=collision)
+    for behind, own in zip(shown.behind, shown.coordinates, strict=True):
+        np.testing.assert_array_equal(behind, own)
+    assert scenes.instants(collision, [0.5])[0].behind == ()
