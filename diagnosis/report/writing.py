@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +73,25 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         frame_run=shown.run,
         settings=SETTINGS.report,
     )
+    made_now = [*(f"{name}.png" for name in pictures), *(["after.pvd"] if shown.after else [])]
+    forget(folder, [*made_now, *(["before_after.mp4"] if film else [])])
     return report
+
+
+SOMETIMES = ("force_over_drift.png", "on_the_frame.png", "after.pvd", "before_after.mp4")
+"""Files that not every report has."""
+
+
+def forget(folder: Path, written: Sequence[str]) -> None:
+    """Remove what a former report left in a folder and the present one does not have.
+
+    Args:
+        folder: The folder.
+        written: Names of the files that were written now.
+    """
+    for name in SOMETIMES:
+        if name not in written:
+            (folder / name).unlink(missing_ok=True)
 
 
 def write_modal_report(case: Case, report: Report, folder: Path) -> None:

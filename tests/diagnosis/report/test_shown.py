@@ -27,6 +27,7 @@ from pounding.diagnosis.report.report import Shape
 from pounding.diagnosis.report.report_text import beside_the_verdict
 from pounding.diagnosis.report.shape import departs, shape
 from pounding.diagnosis.report.transmissibility import answers
+from pounding.diagnosis.report.writing import SOMETIMES, forget
 from tests.diagnosis.models import STEP_S, measured
 from tests.diagnosis.report.test_report import of_runs
 
@@ -180,6 +181,13 @@ def test_both_series_have_the_same_stated_times_about_the_largest_difference(tmp
     assert times[0] == times[1]
     np.testing.assert_allclose(np.diff(times[0]), 0.02)
     assert 20 <= len(times[0]) <= 51
+
+
+def test_what_a_former_report_left_is_removed_and_nothing_else(tmp_path: Path) -> None:
+    for name in (*SOMETIMES, "mine.txt"):
+        (tmp_path / name).write_text("old")
+    forget(tmp_path, ["on_the_frame.png"])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.txt", "on_the_frame.png"]
 
 
 def test_without_evidence_there_is_no_after_and_no_loop() -> None:
