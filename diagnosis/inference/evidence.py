@@ -10,12 +10,21 @@ from scipy.special import logsumexp
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.discrepancy import SCALES, wider
-from pounding.diagnosis.inference.filtering import Filtered, motions, run_signatures, whitened_innovations
+from pounding.diagnosis.inference.filtering import (
+    Filtered,
+    motions,
+    signature_pieces_of_run,
+    whitened_innovations,
+)
 from pounding.diagnosis.inference.numbers import PROBE, Numbers
+from pounding.diagnosis.inference.posterior import add_products
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.terms import nuisance_terms
+
+AT_ONCE = 512
+"""Samples whose signatures are in memory while candidates are scored."""
 
 
 @dataclass(frozen=True)
@@ -113,15 +122,13 @@ def score(
     for number, motion in enumerate(motions(model, filtered)):
         groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
         groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
-        signature = run_signatures(model, filtered, number, groups)
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
-        signature = signature.astype(float)
-        signature *= np.concatenate([spread, width])
-        if present:
-            nuisance = len(spread)
-            signature = np.hstack([signature[:, :nuisance], present[number], signature[:, nuisance:]])
-        gram += signature.T @ signature
-        slope += signature.T @ residuals[number]
+        for rows, signature in signature_pieces_of_run(model, filtered, number, groups, AT_ONCE):
+            wide = signature * np.concatenate([spread, width])
+            if present:
+                nuisance = len(spread)
+                wide = np.hstack([wide[:, :nuisance], present[number][rows], wide[:, nuisance:]])
+            add_products(gram, slope, wide, residuals[number][rows])
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)

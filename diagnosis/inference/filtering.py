@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,8 @@ from pounding.diagnosis.model.kalman import Noise, SteadyFilter, linear_system, 
 from pounding.diagnosis.model.model import Acting, Model, Prediction
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION
-from pounding.diagnosis.model.sensitivity import Term, signatures
+from pounding.diagnosis.model.sensitivity import Term, signature_pieces
+from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion
 
@@ -222,7 +223,7 @@ def grouped_signatures(
         filtered: The filtered model.
         groups: For each run and each column the terms whose signatures are summed.
     """
-    return [run_signatures(model, filtered, number, columns) for number, columns in enumerate(groups)]
+    return side_by_side(lambda one: run_signatures(model, filtered, *one), list(enumerate(groups)))
 
 
 def run_signatures(
@@ -236,13 +237,32 @@ def run_signatures(
         number: Number of the run among those of the filtered model.
         columns: For each column the terms whose signatures are summed.
     """
+    samples = len(filtered.prediction.innovations[number])
+    return next(signature_pieces_of_run(model, filtered, number, columns, samples))[1]
+
+
+def signature_pieces_of_run(
+    model: Model, filtered: Filtered, number: int, columns: Sequence[list[Term]], piece: int
+) -> Iterator[tuple[slice, np.ndarray]]:
+    """Yield `run_signatures` of some samples at a time: its rows among (samples * channels), and these rows.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+        columns: For each column the terms whose signatures are summed.
+        piece: Samples at a time.
+    """
     steady = filtered.filters[number]
     good = np.isfinite(model.observed.runs[filtered.runs[number]].measured)
-    if good.all():
-        each = signatures(steady, columns, np.linalg.inv(_factor(steady)))
-    else:
-        each = whitened(signatures(steady, columns, np.eye(good.shape[1])), steady, good)
-    return each.reshape(-1, each.shape[2])
+    channels = good.shape[1]
+    shown = np.linalg.inv(_factor(steady)) if good.all() else np.eye(channels)
+    first = 0
+    for each in signature_pieces(steady, columns, shown, piece):
+        last = first + len(each)
+        seen = each if good.all() else whitened(each, steady, good[first:last])
+        yield slice(first * channels, last * channels), seen.reshape(-1, each.shape[2])
+        first = last
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:

@@ -15,7 +15,7 @@ from pounding.diagnosis.inference.filtering import (
     whitened_innovations,
     whitened_runs,
 )
-from pounding.diagnosis.inference.posterior import Likelihood
+from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
@@ -37,6 +37,7 @@ class Histories(Likelihood):
         filtered: Filtered,
         coordinates: Coordinates,
         nuisance_columns: list[np.ndarray] | None = None,
+        gram: np.ndarray | None = None,
     ) -> None:
         """Take the model, its filter at the parameters in question, and how these follow from theta.
 
@@ -46,11 +47,13 @@ class Histories(Likelihood):
             coordinates: Nuisance parameters and effects.
             nuisance_columns: For each run whitened signatures of the nuisance parameters, shape (samples * channels,
                 nuisance), from a filter near this one, which are good enough.
+            gram: Products of these columns, shape (nuisance, nuisance).
         """
         self.model, self.filtered, self.coordinates = model, filtered, coordinates
         self._fresh = nuisance_columns is None
         self._columns = nuisance_columns
         self._effects: tuple[bytes, list[np.ndarray]] | None = None
+        self._gram = gram
 
     @property
     def log_normaliser(self) -> float:
@@ -63,7 +66,9 @@ class Histories(Likelihood):
         if self._is_here(nuisance, acting):
             return self._half_squares(self.filtered.prediction.innovations)
         gains = [steady.gain for steady in self.filtered.filters]
-        return self._half_squares(self.model.predict(nuisance, gains, acting, self.filtered.runs).innovations)
+        return self._half_squares(
+            self.model.predict(nuisance, gains, acting, self.filtered.runs, whole=False).innovations
+        )
 
     def _is_here(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]]) -> bool:
         """Return whether the filter was run with just these parameters."""
@@ -104,7 +109,32 @@ class Histories(Likelihood):
         if filtered.log_likelihood < self.filtered.log_likelihood - SETTINGS.refinement.worse:
             return None
         # The nuisance parameters' signatures are good for one step more.
-        return Histories(self.model, filtered, self.coordinates, self._columns if self._fresh else None)
+        kept = (self._columns, self._gram) if self._fresh else (None, None)
+        return Histories(self.model, filtered, self.coordinates, *kept)
+
+    def normal_equations(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return information and slope of the data; what the nuisance parameters have among themselves is kept."""
+        own = len(self.coordinates.scale)
+        gram, slope = np.zeros((len(theta), len(theta))), np.zeros(len(theta))
+        if self._gram is None:
+            self._gram = np.zeros((own, own))
+            for columns in self.nuisance_columns():
+                add_products(self._gram, np.zeros(own), columns, np.zeros(len(columns)))
+        gram[:own, :own] = self._gram
+        residuals = whitened_innovations(self.model, self.filtered)
+        effects = self.effect_columns(theta)
+        for residual, nuisance, acting in zip(residuals, self.nuisance_columns(), effects, strict=True):
+            wide = acting.astype(float)
+            both = np.column_stack([wide, residual])
+            gram[own:, own:] += wide.T @ wide
+            slope[own:] += wide.T @ residual
+            crossed = np.zeros((own, both.shape[1]))
+            for first in range(0, len(nuisance), PIECE):
+                crossed += nuisance[first : first + PIECE].astype(float).T @ both[first : first + PIECE]
+            gram[:own, own:] += crossed[:, :-1]
+            slope[:own] += crossed[:, -1]
+        gram[own:, :own] = gram[:own, own:].T
+        return gram, slope
 
     def nuisance_columns(self) -> list[np.ndarray]:
         """Return whitened signatures of the nuisance parameters in units of their priors, (samples * channels, nuisance)."""
@@ -158,7 +188,9 @@ class Histories(Likelihood):
         moved = theta.copy()
         moved[len(coordinates.scale) + number] += delta
         gains = [steady.gain for steady in filtered.filters]
-        prediction = self.model.predict(filtered.values, gains, coordinates.acting(moved), filtered.runs)
+        prediction = self.model.predict(
+            filtered.values, gains, coordinates.acting(moved), filtered.runs, whole=False
+        )
         both = zip(filtered.prediction.innovations, prediction.innovations, strict=True)
         with np.errstate(over="ignore", invalid="ignore"):
             columns = [

@@ -62,6 +62,8 @@ DAMPED = Afresh(((0.0, 1.0), (0.1, 1.0), (1.0, 1.0), (10.0, 1.0)))
 SHORTENED = Afresh(((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05)))
 """Damping turns a step towards the slope, which helps about kinks; far from a maximum, as a calibration begins, shorter
 steps in the direction of Gauss and Newton get further."""
+PIECE = 2048
+"""Rows of which products are taken at a time."""
 STRIDES = (0.1, 0.03, 0.01)
 """Strides of the search along single coordinates."""
 
@@ -88,6 +90,17 @@ class Likelihood(Protocol):
             theta: The parameters in units of their priors, shape (parameters,).
         """
 
+    def normal_equations(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return information (parameters, parameters) and slope (parameters,) of the data.
+
+        Args:
+            theta: The parameters in units of their priors, shape (parameters,).
+        """
+        gram, slope = np.zeros((len(theta), len(theta))), np.zeros(len(theta))
+        for residual, columns in self.blocks(theta):
+            add_products(gram, slope, columns, residual)
+        return gram, slope
+
     def settled(self, theta: np.ndarray) -> Self | None:
         """Return the term as it is about theta, itself if it does not change, None if it is much less likely there.
 
@@ -96,6 +109,22 @@ class Likelihood(Protocol):
         """
         del theta
         return self
+
+
+def add_products(gram: np.ndarray, slope: np.ndarray, columns: np.ndarray, residual: np.ndarray) -> None:
+    """Add the products of columns with themselves and with residuals in double precision, in place.
+
+    Args:
+        gram: Takes columns' columns, shape (parameters, parameters).
+        slope: Takes columns' residual, shape (parameters,).
+        columns: Whitened slopes, shape (n, parameters).
+        residual: Whitened residuals, shape (n,).
+    """
+    # Piece by piece: a copy of them all in double precision would leave the processor's cache.
+    for first in range(0, len(columns), PIECE):
+        wide = columns[first : first + PIECE].astype(float, copy=False)
+        gram += wide.T @ wide
+        slope += wide.T @ residual[first : first + PIECE]
 
 
 @dataclass(frozen=True)
@@ -125,13 +154,9 @@ class Posterior:
 
     def normal_equations(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the information (parameters, parameters) and the slope (parameters,) of the data, the prior left out."""
-        gram, slope = np.zeros((len(theta), len(theta))), np.zeros(len(theta))
-        for term in self.terms:
-            for residual, columns in term.blocks(theta):
-                wide = columns.astype(float)
-                gram += wide.T @ wide
-                slope += wide.T @ residual
-        return gram, slope
+        each = [term.normal_equations(theta) for term in self.terms]
+        none = np.zeros((len(theta), len(theta))), np.zeros(len(theta))
+        return none[0] + sum(gram for gram, _ in each), none[1] + sum(slope for _, slope in each)
 
     def settled(self, theta: np.ndarray) -> Posterior | None:
         """Return the posterior with its terms about `theta`, shape (parameters,), None if one is much less likely there."""
@@ -227,13 +252,17 @@ def _strides(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.n
     for stride in STRIDES:
         for j in posterior.kinked:
             for sign in (1.0, -1.0):
+                gained = False
                 while True:
                     moved = theta.copy()
                     moved[j] += sign * stride
                     tried = posterior.cost(moved)
                     if tried > cost - SETTINGS.refinement.stride_gain:
                         break
-                    theta, cost = moved, tried
+                    theta, cost, gained = moved, tried, True
+                if gained:
+                    # The way back leads where it came from.
+                    break
     return theta, cost
 
 

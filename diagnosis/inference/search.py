@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from pounding.diagnosis.inference.null_model import best_null, null_again, unswa
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
 from pounding.diagnosis.settings import SETTINGS
 
 Progress = Callable[[str, float], None]
@@ -77,20 +79,30 @@ def _refined_best(
     scores = score(model, null.filtered, effects, sizes)
     found = Findings(model, judge(model, null, null, *runs), scores, sizes, *runs)
     chosen = _chosen(scores)
-    quick = []
-    for count, one in enumerate(chosen):
-        progress(f"refining {one.effect.label()}", 0.35 + 0.15 * count / max(len(chosen), 1))
-        quick.append(_refined(found, null.filtered, one, thorough=False))
+    quick = _each(
+        found,
+        partial(_refined, found, null.filtered, thorough=False),
+        chosen,
+        lambda one: progress(
+            f"refining {one.effect.label()}", 0.35 + 0.15 * chosen.index(one) / max(len(chosen), 1)
+        ),
+    )
     order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
     if chosen and 0 not in order[: SETTINGS.search.thorough]:
         # What scores best is refined to the end, however hard it is to start.
         order.insert(SETTINGS.search.thorough - 1, 0)
-    for count, i in enumerate(order[: SETTINGS.search.thorough]):
-        progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * count)
+    order = order[: SETTINGS.search.thorough]
+
+    def further(i: int) -> list[Fit]:
         fit = _refined(found, null.filtered, chosen[i], start=quick[i])
-        _keep(found, fit)
-        if isinstance(chosen[i].effect, BaseRocking):
-            _keep(found, softer(found, fit))
+        return [fit, softer(found, fit)] if isinstance(chosen[i].effect, BaseRocking) else [fit]
+
+    def told(i: int) -> None:
+        progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * order.index(i))
+
+    for fits in _each(found, further, order, told):
+        for fit in fits:
+            _keep(found, fit)
     _turned(found, effects)
     _ticked(found)
     if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
@@ -98,6 +110,20 @@ def _refined_best(
         _rescue(found, effects)
     _faded(found)
     return found
+
+
+def _each(
+    found: Findings,
+    function: Callable[[T], R],
+    pieces: Sequence[T],
+    told: Callable[[T], None] | None = None,
+) -> list[R]:
+    """Return what is refined for each piece, side by side where there is memory for it."""
+    observed = found.model.observed
+    samples = sum(observed.runs[run].measured.size for run in found.training)
+    if samples * len(found.model.std) < SETTINGS.search.side_by_side:
+        return side_by_side(function, pieces, told)
+    return in_turn(function, pieces, told)
 
 
 def _keep(found: Findings, fit: Fit) -> None:
@@ -227,10 +253,15 @@ def _ticked(found: Findings) -> None:
     if not leading or any(effect.where not in ("", "channel", "logger") for effect in leading):
         return
     start = _anew(found)
-    for clock, values in clocks(found.model, start, leading)[: SETTINGS.search.rescues]:
+
+    def ticked(tried: tuple[Effect, np.ndarray]) -> Fit:
+        clock, values = tried
         filtered = run_filter(found.model, start.values, start.noise, found.training, [(clock, values)])
         width = widths(found.model, clock, found.sizes, ())
-        _keep(found, refine(found.model, filtered, (clock,), (values,), (width,)))
+        return refine(found.model, filtered, (clock,), (values,), (width,))
+
+    for fit in _each(found, ticked, clocks(found.model, start, leading)[: SETTINGS.search.rescues]):
+        _keep(found, fit)
 
 
 def _faded(found: Findings) -> None:
@@ -244,9 +275,12 @@ def _faded(found: Findings) -> None:
     plain, fit = leading.effects[0], leading.fit
     rival = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
     usual = float(found.sizes.drift_rate[plain.index])
-    for share in SETTINGS.search.faded:
+
+    def fading(share: float) -> Fit:
         values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
-        faded = refine(found.model, fit.filtered, (rival,), (values,))
+        return refine(found.model, fit.filtered, (rival,), (values,))
+
+    for faded in _each(found, fading, SETTINGS.search.faded):
         if faded.values[0][2] < usual:
             _keep(found, faded)
 
@@ -258,9 +292,14 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
     """
     model = found.model
     start = _anew(found)
-    for effect, values in _hopeful(found, effects, start):
-        filtered = run_filter(model, start.values, start.noise, found.training, [(effect, values)])
-        _keep(found, refine(model, filtered, (effect,), (values,)))
+
+    def rescued(tried: tuple[Effect, np.ndarray]) -> Fit:
+        effect, values = tried
+        filtered = run_filter(model, start.values, start.noise, found.training, [tried])
+        return refine(model, filtered, (effect,), (values,))
+
+    for fit in _each(found, rescued, _hopeful(found, effects, start)):
+        _keep(found, fit)
 
 
 def _anew(found: Findings) -> Filtered:
@@ -283,8 +322,8 @@ def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> lis
         ]
     gains = [steady.gain for steady in start.filters]
     likeliest: dict[Effect, tuple[float, np.ndarray]] = {}
-    for effect, values in tried:
-        likely = _likely(found, start, gains, [(effect, values)])
+    each = side_by_side(lambda one: _likely(found, start, gains, [one]), tried)
+    for (effect, values), likely in zip(tried, each, strict=True):
         better = effect not in likeliest or likely > likeliest[effect][0]
         if np.isfinite(likely) and likely > start.log_likelihood + SETTINGS.search.rescued and better:
             likeliest[effect] = (likely, values)
@@ -316,7 +355,7 @@ def _likely(
     with np.errstate(over="ignore", invalid="ignore"):
         if acting[0][0].where not in ("storey", "channel"):
             return run_filter(model, start.values, start.noise, start.runs, acting).log_likelihood
-        prediction = model.predict(start.values, gains, acting, start.runs)
+        prediction = model.predict(start.values, gains, acting, start.runs, whole=False)
         return log_likelihood(model, prediction.innovations, start.filters, start.runs)
 
 
@@ -346,6 +385,10 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
     if found.later.ranked[0].ln_bayes < SETTINGS.search.second:
         return
-    for number, one in enumerate(found.later.ranked[: SETTINGS.search.seconds]):
-        if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival):
-            _keep(found, _refined(found, fit.filtered, one, fit))
+    worth = [
+        one
+        for number, one in enumerate(found.later.ranked[: SETTINGS.search.seconds])
+        if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival)
+    ]
+    for both in _each(found, lambda one: _refined(found, fit.filtered, one, fit), worth):
+        _keep(found, both)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, expm, solve_discrete_are
+from scipy.linalg import expm, solve_discrete_are
 
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
@@ -199,17 +199,18 @@ def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np
     scaled_step = step * size[None, :] / size[:, None]
     scaled_covariance = covariance / np.outer(size, size)
     scaled_output = output * size
-    try:
-        solution = solve_discrete_are(
-            scaled_step.T, scaled_output.T, scaled_covariance + 1e-12 * np.eye(n), np.eye(len(output))
-        )
-    except (LinAlgError, ValueError):
-        solution = _doubling(scaled_step, scaled_output, scaled_covariance)
+    scaled_covariance += 1e-12 * np.eye(n)
+    solution = _doubling(scaled_step, scaled_output, scaled_covariance)
+    if solution is None:
+        solution = solve_discrete_are(scaled_step.T, scaled_output.T, scaled_covariance, np.eye(len(output)))
     return np.asarray(solution * np.outer(size, size))
 
 
-def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Solve the Riccati equation by structure-preserving doubling (Chu, Fan, Lin and Wang 2004)."""
+def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray | None:
+    """Solve the Riccati equation by structure-preserving doubling (Chu, Fan, Lin and Wang 2004).
+
+    It costs a third of an ordered QZ decomposition, less for many states. None is returned where it does not converge.
+    """
     a, g, h = step.T.copy(), output.T @ output, covariance.copy()
     identity = np.eye(len(step))
     for _ in range(60):
@@ -217,7 +218,9 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
         new_h = h + a.T @ h @ inverse @ a
         g = g + a @ inverse @ g @ a.T
         a = a @ inverse @ a
-        if np.abs(new_h - h).max() <= 1e-12 * np.abs(new_h).max():
-            return np.asarray(new_h)
-        h = new_h
-    return h
+        change, h = np.abs(new_h - h).max(), new_h
+        if not np.isfinite(change):
+            return None
+        if change <= 1e-12 * np.abs(h).max():
+            return np.asarray((h + h.T) / 2)
+    return None

@@ -7,6 +7,7 @@ both alone.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,6 +17,8 @@ import numpy as np
 from numba import njit
 
 from pounding.calling import MEMORY, PARAMETERS, called, entry
+
+_COMPILING = threading.Lock()
 
 
 class Numbers(Protocol):
@@ -61,7 +64,9 @@ class Law:
     @property
     def address(self) -> int:
         """Where the compiled function is, for `calling.called`."""
-        return int(self._entry.address)
+        with _COMPILING:
+            # Of two threads that compile it, one would keep what the other throws away.
+            return int(self._entry.address)
 
     def along(
         self, parameters: tuple[float, ...], drift: np.ndarray, rate: np.ndarray, time: np.ndarray

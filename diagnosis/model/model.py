@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -19,16 +19,22 @@ from pounding.diagnosis.model.kalman import (
     LinearSystem,
     linear_system,
 )
+from pounding.diagnosis.model.known_forces import KnownForces
 from pounding.diagnosis.model.laws import filled
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
+from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
 
 FINER = 4
 """Points in a sampling step between which a series is interpolated for another clock."""
+
+
+SHIFTED = 2_000_000
+"""About how many samples of delayed channels are kept: 16 MB."""
 
 
 class Acting(Protocol):
@@ -75,6 +81,8 @@ class Model:
             for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
+        self._last_table: dict[int, tuple[tuple[float, float], np.ndarray]] = {}
+        self._last_plain: tuple[bytes, Assembly] | None = None
         self._own: np.ndarray | None = None
 
     def spread(self, discrepancy: float) -> np.ndarray:
@@ -102,6 +110,17 @@ class Model:
             values: Nuisance parameters in their own units, shape (nuisance,).
             effects: Effects that act, each with its SI parameters, shape (parameters,).
         """
+        key = np.asarray(values, float).tobytes()
+        last = self._last_plain
+        if last is None or last[0] != key:
+            # Slopes and searches of effects leave the nuisance parameters alone.
+            self._last_plain = last = key, self._without_effects(values)
+        assembly = last[1].copy()
+        for effect, numbers in effects:
+            effect.apply(assembly, np.asarray(numbers, float), self)
+        return assembly
+
+    def _without_effects(self, values: np.ndarray) -> Assembly:
         structure = self.structure
         floors = structure.floors
         channels = len(self.observed.names)
@@ -125,8 +144,6 @@ class Model:
             assembly.stiffness[span, span] += frame.stiffness
         for parameter, value in zip(self.parameters, values, strict=True):
             vary(assembly, structure, parameter.kind, parameter.place, float(value))
-        for effect, numbers in effects:
-            effect.apply(assembly, np.asarray(numbers, float), self)
         return assembly
 
     def modes(self, assembly: Assembly) -> Modes:
@@ -215,6 +232,7 @@ class Model:
         gains: Sequence[np.ndarray] | None = None,
         effects: Sequence[tuple[Acting, np.ndarray]] = (),
         runs: Sequence[int] | None = None,
+        whole: bool = True,
     ) -> Prediction:
         """Return the prediction of runs: filtered where gains are given, simulated without them.
 
@@ -223,28 +241,27 @@ class Model:
             gains: Filter gain of each run, shape (states, channels); none for a simulation.
             effects: Effects that act, each with its SI parameters, shape (parameters,).
             runs: Numbers of the runs, all by default.
+            whole: Whether states and outputs are wanted beside the innovations; else these have no samples.
         """
         assembly = self.assemble(values, effects)
         modes = self.modes(assembly)
-        result = Prediction([], [], [], [])
-        for number, run in enumerate(runs if runs is not None else range(len(self.observed.runs))):
-            pieces = self._run(assembly, modes, run, None if gains is None else gains[number])
-            for store, piece in zip(
-                (result.innovations, result.before, result.after, result.outputs), pieces, strict=True
-            ):
-                store.append(piece)
-        return result
+        numbers = list(runs if runs is not None else range(len(self.observed.runs)))
+        each = [(run, None if gains is None else gains[number]) for number, run in enumerate(numbers)]
+        pieces = side_by_side(lambda one: self._run(assembly, modes, *one, whole), each)
+        innovations, before, after, outputs = ([piece[i] for piece in pieces] for i in range(4))
+        return Prediction(innovations, before, after, outputs)
 
     def _run(
-        self, assembly: Assembly, modes: Modes, number: int, gain: np.ndarray | None
+        self, assembly: Assembly, modes: Modes, number: int, gain: np.ndarray | None, whole: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         run = self.observed.runs[number]
         storeys = self.structure.floors
         states = 2 * len(modes.omega) + storeys + 3
         substep = run.step_s / run.substeps
         laws, rows, room, parameters = _laws(assembly, modes, run.step_s * (len(run.table) - 1))
-        known_mid, known_at, table_mid, added = self._inputs(assembly, modes, number, run)
+        known, table_mid, added = self._inputs(assembly, modes, number, run)
         measured = self._corrected(assembly, number, run, added)
+        channels = len(self.observed.names)
         innovations, before, after, outputs = predict(
             np.stack([modes.omega, modes.ratio], axis=1),
             _steps(modes, substep / 2),
@@ -252,47 +269,61 @@ class Model:
             modes.participation,
             np.ascontiguousarray(modes.floors),
             np.ascontiguousarray(self.structure.drift @ modes.floors),
-            known_mid,
-            known_at,
+            known.middle,
+            known.samples,
+            known.directions,
             table_mid,
             self.observed.quantity,
             self.observed.floor,
             measured,
-            np.zeros((states, len(self.observed.names))) if gain is None else np.ascontiguousarray(gain),
+            np.zeros((channels, states)) if gain is None else np.ascontiguousarray(gain.T),
             np.array([LATENT_RATE, TABLE_NOISE_RATE]),
             run.step_s,
             laws,
             rows,
             room,
             parameters,
+            whole,
         )
+        factor = 1.0 + assembly.channel_gain
+        if not whole:
+            return innovations * factor, before, after, outputs
         if gain is None:
             for channel in _untimely(assembly):
                 late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
                 outputs[:, channel] = shift(
                     outputs[:, channel], run.step_s, -late * (1 + clock), -clock / (1 + clock)
                 )
-        factor = 1.0 + assembly.channel_gain
         return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
 
     def _inputs(
         self, assembly: Assembly, modes: Modes, number: int, run: RunData
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return known modal forces at midpoints and samples, the table at midpoints, and what the tilt adds."""
+    ) -> tuple[KnownForces, np.ndarray, np.ndarray]:
+        """Return known forces, the table at midpoints (samples, substeps), and what the tilt adds to the channels."""
         samples, substeps = len(run.table), run.substeps
         middle = (np.arange(samples)[:, None] + (np.arange(substeps)[None, :] + 0.5) / substeps) * run.step_s
-        table_mid = self.table_at(assembly, number, middle)
-        known_mid = np.zeros((samples, substeps, len(modes.omega)))
-        known_at = np.zeros((samples, len(modes.omega)))
-        added = np.zeros((samples, len(self.observed.names)))
         at = np.arange(samples) * run.step_s
+        known = KnownForces.none(samples, substeps, len(modes.omega))
+        added = np.zeros((samples, len(self.observed.names)))
         for column, (left, right) in enumerate(self.observed.contact_floors):
             direction = modes.floors[right] - modes.floors[left]
-            known_at += self.contact_force(assembly, number, column, at)[..., None] * direction
-            known_mid += self.contact_force(assembly, number, column, middle)[..., None] * direction
+            known = known.with_one(
+                self.contact_force(assembly, number, column, middle),
+                self.contact_force(assembly, number, column, at),
+                direction,
+            )
         if assembly.table_tilt:
-            tilt_inputs(self, assembly, modes, number, middle, at, known_mid, known_at, added)
-        return known_mid, known_at, table_mid, added
+            known = tilt_inputs(self, assembly, modes, number, middle, at, known, added)
+        return known, self._table_between(assembly, number, middle), added
+
+    def _table_between(self, assembly: Assembly, number: int, middle: np.ndarray) -> np.ndarray:
+        """Return `table_at` at the midpoints of a run; what was asked for last is kept."""
+        key = (assembly.table_delay_s, assembly.table_clock)
+        last = self._last_table.get(number)
+        if last is None or last[0] != key:
+            plain = self.table_at(replace(assembly, table_gain=0.0), number, middle)
+            self._last_table[number] = last = key, plain
+        return np.asarray((1 + assembly.table_gain) * last[1])
 
     def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
         """Return a contact force [N] of a run, scaled in each contact event as the assembly says, shape of `times_s`.
@@ -322,16 +353,17 @@ class Model:
 
     def _retimed(self, number: int, channel: int, delay_s: float, clock: float) -> np.ndarray:
         key = (number, channel, round(delay_s, 8), round(clock, 9))
-        if key not in self._shifted:
-            if len(self._shifted) > 400:
-                self._shifted.clear()
+        moved = self._shifted.get(key)
+        if moved is None:
             run = self.observed.runs[number]
             moved = shift(run.measured[:, channel], run.step_s, delay_s, clock)
             if clock > 0.0:
                 # What a fast clock would have shown at the end was never recorded.
                 moved[int(np.ceil(len(moved) / (1 + clock))) :] = np.nan
+            if (len(self._shifted) + 1) * len(moved) > SHIFTED:
+                self._shifted.clear()
             self._shifted[key] = moved
-        return self._shifted[key]
+        return moved
 
 
 def _untimely(assembly: Assembly) -> np.ndarray:
@@ -380,9 +412,9 @@ def shift(series: np.ndarray, step_s: float, delay_s: float, clock: float = 0.0)
 
 
 def _steps(modes: Modes, step: float) -> np.ndarray:
-    """Return the exact step of each mode under a constant force, shape (modes, 6)."""
+    """Return the exact step of each mode under a constant force, shape (6, modes)."""
     a11, a12, a21, a22 = (one[0] for one in modes.swing(np.array([step])))
-    return np.stack([a11, a12, a21, a22, (1 - a11) / modes.omega**2, a12], axis=1)
+    return np.stack([a11, a12, a21, a22, (1 - a11) / modes.omega**2, a12])
 
 
 def _laws(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -69,6 +70,13 @@ class Assembly:
     """Each turns mass, stiffness and damping matrices into larger ones: coordinates that the floors do not have."""
     influence: list[float] = field(default_factory=list)
     """Motion of each such coordinate when the table moves by one."""
+
+    def copy(self) -> Assembly:
+        """Return a copy that shares nothing which changes."""
+        changing: dict[str, Any] = {
+            key: one.copy() for key, one in vars(self).items() if isinstance(one, np.ndarray | list)
+        }
+        return replace(self, **changing)
 
 
 def nuisance_parameters(structure: Structure, observed: Observations, prior: Prior) -> list[Parameter]:

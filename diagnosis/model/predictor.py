@@ -27,7 +27,7 @@ LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _effect_forces(
     laws: Real,
     rows: Real,
@@ -61,14 +61,40 @@ def _effect_forces(
             force[m] += rows[j, m] * pull
 
 
-@njit(cache=True)
-def _advance(steps: Real, eta: Real, rate: Real, force: Real, new_eta: Real, new_rate: Real) -> None:
-    for m in range(eta.size):
-        new_eta[m] = steps[m, 0] * eta[m] + steps[m, 1] * rate[m] + steps[m, 4] * force[m]
-        new_rate[m] = steps[m, 2] * eta[m] + steps[m, 3] * rate[m] + steps[m, 5] * force[m]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _whole_step(steps: Real, decay: Real) -> tuple[Real, Real]:
+    """Return what a force at the middle of each substep leaves at the step's end, and the step's transition.
+
+    Args:
+        steps: Exact step matrices of each mode over a substep, shape (6, modes).
+        decay: What is left of a decaying force at the middle of each substep, shape (substeps,).
+
+    Returns:
+        Displacement and rate for a unit force in each substep, shape (substeps + 1, 2, modes), the last row for a unit
+        force that decays; a11, a12, a21, a22 of the whole step, shape (4, modes).
+    """
+    substeps, modes = decay.size, steps.shape[1]
+    left = np.zeros((substeps + 1, 2, modes))
+    whole = np.zeros((4, modes))
+    for m in range(modes):
+        a, b, c, d = 1.0, 0.0, 0.0, 1.0
+        for back in range(substeps):
+            j = substeps - 1 - back
+            left[j, 0, m] = a * steps[4, m] + b * steps[5, m]
+            left[j, 1, m] = c * steps[4, m] + d * steps[5, m]
+            left[substeps, 0, m] += decay[j] * left[j, 0, m]
+            left[substeps, 1, m] += decay[j] * left[j, 1, m]
+            a, b, c, d = (
+                a * steps[0, m] + b * steps[2, m],
+                a * steps[1, m] + b * steps[3, m],
+                c * steps[0, m] + d * steps[2, m],
+                c * steps[1, m] + d * steps[3, m],
+            )
+        whole[0, m], whole[1, m], whole[2, m], whole[3, m] = a, b, c, d
+    return left, whole
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def predict(
     modes: Real,
     half: Real,
@@ -78,6 +104,7 @@ def predict(
     latent_rows: Real,
     known_mid: Real,
     known_at: Real,
+    directions: Real,
     table_mid: Real,
     quantities: Real,
     channel_floor: Real,
@@ -89,28 +116,32 @@ def predict(
     rows: Real,
     room: Real,
     parameters: Real,
+    whole: bool,
 ) -> tuple[Real, Real, Real, Real]:
     """Run the predictor over one run.
 
     Args:
         modes: Angular frequency [rad/s] and damping ratio of each mode, shape (modes, 2).
-        half, full: Exact step matrices of each mode over half a substep and a whole one, shape (modes, 6):
+        half, full: Exact step matrices of each mode over half a substep and a whole one, shape (6, modes):
             a11, a12, a21, a22 and the response of both states to a constant modal force.
         participation: Modal participation of a unit table acceleration, shape (modes,).
         floors: Mass-normalised shapes at the floors, shape (floors, modes).
         latent_rows: Modal rows of the drifts on which latent forces act, shape (storeys, modes).
-        known_mid: Known modal forces but the table's at the middle of each substep, shape (samples, substeps, modes).
-        known_at: The same at the samples, shape (samples, modes).
+        known_mid: Known forces but the table's at the middle of each substep, shape (samples, substeps, known).
+        known_at: The same at the samples, shape (samples, known).
+        directions: Modal forces that a unit of each known force makes at midpoints and at samples, shape
+            (2, known, modes).
         table_mid: Table acceleration at the middle of the substeps [m/s^2], shape (samples, substeps).
         quantities, channel_floor: What each channel measures, and at which floor (0 is the first), shape (channels,).
         measured: Measured samples in SI, NaN where missing, shape (samples, channels).
-        gain: Filter gain, shape (2 modes + storeys + 3, channels); zeros for a simulation.
+        gain: Filter gain, shape (channels, 2 modes + storeys + 3); zeros for a simulation.
         decay: Rates of the latent forces and of the table noise [1/s], shape (2,).
         step_s: Sampling step [s].
         laws: Address of each effect's law (`pounding.diagnosis.model.laws`), shape (effects,).
         rows: Modal row of the drift on which it acts, shape (effects, modes).
         room: 1 where it acts on the rate in the room, which has the table's in it, else 0, shape (effects,).
         parameters: Its parameters in SI, shape (effects, PARAMETERS).
+        whole: Whether states and outputs are wanted, too; else those have no samples.
 
     Returns:
         Innovations (samples, channels), NaN samples as zero; predicted states (samples, states); filtered states;
@@ -121,34 +152,41 @@ def predict(
     storeys = latent_rows.shape[0]
     states = 2 * n + storeys + 3
     substeps = table_mid.shape[1]
+    known = directions.shape[1]
     h = step_s / substeps
-    latent_half = math.exp(-decay[0] * h / 2)
-    noise_half = math.exp(-decay[1] * h / 2)
+    # All latent forces decay alike, and so does what they push each mode with.
+    middle = np.arange(1, 2 * substeps, 2) * (h / 2)
+    latent_left, noise_left = np.exp(-decay[0] * middle), np.exp(-decay[1] * middle)
+    latent_end, noise_end = math.exp(-decay[0] * step_s), math.exp(-decay[1] * step_s)
+    latent_steps, transition = _whole_step(full, latent_left)
+    noise_steps, _ = _whole_step(full, noise_left)
+    stiffness = modes[:, 0] ** 2
+    damping = 2.0 * modes[:, 0] * modes[:, 1]
     z = np.zeros(states)
     innovations = np.zeros((samples, channels))
-    outputs = np.zeros((samples, channels))
-    before = np.zeros((samples, states))
-    after = np.zeros((samples, states))
+    kept = samples if whole else 0
+    outputs = np.zeros((kept, channels))
+    before = np.zeros((kept, states))
+    after = np.zeros((kept, states))
     memory = np.zeros((laws.size, MEMORY))
     new = np.zeros((laws.size, MEMORY))
     force = np.zeros(n)
+    latent = np.zeros(n)
     last = np.zeros(n)
     eta_mid = np.zeros(n)
     rate_mid = np.zeros(n)
-    new_eta = np.zeros(n)
-    new_rate = np.zeros(n)
     eta = z[:n]
     rate = z[n : 2 * n]
-    correcting = False
-    for i in range(states):
-        for c in range(channels):
-            if gain[i, c] != 0.0:
-                correcting = True
+    correcting = bool(np.any(gain != 0.0))
     for k in range(samples):
-        before[k] = z
+        if whole:
+            before[k] = z
         time = k * step_s
         for m in range(n):
-            force[m] = known_at[k, m] - modes[m, 0] ** 2 * eta[m] - 2.0 * modes[m, 0] * modes[m, 1] * rate[m]
+            force[m] = -stiffness[m] * eta[m] - damping[m] * rate[m]
+        for i in range(known):
+            for m in range(n):
+                force[m] += known_at[k, i] * directions[1, i, m]
         for s in range(storeys):
             for m in range(n):
                 force[m] += latent_rows[s, m] * z[2 * n + s]
@@ -172,50 +210,76 @@ def predict(
                     y += floors[f, m] * eta[m]
                 if q == ABSOLUTE_DISPLACEMENT:
                     y += z[states - 2]
-            outputs[k, c] = y
+            if whole:
+                outputs[k, c] = y
             if not math.isnan(measured[k, c]):
                 innovations[k, c] = measured[k, c] - y
         if correcting:
-            for i in range(states):
-                for c in range(channels):
-                    z[i] += gain[i, c] * innovations[k, c]
-        after[k] = z
-        for j in range(substeps):
-            for s in range(storeys):
-                z[2 * n + s] *= latent_half
-            z[states - 3] *= noise_half
-            table = table_mid[k, j] - z[states - 3]
+            for c in range(channels):
+                for i in range(states):
+                    z[i] += gain[c, i] * innovations[k, c]
+        if whole:
+            after[k] = z
+        for m in range(n):
+            latent[m] = 0.0
+        for s in range(storeys):
             for m in range(n):
-                force[m] = known_mid[k, j, m] - participation[m] * table
-            for s in range(storeys):
+                latent[m] += latent_rows[s, m] * z[2 * n + s]
+            z[2 * n + s] *= latent_end
+        noise = z[states - 3]
+        z[states - 3] = noise * noise_end
+        if laws.size == 0:
+            # A linear frame goes through all substeps at once.
+            for m in range(n):
+                eta_mid[m] = transition[0, m] * eta[m] + transition[1, m] * rate[m]
+                rate_mid[m] = transition[2, m] * eta[m] + transition[3, m] * rate[m]
+                eta_mid[m] += latent_steps[substeps, 0, m] * latent[m]
+                rate_mid[m] += latent_steps[substeps, 1, m] * latent[m]
+                eta_mid[m] += noise_steps[substeps, 0, m] * noise * participation[m]
+                rate_mid[m] += noise_steps[substeps, 1, m] * noise * participation[m]
+            for j in range(substeps):
                 for m in range(n):
-                    force[m] += latent_rows[s, m] * z[2 * n + s]
-            _advance(half, eta, rate, force + last, eta_mid, rate_mid)
+                    force[m] = -participation[m] * table_mid[k, j]
+                for i in range(known):
+                    for m in range(n):
+                        force[m] += known_mid[k, j, i] * directions[0, i, m]
+                for m in range(n):
+                    eta_mid[m] += latent_steps[j, 0, m] * force[m]
+                    rate_mid[m] += latent_steps[j, 1, m] * force[m]
             for m in range(n):
-                last[m] = -force[m]
-            _effect_forces(
-                laws,
-                rows,
-                room,
-                parameters,
-                memory,
-                new,
-                eta_mid,
-                rate_mid,
-                z[states - 1],
-                time + (j + 0.5) * h,
-                True,
-                force,
-            )
-            for m in range(n):
-                last[m] += force[m]
-            _advance(full, eta, rate, force, new_eta, new_rate)
-            for m in range(n):
-                eta[m] = new_eta[m]
-                rate[m] = new_rate[m]
-            for s in range(storeys):
-                z[2 * n + s] *= latent_half
-            z[states - 3] *= noise_half
+                eta[m], rate[m] = eta_mid[m], rate_mid[m]
+        for j in range(substeps):
+            table = table_mid[k, j] - noise * noise_left[j]
+            if laws.size > 0:
+                for m in range(n):
+                    force[m] = latent_left[j] * latent[m] - participation[m] * table
+                for i in range(known):
+                    for m in range(n):
+                        force[m] += known_mid[k, j, i] * directions[0, i, m]
+                for m in range(n):
+                    there = force[m] + last[m]
+                    eta_mid[m] = half[0, m] * eta[m] + half[1, m] * rate[m] + half[4, m] * there
+                    rate_mid[m] = half[2, m] * eta[m] + half[3, m] * rate[m] + half[5, m] * there
+                    last[m] = 0.0
+                _effect_forces(
+                    laws,
+                    rows,
+                    room,
+                    parameters,
+                    memory,
+                    new,
+                    eta_mid,
+                    rate_mid,
+                    z[states - 1],
+                    time + (j + 0.5) * h,
+                    True,
+                    last,
+                )
+                for m in range(n):
+                    there = force[m] + last[m]
+                    moved = full[0, m] * eta[m] + full[1, m] * rate[m] + full[4, m] * there
+                    rate[m] = full[2, m] * eta[m] + full[3, m] * rate[m] + full[5, m] * there
+                    eta[m] = moved
             z[states - 1] += h * (table - 1.4 * LEAK * z[states - 1] - LEAK**2 * z[states - 2])
             z[states - 2] += h * z[states - 1]
     return innovations, before, after, outputs

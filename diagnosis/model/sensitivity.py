@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
 from pounding.diagnosis.model.kalman import SteadyFilter
+
+ALIKE = 1e6
+"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose six digits."""
+TOGETHER = 8
+"""Samples whose outputs are worked out together."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +49,22 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
     This is the exact derivative of the one-step predictor for a force that is a series of its own states: the gain is
     fixed, and the state's change passes through the closed loop `step (1 - gain output)`.
     """
-    terms = [term for group in groups for term in group]
-    column = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    samples = next((len(term.series) for group in groups for term in group), 0)
+    return next(signature_pieces(steady, groups, shown, max(samples, 1)))
+
+
+def signature_pieces(
+    steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray, piece: int
+) -> Iterator[np.ndarray]:
+    """Yield `signatures` of some samples at a time, (samples, channels, groups): those of a long run fill the memory.
+
+    Args:
+        steady: The filter.
+        groups: Terms whose contributions are summed, group by group.
+        shown: Matrix by which the innovations are multiplied, (channels, channels).
+        piece: Samples at a time.
+    """
+    terms, column = _in_turn(groups)
     modes, channels = steady.force_start.shape[1] - 1, len(steady.output)
     force = np.zeros((modes + 1, len(terms)))
     output = np.zeros((channels, len(terms)))
@@ -63,53 +82,150 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
     start = steady.force_start @ force
     back = -steady.step @ steady.gain @ direct
     end = steady.force_end @ force
-    result = np.zeros((len(series), channels, len(groups)), np.float32)
-    _filter(
-        np.ascontiguousarray(closed),
-        np.ascontiguousarray(shown @ steady.output),
-        np.ascontiguousarray(start),
-        np.ascontiguousarray(back),
-        np.ascontiguousarray(end),
-        np.ascontiguousarray(shown @ direct),
-        series,
-        at_end,
-        column,
-        result,
+    inputs = np.stack([start, back, end])
+    own = _own_motions(closed)
+    if own is None:
+        transition, seen, pushed = closed, shown @ steady.output, inputs
+    else:
+        transition, seen = own.turn, shown @ steady.output @ own.back
+        pushed = own.forth @ inputs
+    transition, seen, pushed, past = (
+        np.ascontiguousarray(one) for one in (transition, seen, pushed, shown @ direct)
     )
-    return result
+    state = np.zeros((len(closed), len(groups)))
+    for first in range(0, len(series), piece):
+        result = np.zeros((min(piece, len(series) - first), channels, len(groups)), np.float32)
+        _filter(transition, seen, pushed, past, series, at_end, column, first, state, result, own is not None)
+        yield result
 
 
-@njit(cache=True)
+def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
+    """Return all terms and the group of each, shape (terms,): the first term of each group, the second ones, and so on.
+
+    Neighbours so add to different sums, which a processor does at the same time.
+    """
+    length = next((len(group[0].series) for group in groups if group), 0)
+    still = Term(np.zeros(length))
+    terms = [group[0] if group else still for group in groups]
+    further = [(turn, number) for number, group in enumerate(groups) for turn in range(1, len(group))]
+    further.sort()
+    column = [*range(len(groups)), *(number for _, number in further)]
+    return terms + [groups[number][turn] for turn, number in further], np.array(column)
+
+
+@dataclass(frozen=True)
+class _OwnMotions:
+    """Coordinates in which each of a closed loop's own motions goes its own way.
+
+    Attributes:
+        turn: Real and imaginary part of each one's factor in a step, those that turn first, shape (2, motions).
+        forth: From the states to the real parts of those that turn, their imaginary parts, and the others, shape
+            (states, states).
+        back: The way back, shape (states, states).
+    """
+
+    turn: np.ndarray
+    forth: np.ndarray
+    back: np.ndarray
+
+
+def _own_motions(closed: np.ndarray) -> _OwnMotions | None:
+    """Return the own motions of a closed loop, (states, states), None where they are too alike to be told apart."""
+    factors, vectors = np.linalg.eig(closed)
+    size = np.abs(vectors).max(axis=1)
+    if not np.all(size > 0.0) or np.linalg.cond(vectors / size[:, None]) > ALIKE:
+        return None
+    # Of a conjugate pair one is enough: the real part of twice its contribution is that of both.
+    turns, stays = factors.imag > 0.0, factors.imag == 0.0
+    inverse = np.linalg.inv(vectors)
+    return _OwnMotions(
+        np.hstack([[one.real, one.imag] for one in (factors[turns], factors[stays])]),
+        np.concatenate([inverse[turns].real, inverse[turns].imag, inverse[stays].real]),
+        np.hstack([2 * vectors[:, turns].real, -2 * vectors[:, turns].imag, vectors[:, stays].real]),
+    )
+
+
+@njit(cache=True, nogil=True)
 def _filter(
-    closed: np.ndarray,
+    transition: np.ndarray,
     output: np.ndarray,
-    start: np.ndarray,
-    back: np.ndarray,
-    end: np.ndarray,
+    inputs: np.ndarray,
     direct: np.ndarray,
     series: np.ndarray,
     at_end: np.ndarray,
     column: np.ndarray,
+    begin: int,
+    state: np.ndarray,
     result: np.ndarray,
+    turning: bool,
 ) -> None:
+    """Run the closed loop once for each group: what its terms do to the states adds up.
+
+    Args:
+        transition: Transition of the closed loop, shape (states, states); where the states are `turning`,
+            `_OwnMotions.turn`, shape (2, motions).
+        output: What the states show, shape (channels, states).
+        inputs: What a unit of each term adds to the states by its start, by its end before the step and by that after it,
+            shape (3, states, terms).
+        direct: What it adds to what is shown, shape (channels, terms).
+        series, at_end: Size of each term, shape (samples, terms).
+        column: Group of each term, shape (terms,); the first terms are those of one group after the other.
+        begin: The first sample that is shown.
+        state: States at that sample, which become those after the last one shown, shape (states, groups).
+        result: Filled with what is shown, shape (samples shown, channels, groups).
+        turning: Whether the states are those of `_OwnMotions`.
+    """
     samples, terms = series.shape
-    states = closed.shape[0]
-    channels = output.shape[0]
-    x = np.zeros((states, terms))
-    new = np.empty((states, terms))
-    y = np.empty((channels, terms))
-    for k in range(samples):
-        np.dot(output, x, y)
-        for c in range(channels):
-            for j in range(terms):
-                result[k, c, column[j]] += y[c, j] + direct[c, j] * at_end[k, j]
-        if k + 1 < samples:
-            np.dot(closed, x, new)
+    channels, states = output.shape
+    groups, motions = result.shape[2], transition.shape[1]
+    pairs = states - motions
+    # Some samples' states side by side: what they show is one product of large matrices, and all loops run over groups.
+    x = np.zeros((states, (TOGETHER + 1) * groups))
+    shown = np.zeros((channels, (TOGETHER + 1) * groups))
+    x[:, :groups] = state
+    stop = begin + len(result)
+    for first in range(begin, stop, TOGETHER):
+        count = min(TOGETHER, stop - first)
+        for b in range(count):
+            k, here, there = first + b, b * groups, (b + 1) * groups
+            if k + 1 == samples:
+                break
+            if turning:
+                for i in range(pairs):
+                    real, imaginary = transition[0, i], transition[1, i]
+                    for g in range(groups):
+                        x[i, there + g] = real * x[i, here + g] - imaginary * x[pairs + i, here + g]
+                    for g in range(groups):
+                        x[pairs + i, there + g] = imaginary * x[i, here + g] + real * x[pairs + i, here + g]
+                for i in range(pairs, motions):
+                    for g in range(groups):
+                        x[pairs + i, there + g] = transition[0, i] * x[pairs + i, here + g]
+            else:
+                for i in range(states):
+                    x[i, there : there + groups] = 0.0
+                    for s in range(states):
+                        for g in range(groups):
+                            x[i, there + g] += transition[i, s] * x[s, here + g]
             for i in range(states):
-                for j in range(terms):
-                    x[i, j] = (
-                        new[i, j]
-                        + start[i, j] * series[k, j]
-                        + back[i, j] * at_end[k, j]
-                        + end[i, j] * at_end[k + 1, j]
+                for g in range(groups):
+                    x[i, there + g] += (
+                        inputs[0, i, g] * series[k, g]
+                        + inputs[1, i, g] * at_end[k, g]
+                        + inputs[2, i, g] * at_end[k + 1, g]
                     )
+                for j in range(groups, terms):
+                    x[i, there + column[j]] += (
+                        inputs[0, i, j] * series[k, j]
+                        + inputs[1, i, j] * at_end[k, j]
+                        + inputs[2, i, j] * at_end[k + 1, j]
+                    )
+        np.dot(output, x, shown)
+        for b in range(count):
+            k, here = first + b, b * groups
+            for c in range(channels):
+                for j in range(groups, terms):
+                    shown[c, here + column[j]] += direct[c, j] * at_end[k, j]
+                for g in range(groups):
+                    result[k - begin, c, g] = shown[c, here + g] + direct[c, g] * at_end[k, g]
+        x[:, :groups] = x[:, count * groups : (count + 1) * groups]
+    state[:] = x[:, :groups]

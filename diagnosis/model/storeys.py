@@ -158,7 +158,7 @@ class Structure:
         """Number of floors of all frames."""
         return sum(frame.floors for frame in self.frames)
 
-    @property
+    @cached_property
     def drift(self) -> np.ndarray:
         """Rows that turn floor displacements into drifts, shape (storeys, floors)."""
         return np.asarray(block_diag(*(frame.drift for frame in self.frames)))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from pounding.constants import STANDARD_GRAVITY
+from pounding.diagnosis.model.known_forces import KnownForces
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, DISPLACEMENT
 from pounding.diagnosis.model.storeys import Modes
@@ -60,11 +61,10 @@ def tilt_inputs(
     number: int,
     middle: np.ndarray,
     at: np.ndarray,
-    known_mid: np.ndarray,
-    known_at: np.ndarray,
+    known: KnownForces,
     added: np.ndarray,
-) -> None:
-    """Add an assembly's tilt to known modal forces and to what the channels see, in place.
+) -> KnownForces:
+    """Return known forces with those of an assembly's tilt, and add to what the channels see, in place.
 
     The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
     through the floors' own motion, not at once.
@@ -76,16 +76,13 @@ def tilt_inputs(
         number: Number of the run.
         middle: Midpoints of the substeps [s], shape (samples, substeps).
         at: Times of the samples [s], shape (samples,).
-        known_mid: Known modal forces at the midpoints, shape (samples, substeps, modes).
-        known_at: Known modal forces at the samples, shape (samples, modes).
+        known: The other known forces.
         added: What is added to the channels in SI, shape (samples, channels).
     """
     run = model.observed.runs[number]
     pitch, pitching, inertia, weight, seen = tilt_series(model, modes, run)
     size = assembly.table_tilt
-    known_mid += size * (
-        np.interp(middle, at, pitch)[..., None] * weight
-        - np.interp(middle, at, pitching)[..., None] * inertia
-    )
-    known_at += size * pitch[:, None] * weight
+    series = [(np.interp(middle, at, one), one) for one in (pitch, pitching)]
     added += size * pitch[:, None] * seen
+    leaning = known.with_one(*series[0], size * weight)
+    return leaning.with_one(*series[1], -size * inertia, at_samples=False)

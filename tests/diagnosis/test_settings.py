@@ -38,6 +38,8 @@ NO_THRESHOLDS = {
         "posterior.DAMPED",
         "posterior.SHORTENED",
         "posterior.STRIDES",
+        "posterior.PIECE",
+        "evidence.AT_ONCE",
         "contacts.REACH",
         "contacts.REGAINED",
         "impacts.STEP_S",

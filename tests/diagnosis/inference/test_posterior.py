@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Posterior, Trials, descend
+from pounding.diagnosis.inference.posterior import (
+    DAMPED,
+    SHORTENED,
+    Likelihood,
+    Marquardt,
+    Posterior,
+    Trials,
+    add_products,
+    descend,
+)
 
 RNG = np.random.default_rng(3)
 COLUMNS = RNG.normal(size=(40, 3)) * [3.0, 1.0, 0.2]
 TRUTH = np.array([0.8, -1.5, 0.4])
 
 
-class Curve:
+class Curve(Likelihood):
     """Data y = J theta + bend (J theta)^2 + unit noise, in two blocks."""
 
     log_normaliser = -0.5 * 40 * np.log(2 * np.pi)
@@ -130,3 +140,15 @@ def test_marquardt_goes_on_from_the_damping_that_helped() -> None:
     assert [damping for damping, _ in policy.steps(None)] == pytest.approx([0.01, 0.06, 0.36])
     assert [damping for damping, _ in policy.steps(0.36)] == pytest.approx([0.036, 0.216, 1.296])
     assert policy.steps(0.002)[0] == (pytest.approx(1e-3), 1.0)
+
+
+def test_products_of_a_long_run_need_no_copy_of_it() -> None:
+    columns = np.ones((200_000, 20), np.float32)
+    gram, slope, residual = np.zeros((20, 20)), np.zeros(20), np.ones(len(columns))
+    tracemalloc.start()
+    add_products(gram, slope, columns, residual)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.1 * columns.nbytes
+    assert np.all(gram == len(columns))
+    assert np.all(slope == len(columns))

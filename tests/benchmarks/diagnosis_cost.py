@@ -1,0 +1,208 @@
+"""What a diagnosis costs over samples, channels and storeys: CPU and wall seconds, and the most memory it needed.
+
+Each row is a case of three runs in which a storey is a cubic spring too stiff, diagnosed in a process of its own, so that
+memory is its own, too; nothing is written. The frames are those of the thesis; the model makes the motion, with noise of
+1 %. One thing varies at a time about 3 x 8 s at 500 Hz, and its exponent is fitted. Last come a pair of frames that the
+generator made and the longest case that the diagnosis is meant for: three runs of 60 s at 1 kHz with 12 channels.
+
+    python -m tests.benchmarks.diagnosis_cost --out docs/validation/diagnosis-cost.json
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from pounding.diagnosis import diagnose
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
+from pounding.diagnosis.effects.storey import CubicStiffness
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import observe
+from pounding.diagnosis.model.storeys import Structure
+
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""What the command sets: the diagnosis has threads of its own."""
+RUNS, NOISE, PEAK_M_S2 = 3, 0.01, 3.0
+FLOORS = {"5A": 5, "10": 10, "15B": 15}
+STIFFENED = 0.05
+"""Share of the linear force that the cubic spring adds at twice the usual drift."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A case: frame, channels of floors (accelerations from the top, then displacements), seconds and rate of each run."""
+
+    frame: str = "5A"
+    channels: int = 5
+    duration_s: float = 8.0
+    rate_hz: float = 500.0
+
+    @property
+    def samples(self) -> int:
+        """Samples of all runs, each of all channels."""
+        return RUNS * round(self.duration_s * self.rate_hz)
+
+
+BASE = Setting()
+AXES = {
+    "samples": [replace(BASE, duration_s=seconds) for seconds in (4.0, 8.0, 16.0)],
+    "channels": [replace(BASE, channels=count) for count in (2, 5, 10)],
+    "storeys": [replace(BASE, frame=name) for name in FLOORS],
+}
+LONG = Setting("10", 12, 60.0, 1000.0)
+
+
+def made(setting: Setting) -> Case:
+    """Return the case of a setting."""
+    floors = range(FLOORS[setting.frame], 0, -1)
+    sensors = [("absolute_acceleration", "m/s^2", floor) for floor in floors]
+    sensors += [("relative_displacement", "m", floor) for floor in floors]
+    channels = [Channel("table", "table_acceleration", "m/s^2")]
+    channels += [
+        Channel(f"{quantity[9]}{floor}", quantity, unit, setting.frame, floor)
+        for quantity, unit, floor in sensors[: setting.channels]
+    ]
+    rng = np.random.default_rng(1)
+    step = 1.0 / setting.rate_hz
+    times = np.arange(round(setting.duration_s * setting.rate_hz)) * step
+    runs = []
+    for number in range(RUNS):
+        values = np.zeros((len(times), len(channels)))
+        values[:, 0] = shaking(rng, len(times), step) * (1.0, 0.8, 0.6)[number]
+        runs.append(Run(f"run{number + 1}.csv", None, times, step, values))
+    frame = CaseFrame(setting.frame, FLOORS[setting.frame])
+    case = Case("cost", Path(), (frame,), tuple(runs), tuple(channels))
+    structure = Structure(baseline_frames(case))
+    model = Model(structure, observe(case, structure), case.prior)
+    effect = CubicStiffness(index=1, frame=setting.frame, storey=2)
+    still = np.zeros(len(model.std))
+    states = model.predict(still).before[0]
+    modes = model.modes(model.assemble(still))
+    drift = states[:, : len(modes.omega)] @ (structure.drift @ modes.floors)[1]
+    stiffness = STIFFENED * effect.stiffness(model) / (2 * float(drift.std())) ** 2
+    moved = model.predict(
+        0.3 * model.std * rng.standard_normal(len(still)), None, [(effect, np.array([stiffness]))]
+    )
+    for run, shown in zip(runs, moved.outputs, strict=True):
+        run.values[:, 1:] = shown + NOISE * shown.std(axis=0) * rng.standard_normal(shown.shape)
+    return case
+
+
+def shaking(rng: np.random.Generator, samples: int, step_s: float) -> np.ndarray:
+    """Return noise below about 20 Hz that grows and fades [m/s^2], (samples,)."""
+    spectrum = np.fft.rfft(rng.standard_normal(samples))
+    spectrum *= np.exp(-((np.fft.rfftfreq(samples, step_s) / 20.0) ** 2))
+    series = np.fft.irfft(spectrum, samples) * np.sin(np.linspace(0, np.pi, samples)) ** 0.5
+    return np.asarray(PEAK_M_S2 * series / np.abs(series).max())
+
+
+def pair() -> Case:
+    """Return a pair of frames that collide, one of which has a softer storey, as the generator makes it."""
+    return hide(["stiffness_change:2"], ("5A", "5B"), seed=15, visibility=3.0, source="artificial").case
+
+
+def cost(case: Case) -> dict[str, Any]:
+    """Return what diagnosing a case costs in this process: seconds, and most memory since it began [MB]."""
+    processor, wall = time.process_time(), time.perf_counter()
+    report = diagnose(case)
+    return {
+        "cpu_s": time.process_time() - processor,
+        "wall_s": time.perf_counter() - wall,
+        "memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "verdict": report.verdict,
+        "effects": [effect.effect for effect in report.effects],
+    }
+
+
+def apart(setting: Setting | None) -> dict[str, Any]:
+    """Return the cost of a setting, or of the pair (None), in a process of its own."""
+    words = json.dumps(None if setting is None else asdict(setting))
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.benchmarks.diagnosis_cost", "--one", words],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
+    )
+    return dict(json.loads(done.stdout))
+
+
+def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """Return the power of the size by which the cost grows, fitted by least squares in the logarithms."""
+    return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])
+
+
+def measured() -> dict[str, Any]:
+    """Return the costs of all settings, each measured once, and the exponents."""
+    settings = list(dict.fromkeys([one for axis in AXES.values() for one in axis] + [LONG]))
+    apart(BASE)  # compiles what is not compiled yet
+    costs = {one: apart(one) for one in settings}
+    sizes: dict[str, Callable[[Setting], float]] = {
+        "samples": lambda one: one.samples,
+        "channels": lambda one: one.channels,
+        "storeys": lambda one: FLOORS[one.frame],
+    }
+    exponents = {
+        name: exponent([sizes[name](one) for one in axis], [costs[one]["cpu_s"] for one in axis])
+        for name, axis in AXES.items()
+    }
+    rows = [
+        asdict(one) | {"storeys": FLOORS[one.frame], "samples": one.samples} | found
+        for one, found in costs.items()
+    ]
+    return {"cores": os.cpu_count(), "rows": rows, "pair": apart(None), "exponents": exponents}
+
+
+def shown(found: dict[str, Any]) -> Table:
+    """Return the costs as a table."""
+    table = Table("case", "storeys", "channels", "CPU s", "wall s", "memory MB", "verdict")
+
+    def row(words: list[str], one: dict[str, Any]) -> None:
+        numbers = [f"{one['cpu_s']:.0f}", f"{one['wall_s']:.0f}", f"{one['memory_mb']:.0f}"]
+        table.add_row(*words, *numbers, ", ".join([one["verdict"], *one["effects"]]))
+
+    for one in found["rows"]:
+        label = f"{one['frame']}, {RUNS} x {one['duration_s']:g} s at {one['rate_hz']:g} Hz"
+        row([label, str(one["storeys"]), str(one["channels"])], one)
+    row(["5A beside 5B, generated", "10", ""], found["pair"])
+    return table
+
+
+def main() -> None:
+    """Measure and print; with --one measure one setting, given as JSON, in this process."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, help="JSON file of the costs")
+    parser.add_argument("--one", help="a setting as JSON, null for the pair; prints its cost as JSON")
+    options = parser.parse_args()
+    if options.one is not None:
+        words = json.loads(options.one)
+        print(json.dumps(cost(pair() if words is None else made(Setting(**words)))))
+        return
+    found = measured()
+    console = Console()
+    console.print(shown(found))
+    powers = ", ".join(f"{name} {power:.2f}" for name, power in found["exponents"].items())
+    console.print(f"CPU seconds grow by these powers: {powers}")
+    if options.out is not None:
+        options.out.write_text(json.dumps(found, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,70 @@
+"""The quick ways of predictor and signatures beside the slow ones that they stand for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.effects.storey import DampingChange
+from pounding.diagnosis.inference.filtering import (
+    Filtered,
+    grouped_signatures,
+    motions,
+    run_filter,
+    signature_pieces_of_run,
+)
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model import sensitivity
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.terms import nuisance_terms
+from tests.diagnosis.models import measured
+
+NO_DAMPER = (DampingChange(index=0, frame="bench", storey=1), np.array([0.0]))
+
+
+def problem() -> tuple[Model, np.ndarray, Filtered]:
+    model = measured(samples=500)
+    values = 0.3 * model.std * np.random.default_rng(3).standard_normal(len(model.std))
+    return model, values, run_filter(model, values, starting_noise(model, [0, 1]), [0, 1])
+
+
+def test_a_linear_frame_goes_through_all_substeps_at_once() -> None:
+    """With a law, even one that does nothing, each substep is taken by itself."""
+    model, values, filtered = problem()
+    gains = [one.gain for one in filtered.filters]
+    whole = model.predict(values, gains)
+    each = model.predict(values, gains, [NO_DAMPER])
+    for quick, slow in zip(whole.before, each.before, strict=True):
+        np.testing.assert_allclose(quick, slow, rtol=1e-9, atol=1e-12)
+
+
+def test_innovations_alone_are_those_of_the_whole_prediction() -> None:
+    model, values, filtered = problem()
+    gains = [one.gain for one in filtered.filters]
+    alone = model.predict(values, gains, [NO_DAMPER], whole=False)
+    for quick, slow in zip(
+        alone.innovations, model.predict(values, gains, [NO_DAMPER]).innovations, strict=True
+    ):
+        np.testing.assert_array_equal(quick, slow)
+    assert [len(one) for one in alone.before] == [0, 0]
+
+
+def test_a_kept_assembly_is_not_changed_by_effects() -> None:
+    model, values, _ = problem()
+    changed = model.assemble(values, [NO_DAMPER])
+    changed.stiffness[:] = 0.0
+    assert len(model.assemble(values).laws) == 0
+    assert np.all(np.diag(model.assemble(values).stiffness) > 0.0)
+
+
+def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, _, filtered = problem()
+    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+    groups = [[*columns, []] for columns in groups]
+    pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, groups[0], 64)]
+    quick = grouped_signatures(model, filtered, groups)
+    monkeypatch.setattr(sensitivity, "ALIKE", 0.0)
+    for one, other in zip(quick, grouped_signatures(model, filtered, groups), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-6 * np.abs(other).max())
+        assert not one[:, -1].any()
+    np.testing.assert_array_equal(np.concatenate(pieces), quick[0])

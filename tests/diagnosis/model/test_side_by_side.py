@@ -1,0 +1,47 @@
+"""Independent pieces on several threads: results in the order of the pieces, no threads within threads."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import threading
+import time
+
+import pytest
+
+from pounding.diagnosis.model.side_by_side import cores, side_by_side
+
+
+@pytest.fixture(autouse=True)
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+    monkeypatch.setattr(multiprocessing, "parent_process", lambda: None)
+
+
+def test_results_keep_the_order_of_the_pieces_whichever_ends_first() -> None:
+    def slow(piece: int) -> int:
+        time.sleep(0.02 * (3 - piece))
+        return piece * piece
+
+    heard: list[int] = []
+    assert side_by_side(slow, [0, 1, 2], heard.append) == [0, 1, 4]
+    assert heard == [0, 1, 2]
+
+
+def test_pieces_run_at_the_same_time() -> None:
+    both = threading.Barrier(2, timeout=10.0)
+    assert sorted(side_by_side(lambda _: both.wait(), [0, 1])) == [0, 1]
+
+
+def test_a_piece_has_no_further_threads() -> None:
+    """Else two fits of two runs each would be four threads on two cores."""
+    assert side_by_side(lambda _: cores(), [0, 1, 2]) == [1, 1, 1]
+    assert cores() == 2
+
+
+def test_an_error_in_a_piece_is_the_callers() -> None:
+    def fails(piece: int) -> int:
+        raise ValueError(f"piece {piece}")
+
+    with pytest.raises(ValueError, match="piece 0"):
+        side_by_side(fails, [0, 1])
