@@ -244,7 +244,7 @@ def run_signatures(
 def signature_pieces_of_run(
     model: Model, filtered: Filtered, number: int, columns: Sequence[list[Term]], piece: int
 ) -> Iterator[tuple[slice, np.ndarray]]:
-    """Yield `run_signatures` of some samples at a time: its rows among (samples * channels), and these rows.
+    """Yield `run_signatures` of some samples at a time: which rows these are, and the rows, shape (rows, columns).
 
     Args:
         model: The baseline model.
