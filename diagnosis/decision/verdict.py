@@ -7,6 +7,7 @@ import numpy as np
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.impulses import impulses
+from pounding.diagnosis.effects.whole_frame import EVERY
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import by_frame, over_floor
 from pounding.diagnosis.inference.model_checks import model_checks, strained
@@ -166,12 +167,18 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     likely = double.ln_bayes > least
     if not likely or signal_to_noise(found, double, single) < needs.second_size:
         return False
-    if len({(effect.frame, effect.storey) for effect in double.effects}) > 1:
+    if not _together(double):
         return True
     # In the same storey it is more likely that the first one's law is not quite the catalogue's.
     which = 1 if found.held_out else 0
     left = [np.nansum(np.maximum(_over(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
     return bool(left[1] < (1 - needs.same_storey) * left[0])
+
+
+def _together(judged: Judged) -> bool:
+    """Return whether effects act in one storey, one in all storeys of a frame counting as in that of the other."""
+    everywhere = any(effect.where == EVERY for effect in judged.effects)
+    return len({(effect.frame, None if everywhere else effect.storey) for effect in judged.effects}) == 1
 
 
 def features(found: Findings, decision: Decision) -> Features:

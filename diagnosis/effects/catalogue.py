@@ -93,7 +93,7 @@ class Effect:
     name: ClassVar[str] = ""
     quantities: ClassVar[tuple[Quantity, ...]] = ()
     where: ClassVar[str] = ""
-    """``storey``, ``upper storey``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
+    """``storey``, ``upper storey``, ``all storeys``, ``floor``, ``frame``, ``channel``, ``logger`` or nothing."""
     amplitude: ClassVar[int] = 0
     """Which parameter says how strong it is."""
     typical: ClassVar[float]
@@ -199,6 +199,7 @@ class Effect:
 GROUPS = {
     "On a frame or a floor": ("frame", "floor"),
     "In a storey": ("storey", "upper storey"),
+    "In all storeys of a frame": ("all storeys",),
     "At the table and in the sensors": ("", "channel", "logger"),
 }
 """Places by the heading under which the documentation has them, in the order in which candidates are tried."""
@@ -246,8 +247,14 @@ def places(kind: type[Effect], model: Model) -> Sequence[Effect]:
     if where == "floor":
         spots = [structure.place(i) for i in range(structure.floors)]
         return [kind(index=i, frame=frame, floor=number) for i, (frame, number) in enumerate(spots)]
-    if where == "frame":
-        return [kind(index=i, frame=frame.name) for i, frame in enumerate(structure.frames)]
+    if where in ("frame", "all storeys"):
+        # All storeys of a frame that has but one are that storey.
+        least = 2 if where == "all storeys" else 1
+        return [
+            kind(index=i, frame=frame.name)
+            for i, frame in enumerate(structure.frames)
+            if frame.floors >= least
+        ]
     if where == "channel":
         return [kind(index=i, channel=name) for i, name in enumerate(observed.names)]
     if where == "logger":

@@ -88,7 +88,7 @@ class FadingFriction(CoulombFriction):
     name = "fading_friction"
     rival = True
     default = False
-    quantities = (*CoulombFriction.quantities, Quantity("rate", "m/s", logarithmic=True))
+    quantities = (*CoulombFriction.quantities[:2], Quantity("rate", "m/s", logarithmic=True))
 
     def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
         """Return friction of 1 N that slides from the drift `shape` and has lost half of itself at 1 m/s."""
@@ -96,11 +96,12 @@ class FadingFriction(CoulombFriction):
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return friction force, stiffness while stuck and a rate of 1 m/s."""
-        return np.array([*super().values(amplitude, shape), 1.0])
+        return np.array([*super().values(amplitude, shape)[:2], 1.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return friction that has lost half of itself at a rate."""
-        return (*super().numbers(model, values)[:3], max(abs(float(values[2])), 1e-9))
+        """Return friction that has lost half of itself at a rate, with no breakaway."""
+        plain = super().numbers(model, np.array([*values[:2], 0.0]))
+        return (*plain[:3], max(abs(float(values[2])), 1e-9))
 
 
 @CATALOGUE.add
@@ -111,6 +112,7 @@ class Tie(Bumper):
     name = "tie"
     where = "upper storey"
     rival = True
+    quantities = Bumper.quantities[:2]
 
     def row(self, model: Model) -> np.ndarray:
         """Return the row of both storeys' drifts together, (floors,)."""
@@ -121,3 +123,11 @@ class Tie(Bumper):
         both = slice(self.index - 1, self.index + 1)
         ends = (float(scales.highest[both].sum()), float(scales.lowest[both].sum()))
         return [(end * share,) for end in ends for share in (0.25, 0.55)]
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return gap and stiffness."""
+        return super().values(amplitude, shape)[:2]
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return gap and stiffness of a straight stop without loss."""
+        return super().numbers(model, np.array([*values, 0.0, 0.0]))

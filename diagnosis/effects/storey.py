@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -27,6 +28,21 @@ STICKING_RATIO = 0.3
 STIFFEST = 60.0
 STICKING = 15.0
 """Stiffness of a stuck friction joint as a multiple of the storey's: stiff, yet within the simulator's step."""
+STRIBECK_RATE = 5e-3
+BREAKAWAY_SPREAD = 0.15
+BREAKAWAY_RANGE = (-0.5, 1.0)
+"""Rate of sliding [m/s] at which what static friction has beyond the sliding one has fallen to 1/e (dry metals 1e-3 to 1e-2,
+Canudas de Wit et al. 1995); prior standard deviation of that excess over the sliding friction, and how far it may go."""
+PRESSED_M = 1e-3
+LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
+PROGRESS_RANGE = (-0.5, 1.5)
+"""Depth [m] at which a stop of another power pushes as the straight one does; prior standard deviations of a stop's loss
+[s/m] and of what the power of its depth has beyond the first, and how far the latter may go."""
+
+
+def within(value: float, ends: tuple[float, float]) -> float:
+    """Return a number, or the end of its range [the same unit] that it is beyond."""
+    return min(max(float(value), ends[0]), ends[1])
 
 
 @dataclass(frozen=True)
@@ -97,32 +113,37 @@ class DampingChange(StoreyEffect):
 def friction(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return the force of a stiff joint that slides; it remembers its elastic force and the drift.
 
-    p: force [N], stiffness [N/m] and damping [N s/m] while stuck, and the rate [m/s] at which sliding has worn half of it
-    away; infinite for one that nothing wears.
+    p: force [N], stiffness [N/m] and damping [N s/m] while stuck, the rate [m/s] at which sliding has worn half of it
+    away; infinite for one that nothing wears; what breaks it loose beyond the force, as a share of it (Stribeck's curve).
     """
-    held = min(max(state[0] + p[1] * (d - state[1]), -p[0]), p[0])
+    limit = p[0]
+    if p[4] != 0.0:
+        limit *= 1.0 + p[4] * math.exp(-((v / STRIBECK_RATE) ** 2))
+    held = min(max(state[0] + p[1] * (d - state[1]), -limit), limit)
     new[0], new[1] = held, d
-    return min(max(held + p[2] * v, -p[0]), p[0]) / (1.0 + abs(v) / p[3])
+    return min(max(held + p[2] * v, -limit), limit) / (1.0 + abs(v) / p[3])
 
 
 @CATALOGUE.add
 @dataclass(frozen=True)
 class CoulombFriction(StoreyEffect):
-    """Friction F sign(v), stuck below F."""
+    """Friction F sign(v), stuck below F, or below a little more or less: what breaks it loose is refined with the rest."""
 
     name = "coulomb_friction"
     law = friction
     quantities: ClassVar[tuple[Quantity, ...]] = (
         Quantity("friction_force", "N", logarithmic=True),
         Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
+        Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD),
     )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$",
+        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$; what breaks it loose beyond $F$ is refined and not "
+        "reported",
         "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
-        loop(friction, 0.3, 30.0, 0.0, np.inf),
+        loop(friction, 0.3, 30.0, 0.0, np.inf, 0.0),
         shapes={
             "sticking_stiffness": (
                 "the joint gives more before it slides than the catalogue's",
@@ -141,17 +162,17 @@ class CoulombFriction(StoreyEffect):
 
     def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
         """Return friction of 1 N that slides from the drift `shape`, without damping: it is scored on noisy rates."""
-        return (1.0, 1 / shape[0], 0.0, np.inf)
+        return (1.0, 1 / shape[0], 0.0, np.inf, 0.0)
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return friction force and stiffness while stuck, as a multiple of the storey's."""
-        return np.array([amplitude, STICKING])
+        """Return friction force, stiffness while stuck as a multiple of the storey's, and no breakaway."""
+        return np.array([amplitude, STICKING, 0.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return a stiff joint that slides at F, damped while stuck."""
         stiffness = min(float(values[1]), STIFFEST) * self.stiffness(model)
         damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(model.structure, self.index) / 2)
-        return (abs(float(values[0])), stiffness, float(damping), np.inf)
+        return (abs(float(values[0])), stiffness, float(damping), np.inf, within(values[2], BREAKAWAY_RANGE))
 
 
 @memoryless
@@ -299,27 +320,43 @@ class Loosening(StoreyEffect):
 
 @memoryless
 def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m]."""
-    if p[0] >= 0.0:
-        return p[1] * max(d - p[0], 0.0)
-    return p[1] * min(d - p[0], 0.0)
+    """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m].
+
+    p2 the loss [s/m], by which the force is larger while it is pressed and smaller while it is let go (Hunt and Crossley
+    1975); p3 what the power of the depth has beyond the first, the force at `PRESSED_M` being the same.
+    """
+    side = 1.0 if p[0] >= 0.0 else -1.0
+    depth = side * (d - p[0])
+    if depth <= 0.0:
+        return 0.0
+    force = side * p[1] * depth * max(1.0 + p[2] * side * v, 0.0)
+    return force if p[3] == 0.0 else force * (depth / PRESSED_M) ** p[3]
 
 
 @CATALOGUE.add
 @dataclass(frozen=True)
 class Bumper(StoreyEffect):
-    """A stop: k (d - g) beyond the gap g, or its mirror where g is negative."""
+    """A stop: k (d - g) beyond the gap g, or its mirror where g is negative.
+
+    Rubber loses energy and stiffens as it is pressed: loss and power of the depth are refined with the rest.
+    """
 
     name = "bumper"
     amplitude = 1
     law = stop
-    quantities = (Quantity("gap", "mm", 1000.0), Quantity("stiffness", "N/m", logarithmic=True))
+    quantities: ClassVar[tuple[Quantity, ...]] = (
+        Quantity("gap", "mm", 1000.0),
+        Quantity("stiffness", "N/m", logarithmic=True),
+        Quantity("loss", "s/m", reported=False, spread=LOSS_SPREAD),
+        Quantity("power_beyond_one", "1", reported=False, spread=PROGRESS_SPREAD),
+    )
     sign = 1
     nonlinear = True
     described = Description(
-        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$",
+        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$; its loss and the power of its depth (near 1) are "
+        "refined and not reported",
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
-        loop(stop, 0.5, 2.0),
+        loop(stop, 0.5, 2.0, 0.0, 0.0),
         told_by="The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
     )
 
@@ -334,5 +371,10 @@ class Bumper(StoreyEffect):
         return [(end * share,) for end in ends for share in shares]
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return gap and stiffness."""
-        return np.array([shape[0], amplitude])
+        """Return gap and stiffness of a straight stop without loss."""
+        return np.array([shape[0], amplitude, 0.0, 0.0])
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return gap, stiffness, loss and power."""
+        beyond = within(values[3], PROGRESS_RANGE)
+        return (float(values[0]), abs(float(values[1])), float(values[2]), beyond)

@@ -6,7 +6,7 @@ shared.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -281,6 +281,107 @@ def clock_rate(setting: Setting, size: float, rng: np.random.Generator) -> tuple
     return replace(setting.scenario, sensor_clock=faults), {"relative_change": (rate, "-")}
 
 
+def quadratic_damping(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+    """Damp a storey by the square of its drift's rate, in all storeys alike as much as the first mode is damped."""
+    first = 2 * np.pi * setting.typical.first_hz
+    share = 2 * size * float(setting.beams.ratios[0]) / first / setting.at(setting.typical.rms_rate)
+    damper = share * setting.at(setting.typical.stiffness)
+    return setting.with_storey_law(lambda _: laws.drag(damper, 1e-4)), {"damping": (damper, "N s^2/m^2")}
+
+
+State = Callable[[Sequence[Parameters], np.ndarray], Parameters]
+"""Says of all storeys what the truth states: from the parameters of each and their stiffness [N/m], shape (storeys,)."""
+
+
+def in_all_storeys(put: Put, state: State) -> Put:
+    """Return what puts an effect of a storey into all storeys of a frame, a little unevenly.
+
+    Args:
+        put: Puts it into one storey. In each it is drawn alike, as if all drifted as much as the storey that drifts most.
+        state: Says what is stated.
+    """
+
+    def everywhere(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+        chance, own = int(rng.integers(2**32)), setting.typical
+        uneven = rng.normal(1.0, 0.03, setting.beams.storeys)
+        alike = {
+            name: np.full(len(uneven), getattr(own, name).max()) for name in ("peak_drift", "rms_drift", "rms_rate")
+        }
+        even, scenario, told = replace(setting, typical=replace(own, **alike)), setting.scenario, []
+        for storey, share in enumerate(uneven, 1):
+            here = replace(even, scenario=scenario, storey=storey)
+            scenario, parameters = put(here, share * size, np.random.default_rng(chance))
+            told.append(parameters)
+        values = state(told, own.stiffness)
+        lone = state(told, lone_storey_stiffness(setting.beams))
+        return scenario, {name: (*value, lone[name][0]) for name, value in values.items()}
+
+    return everywhere
+
+
+def _mean(told: Sequence[Parameters], name: str) -> np.ndarray:
+    return np.array([parameters[name][0] for parameters in told])
+
+
+def slip_drift(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
+    """State friction by the drift at which it would be reached elastically."""
+    return {"slip_drift": (float(np.mean(_mean(told, "friction_force") / stiffness)) * 1e3, "mm")}
+
+
+def yielding(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
+    """State what yields by its drift and its share of the stiffness."""
+    force, own = _mean(told, "yield_force"), _mean(told, "stiffness")
+    return {
+        "yield_drift": (float(np.mean(force / own)) * 1e3, "mm"),
+        "stiffness_share": (float(np.mean(own / stiffness)), "-"),
+    }
+
+
+def over_stiffness(name: str, stated: str, unit: str) -> State:
+    """Return what states a parameter of the storeys over their stiffness, as `stated` in `unit`."""
+    return lambda told, stiffness: {stated: (float(np.mean(_mean(told, name) / stiffness)), unit)}
+
+
+def loosened(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
+    """State the mean change at the end of a run."""
+    return {"final_relative_change": (float(np.mean(_mean(told, "final_relative_change"))), "-")}
+
+
+def all_stiffness_change(
+    setting: Setting, size: float, rng: np.random.Generator
+) -> tuple[Scenario, Parameters]:
+    """Stiffen or soften columns and joints of a whole frame alike."""
+    beams = setting.beams
+    changed = setting.with_beams(bending=(1 + size) * beams.bending, joint=(1 + size) * beams.joint)
+    return changed, {"relative_change": (size, "-")}
+
+
+def all_damping_change(
+    setting: Setting, size: float, rng: np.random.Generator
+) -> tuple[Scenario, Parameters]:
+    """Damp all modes more or less, a little unevenly."""
+    factor = (1 + size) * rng.normal(1.0, 0.03, len(setting.beams.ratios))
+    return setting.with_beams(ratios=factor * setting.beams.ratios), {"damping_factor": (1 + size, "-")}
+
+
+def all_added_mass(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+    """Put mass on all floors, with the weight that it has."""
+    beams = setting.beams
+    mass = size * (beams.floor_mass + beams.column_mass)
+    axial = beams.axial + STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1]
+    return setting.with_beams(floor_mass=beams.floor_mass + mass, axial=axial), {"relative_change": (size, "-")}
+
+
+STATES: dict[str, State] = {
+    "all_coulomb_friction": slip_drift,
+    "all_hysteresis": yielding,
+    "all_cubic_stiffness": over_stiffness("cubic_stiffness", "cubic_share", "1/m^2"),
+    "all_loosening": loosened,
+    "all_quadratic_damping": over_stiffness("damping", "quadratic_damping", "s^2/m^2"),
+}
+"""What says what the truth states of a law in all storeys, whatever the law in a storey is."""
+
+
 CATALOGUE: dict[str, Effect] = {
     "stiffness_change": Effect("storey", stiffness_change, 0.2, -0.5),
     "joint_flexibility": Effect("frame", joint_flexibility, 1.0, -1.0),
@@ -295,6 +396,20 @@ CATALOGUE: dict[str, Effect] = {
     "loosening": Effect("storey", loosening, 0.0, -0.6),
     "bumper": Effect("storey", bumper, 6.0),
     "torsional_eccentricity": Effect("frame", torsional_eccentricity, 1.0),
+    "all_coulomb_friction": Effect(
+        "frame", in_all_storeys(coulomb_friction, STATES["all_coulomb_friction"]), 3.0
+    ),
+    "all_hysteresis": Effect("frame", in_all_storeys(hysteresis, STATES["all_hysteresis"]), 3.0),
+    "all_cubic_stiffness": Effect(
+        "frame", in_all_storeys(cubic_stiffness, STATES["all_cubic_stiffness"]), 5.0, -0.25
+    ),
+    "all_loosening": Effect("frame", in_all_storeys(loosening, STATES["all_loosening"]), 0.0, -0.6),
+    "all_quadratic_damping": Effect(
+        "frame", in_all_storeys(quadratic_damping, STATES["all_quadratic_damping"]), 12.0
+    ),
+    "all_stiffness_change": Effect("frame", all_stiffness_change, 0.8, -0.6),
+    "all_damping_change": Effect("frame", all_damping_change, 5.0, -0.8),
+    "all_added_mass": Effect("frame", all_added_mass, 1.0, -0.4),
     "table_gain": Effect("table", table_gain, 0.4, -0.4),
     "table_delay": Effect("table", table_delay, 1.0, -1.0),
     "table_tilt": Effect("table", table_tilt, 1.0, -1.0),

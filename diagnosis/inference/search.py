@@ -11,6 +11,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
+from pounding.diagnosis.effects.whole_frame import EveryStorey
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
@@ -277,7 +278,8 @@ def _faded(found: Findings) -> None:
     usual = float(found.sizes.drift_rate[plain.index])
 
     def fading(share: float) -> Fit:
-        values = np.array([*fit.values[0] * (1.0 + 1.0 / share, 1.0), share * usual])
+        force, stiffness = fit.values[0][:2]
+        values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual])
         return refine(found.model, fit.filtered, (rival,), (values,))
 
     for faded in _each(found, fading, SETTINGS.search.faded):
@@ -353,7 +355,7 @@ def _likely(
     """Return the log likelihood of an effect at a size; one that changes no matrix can keep the filter's gain."""
     model = found.model
     with np.errstate(over="ignore", invalid="ignore"):
-        if acting[0][0].where not in ("storey", "channel"):
+        if acting[0][0].where not in ("storey", "channel") and not isinstance(acting[0][0], EveryStorey):
             return run_filter(model, start.values, start.noise, start.runs, acting).log_likelihood
         prediction = model.predict(start.values, gains, acting, start.runs, whole=False)
         return log_likelihood(model, prediction.innovations, start.filters, start.runs)
@@ -371,7 +373,7 @@ def _suspects(found: Findings, effects: Sequence[Effect]) -> list[Effect]:
         e
         for e in effects
         if (e.where == "storey" and e.index in inside)
-        or (e.where in ("frame", "") and not e.rival)
+        or (e.where in ("frame", "all storeys", "") and not e.rival)
         or e.name == "sensor_gain"
     ]
 

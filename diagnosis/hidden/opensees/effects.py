@@ -94,6 +94,12 @@ def hysteresis(setting: Setting, size: float, rng: np.random.Generator) -> tuple
     return _with_storey_law(setting, law), {"yield_force": (force, "N"), "stiffness": (stiffness, "N/m")}
 
 
+def quadratic_damping(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+    """Damp a storey by the square of its drift's rate."""
+    _, stated = effects.quadratic_damping(setting, size, rng)
+    return _with_storey_law(setting, materials.viscous(stated["damping"][0], 2.0)), stated
+
+
 def loosening(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
     """Let a storey lose stiffness over each run."""
     stiffness = setting.at(storey_stiffness(setting.beams))
@@ -192,6 +198,15 @@ _LAWS: dict[str, effects.Put] = {
     "weakening_friction": weakening_friction,
     "slack_tie": slack_tie,
 }
+_IN_ONE: dict[str, effects.Put] = {
+    "all_coulomb_friction": coulomb_friction,
+    "all_hysteresis": hysteresis,
+    "all_cubic_stiffness": cubic_stiffness,
+    "all_loosening": loosening,
+    "all_quadratic_damping": quadratic_damping,
+}
+"""What is put into each storey for an effect of all of them."""
+_LAWS |= {name: effects.in_all_storeys(put, effects.STATES[name]) for name, put in _IN_ONE.items()}
 
 _PLANE_CANNOT = ("torsional_eccentricity",)
 

@@ -16,6 +16,7 @@ from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction, StoreyEffect
+from pounding.diagnosis.effects.whole_frame import AllCoulombFriction
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
 from pounding.diagnosis.inference.misfit import simulate
@@ -62,19 +63,27 @@ def middle(effect: Effect) -> tuple[float, ...]:
 class Sliding:
     """A friction joint as it is scored: it slides from a drift on, and nothing damps it while it sticks."""
 
-    def __init__(self, effect: CoulombFriction, shape: tuple[float, ...]) -> None:
-        self.effect, self.unit = effect, effect.unit(BASELINE, shape)
+    def __init__(self, effect: CoulombFriction | AllCoulombFriction, shape: tuple[float, ...]) -> None:
+        self.each = {effect: 1.0} if isinstance(effect, CoulombFriction) else weighed(effect)
+        self.shape = shape
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
-        force, stiffness, *rest = self.unit
-        numbers = (values[0] * force, values[0] * stiffness, *rest)
-        assembly.laws.append(PlacedLaw(self.effect.law, self.effect.row(model), numbers))
+        for effect, weight in self.each.items():
+            force, stiffness, *rest = effect.unit(BASELINE, self.shape)
+            numbers = (weight * values[0] * force, weight * values[0] * stiffness, *rest)
+            assembly.laws.append(PlacedLaw(effect.law, effect.row(model), numbers))
+
+
+def weighed(effect: AllCoulombFriction) -> dict[CoulombFriction, float]:
+    """The friction of each storey by its weight."""
+    storeys = [one for one in effect.each(BASELINE) if isinstance(one, CoulombFriction)]
+    return {one: effect.weight(BASELINE, one) for one in storeys}
 
 
 def innovations(effect: Effect, shape: tuple[float, ...], amplitude: float) -> np.ndarray:
     """The whitened innovations of the baseline with a little of an effect."""
     acting = (effect, effect.values(amplitude, shape))
-    if isinstance(effect, CoulombFriction):
+    if isinstance(effect, CoulombFriction | AllCoulombFriction):
         acting = (Sliding(effect, shape), np.array([amplitude]))  # type: ignore[assignment]
     gains = [steady.gain for steady in FILTERED.filters]
     if len(BASELINE.modes(BASELINE.assemble(FILTERED.values, [acting])).omega) > BASELINE.structure.floors:
@@ -169,6 +178,6 @@ def test_strong_fading_friction_is_the_same_law_too(index: int, monkeypatch: pyt
 def test_a_law_with_memory_acts_in_a_storey_of_every_frame() -> None:
     """Two friction joints at once: each has a memory of its own, in the prediction and in the engine."""
     joints = [effect for effect in EVERYWHERE if type(effect) is CoulombFriction]
-    fast, engine = both([(joint, strong(joint) * [0.3, 1.0]) for joint in joints[:2]])
+    fast, engine = both([(joint, strong(joint) * [0.3, 1.0, 1.0]) for joint in joints[:2]])
     assert isinstance(joints[0], StoreyEffect)
     assert difference(fast, engine) < 0.01

@@ -1,0 +1,331 @@
+"""Effects of all storeys of a frame at once: real frames yield, rub, soften and loosen everywhere.
+
+A law of one storey acts in every storey with forces in proportion to the storey's stiffness k, so that one or two numbers
+say what it does: a friction force k x is stated by the drift x at which it would be reached elastically, a cubic spring k b by
+b. How uneven a real frame is remains as misfit. A frame of one storey has none of these, as they would be those of its storey.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from pounding.diagnosis.effects.bases import Departure, FrameEffect, LawEffect
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
+from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
+from pounding.diagnosis.effects.storey import (
+    LARGEST_LOSS,
+    CoulombFriction,
+    CubicStiffness,
+    Hysteresis,
+    Loosening,
+    StoreyEffect,
+    cubic_spring,
+    friction,
+    yielding,
+)
+from pounding.diagnosis.model.laws import Numbers, memoryless
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.sensitivity import Term
+from pounding.diagnosis.model.storeys import Modes
+from pounding.diagnosis.model.terms import Motion, force_term
+
+EVERY = "all storeys"
+"""Where these effects are: a frame of more than one storey."""
+
+
+@dataclass(frozen=True)
+class EveryStorey(LawEffect, FrameEffect):
+    """The law of a storey in every storey of a frame; the amplitude times a storey's stiffness is that storey's.
+
+    Attributes:
+        alone: The effect in one storey; shapes and prior widths are those of the storey that drifts most.
+    """
+
+    where = EVERY
+    alone: ClassVar[type[StoreyEffect]]
+
+    def each(self, model: Model) -> Iterator[StoreyEffect]:
+        """Yield the effect in each storey."""
+        span = self.span(model)
+        for index in range(span.start, span.stop):
+            yield self.alone(index=index, frame=self.frame, storey=index - span.start + 1)
+
+    def weight(self, model: Model, storey: StoreyEffect) -> float:
+        """Return what the amplitude of the whole is multiplied by in one storey: its stiffness [N/m]."""
+        return storey.stiffness(model)
+
+    def of_one(self, values: np.ndarray, weight: float) -> np.ndarray:
+        """Return the SI parameters of one storey, shape (parameters,).
+
+        Args:
+            values: SI parameters of the whole in the order of `quantities`, shape (parameters,).
+            weight: That of the storey.
+        """
+        scaled = np.array(values, float)
+        scaled[self.amplitude] *= weight
+        return scaled
+
+    def leading(self, scales: Scales) -> StoreyEffect:
+        """Return the effect in the storey that drifts most."""
+        floors = [len(omega) for omega in scales.omega]
+        first = sum(floors[: self.index])
+        drift = scales.drift[first : first + floors[self.index]]
+        return self.alone(index=first + int(np.argmax(drift)), frame=self.frame)
+
+    def grid(self, scales: Scales) -> list[tuple[float, ...]]:
+        """Return every second shape of the storey that drifts most: storeys that drift less bring in the others."""
+        return self.leading(scales).grid(scales)[-1::-2]
+
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return the amplitude that is usual in the storey that drifts most."""
+        storey = self.leading(scales)
+        return storey.size(model, scales, shape) / self.weight(model, storey)
+
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the terms of a unit amplitude, one a storey."""
+        return [
+            replace(term, force=self.weight(model, storey) * np.asarray(term.force))
+            for storey in self.each(model)
+            for term in storey.terms(model, modes, motion, shape)
+        ]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+        """Add the law of every storey to the assembly."""
+        for storey in self.each(model):
+            storey.apply(assembly, self.of_one(values, self.weight(model, storey)), model)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllCoulombFriction(EveryStorey):
+    """Friction k x in every storey: x is the slip drift, at which the storey's own elastic force is as large."""
+
+    name = "all_coulomb_friction"
+    alone = CoulombFriction
+    quantities = (Quantity("slip_drift", "mm", 1000.0, logarithmic=True), *CoulombFriction.quantities[1:])
+    sign = 1
+    nonlinear = True
+    dissipates = True
+    described = Description(
+        r"$f = k\,x_s\,\mathrm{sign}(v)$ in every storey, stuck below, its breakaway refined as in one storey",
+        "`all_damping_change` and `all_quadratic_damping` at one amplitude, `air_drag`, `coulomb_friction` in the storey "
+        "that drifts most",
+        replace(loop(friction, 0.3, 30.0, 0.0, np.inf, 0.0), mark="frame"),
+    )
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return slip drift, stiffness while stuck and breakaway as in one storey."""
+        return self.alone().values(amplitude, shape)
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllHysteresis(EveryStorey):
+    """A share of the stiffness of every storey yields at one drift; small motions feel nothing of it."""
+
+    name = "all_hysteresis"
+    alone = Hysteresis
+    absorbing = True
+    amplitude = 1
+    quantities = (
+        Quantity("yield_drift", "mm", 1000.0, logarithmic=True),
+        Quantity("stiffness_share", "1", logarithmic=True),
+        *Hysteresis.quantities[2:],
+    )
+    sign = 1
+    nonlinear = True
+    dissipates = True
+    described = Description(
+        "a share $s$ of the stiffness of every storey yields at the drift $d_y$: $F_y = s\\,k\\,d_y$; knee and unloading "
+        "are refined as in one storey",
+        "`hysteresis` in the storey that drifts most, `all_coulomb_friction`, `all_cubic_stiffness` below zero, `air_drag`",
+        replace(loop(yielding, 0.25, 0.6, 8.0, 0.0), mark="frame"),
+        told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
+    )
+
+    def largest(self, model: Model) -> float:
+        """Return the whole of the stiffness."""
+        del model
+        return 1.0
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return yield drift, share of the stiffness, and knee and unloading as in one storey."""
+        return np.array([shape[0], amplitude, *self.alone().values(amplitude, shape)[2:]])
+
+    def of_one(self, values: np.ndarray, weight: float) -> np.ndarray:
+        """Return yield force and stiffness of one storey, and what shapes its loop."""
+        stiffness = values[1] * weight
+        return np.array([values[0] * stiffness, stiffness, *values[2:]])
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllCubicStiffness(EveryStorey):
+    """A spring k b d^3 in every storey: the frame's stiffness changes with the square of its amplitude."""
+
+    name = "all_cubic_stiffness"
+    alone = CubicStiffness
+    quantities = (Quantity("cubic_share", "1/m^2"),)
+    nonlinear = True
+    described = Description(
+        r"$f = k\,b\,d^3$ in every storey",
+        "`cubic_stiffness` in the storey that drifts most, `all_hysteresis` (where $b < 0$)",
+        replace(loop(cubic_spring, 0.8), mark="frame"),
+        told_by="The same shaking at half and at twice its amplitude: frequencies move with the square of it.",
+    )
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllLoosening(EveryStorey):
+    """The stiffness of every storey falls linearly over each run to (1 + x) of itself."""
+
+    name = "all_loosening"
+    alone = Loosening
+    quantities = Loosening.quantities
+    sign = -1
+    described = Description(
+        r"$f = x\,k\,(t/T)\,d$ in every storey, in each run anew",
+        "`loosening` in the storey that drifts most, `all_hysteresis` in a run that grows, `all_stiffness_change`",
+        history("frame", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
+        told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+    )
+
+    def largest(self, model: Model) -> float:
+        """Return nearly all of the stiffness."""
+        del model
+        return LARGEST_LOSS
+
+    def weight(self, model: Model, storey: StoreyEffect) -> float:
+        """Return one: the amplitude is a share of the storey's stiffness already."""
+        del model, storey
+        return 1.0
+
+
+@memoryless
+def quadratic_damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
+    """Return p0 v abs(v): p0 the damper [N s^2/m^2]."""
+    return p[0] * v * abs(v)
+
+
+@dataclass(frozen=True)
+class QuadraticDamper(StoreyEffect):
+    """A damper c v abs(v) in one storey, which is no effect of its own: what grows so is known of whole frames."""
+
+    law = quadratic_damper
+    quantities = (Quantity("damping", "N s^2/m^2", logarithmic=True),)
+
+    def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
+        """Return what makes 0.1 of the storey's elastic force at the usual drift and rate."""
+        elastic = self.stiffness(model) * float(scales.drift[self.index])
+        return 0.1 * elastic / float(scales.drift_rate[self.index]) ** 2
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllQuadraticDamping(EveryStorey):
+    """A damper k q v abs(v) in every storey: the frame's damping grows with its amplitude."""
+
+    name = "all_quadratic_damping"
+    alone = QuadraticDamper
+    quantities = (Quantity("quadratic_damping", "s^2/m^2", logarithmic=True),)
+    sign = 1
+    nonlinear = True
+    dissipates = True
+    described = Description(
+        r"$f = k\,q\,v\lvert v\rvert$ in every storey: damping that grows with the amplitude",
+        "`air_drag`, `all_damping_change` at one amplitude, `all_coulomb_friction`",
+        relation("frame", "drift rate", "force", lambda x: 0.0 * x, lambda x: x * abs(x)),
+    )
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllStiffnessChange(FrameEffect, Departure):
+    """The stiffness of a whole frame times (1 + x), beyond what calibration may give it."""
+
+    name = "all_stiffness_change"
+    where = EVERY
+    parameter = "frame_stiffness"
+    typical = 0.3
+    absorbing = True
+    quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$K \to (1 + x)\,K$ beyond the prior of the frame's stiffness",
+        "`all_added_mass`, which the motion of a shaken table cannot tell from it, `joint_flexibility`, `p_delta`, "
+        "`base_rocking`",
+        relation("frame", "drift", "force", same, lambda x: 0.6 * x),
+        told_by="A push on the roof with a known force, or weighing a floor: only one of stiffness and mass has changed.",
+    )
+
+    def largest(self, model: Model) -> float:
+        """Return nearly all of the stiffness."""
+        del model
+        return LARGEST_LOSS
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllDampingChange(FrameEffect, Departure):
+    """The damping ratios of all modes of a frame times a factor, beyond what calibration may give them."""
+
+    name = "all_damping_change"
+    where = EVERY
+    parameter = "frame_damping"
+    linear = False
+    typical = 0.7
+    """Of the factor's logarithm."""
+    absorbing = True
+    dissipates = True
+    quantities = (Quantity("damping_factor", "1", logarithmic=True),)
+    described = Description(
+        r"$\zeta \to c\,\zeta$ in all modes beyond the prior of the frame's damping",
+        "`damping_change` in the storey that drifts most, `air_drag`, `all_quadratic_damping` and `all_coulomb_friction` "
+        "at one amplitude",
+        relation("frame", "drift rate", "force", lambda x: 0.3 * x, lambda x: 0.8 * x),
+    )
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the factor, shape (1,)."""
+        return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
+
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+        """Multiply the damping ratios."""
+        assembly.log_damping[self.span(model)] += np.log(float(values[0]))
+
+
+@CATALOGUE.add
+@dataclass(frozen=True)
+class AllAddedMass(FrameEffect):
+    """The mass of a whole frame times (1 + x), beyond what calibration may give it."""
+
+    name = "all_added_mass"
+    where = EVERY
+    linear = True
+    typical = 0.3
+    absorbing = True
+    quantities = (Quantity("relative_change", "1"),)
+    described = Description(
+        r"$M \to (1 + x)\,M$ beyond the priors of the floors' masses",
+        "`all_stiffness_change`, which the motion of a shaken table cannot tell from it, `p_delta`",
+        relation("floors", "acceleration", "inertia", same, lambda x: 1.4 * x),
+        told_by="Weighing a floor, or a push on the roof with a known force: only one of stiffness and mass has changed.",
+    )
+
+    def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
+        """Return the inertia of as much mass again."""
+        span = self.span(model)
+        return [
+            force_term(motion, lambda m, row=row: -(m.acceleration[:, span] @ row), modes.floors[span.start + floor])  # type: ignore[misc]
+            for floor, row in enumerate(self.storeys(model).mass)
+        ]
+
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+        """Scale the mass."""
+        span = self.span(model)
+        assembly.mass[span, span] += max(float(values[0]), -LARGEST_LOSS) * self.storeys(model).mass
