@@ -1,13 +1,14 @@
 """Effects of all storeys of a frame at once: real frames yield, rub, soften and loosen everywhere.
 
 A law of one storey acts in every storey with forces in proportion to the storey's stiffness k, so that one or two numbers
-say what it does: a friction force k x is stated by the drift x at which it would be reached elastically, a cubic spring k b by
-b. How uneven a real frame is remains as misfit. A frame of one storey has none of these, as they would be those of its storey.
+say what it does: a friction force k x is stated by the drift x at which it would be reached elastically, a cubic spring
+k b by b. How uneven a real frame is remains as misfit. A frame of one storey has none of these, as they would be those of
+its storey.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
@@ -107,7 +108,7 @@ class AllCoulombFriction(EveryStorey):
 
     name = "all_coulomb_friction"
     alone = CoulombFriction
-    quantities = (Quantity("slip_drift", "mm", 1000.0, logarithmic=True), *CoulombFriction.quantities[1:])
+    quantities = (Quantity("slip_drift", "um", 1e6, logarithmic=True), *CoulombFriction.quantities[1:])
     sign = 1
     nonlinear = True
     dissipates = True
@@ -319,11 +320,13 @@ class AllAddedMass(FrameEffect):
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the inertia of as much mass again."""
-        span = self.span(model)
-        return [
-            force_term(motion, lambda m, row=row: -(m.acceleration[:, span] @ row), modes.floors[span.start + floor])  # type: ignore[misc]
-            for floor, row in enumerate(self.storeys(model).mass)
-        ]
+        span, rows = self.span(model), self.storeys(model).mass
+
+        def inertia(row: np.ndarray) -> Callable[[Motion], np.ndarray]:
+            return lambda m: -(m.acceleration[:, span] @ row)
+
+        floors = modes.floors[span]
+        return [force_term(motion, inertia(row), floor) for row, floor in zip(rows, floors, strict=True)]
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Scale the mass."""

@@ -304,10 +304,13 @@ def in_all_storeys(put: Put, state: State) -> Put:
     def everywhere(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
         chance, own = int(rng.integers(2**32)), setting.typical
         uneven = rng.normal(1.0, 0.03, setting.beams.storeys)
-        alike = {
-            name: np.full(len(uneven), getattr(own, name).max()) for name in ("peak_drift", "rms_drift", "rms_rate")
-        }
-        even, scenario, told = replace(setting, typical=replace(own, **alike)), setting.scenario, []
+        alike = replace(
+            own,
+            peak_drift=np.full_like(uneven, own.peak_drift.max()),
+            rms_drift=np.full_like(uneven, own.rms_drift.max()),
+            rms_rate=np.full_like(uneven, own.rms_rate.max()),
+        )
+        even, scenario, told = replace(setting, typical=alike), setting.scenario, []
         for storey, share in enumerate(uneven, 1):
             here = replace(even, scenario=scenario, storey=storey)
             scenario, parameters = put(here, share * size, np.random.default_rng(chance))
@@ -325,7 +328,7 @@ def _mean(told: Sequence[Parameters], name: str) -> np.ndarray:
 
 def slip_drift(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
     """State friction by the drift at which it would be reached elastically."""
-    return {"slip_drift": (float(np.mean(_mean(told, "friction_force") / stiffness)) * 1e3, "mm")}
+    return {"slip_drift": (float(np.mean(_mean(told, "friction_force") / stiffness)) * 1e6, "um")}
 
 
 def yielding(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
@@ -369,7 +372,9 @@ def all_added_mass(setting: Setting, size: float, rng: np.random.Generator) -> t
     beams = setting.beams
     mass = size * (beams.floor_mass + beams.column_mass)
     axial = beams.axial + STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1]
-    return setting.with_beams(floor_mass=beams.floor_mass + mass, axial=axial), {"relative_change": (size, "-")}
+    return setting.with_beams(floor_mass=beams.floor_mass + mass, axial=axial), {
+        "relative_change": (size, "-")
+    }
 
 
 STATES: dict[str, State] = {

@@ -285,7 +285,11 @@ def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upp
     free = np.linalg.solve(precision, pull)
     if np.all((free >= lower) & (free <= upper)):
         return np.asarray(free)
-    factor = np.linalg.cholesky(precision).T
+    try:
+        factor = np.linalg.cholesky(precision).T
+    except np.linalg.LinAlgError:
+        # Slopes of a law that sticks and slips may be too large for its digits: the step is judged by its cost anyhow.
+        return np.asarray(np.clip(np.nan_to_num(free), lower, upper))
     # The start may lie on a bound, or past it by a rounding.
     bounds = (np.minimum(lower, -1e-9), np.maximum(upper, 1e-9))
     return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)

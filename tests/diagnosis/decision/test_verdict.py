@@ -95,6 +95,7 @@ def of(name: str, place: int | None = None) -> Callable[[], Effect]:
 
 
 CUBIC, FRICTION, MASS = of("cubic_stiffness", 2), of("coulomb_friction", 2), of("added_mass", 3)
+ALL = of("all_cubic_stiffness")
 NEXT = of("cubic_stiffness", 3)
 OTHER_FLOOR = of("coulomb_friction", 3)
 
@@ -134,6 +135,12 @@ PROBLEMS = {
     ),
     "a second effect that adds little": Problem(
         4.0, (Tried((CUBIC, MASS), 5020.0, 1.0), Tried((CUBIC,), 5000.0, 1.0)), "effect_named", 1
+    ),
+    "a law in all storeys and the same in one, which explains little of what is left": Problem(
+        9.0, (Tried((ALL, CUBIC), 9000.0, 2.0), Tried((ALL,), 4000.0, 3.0)), "effect_named", 1
+    ),
+    "a law in all storeys and the same in one, which explains nearly all that is left": Problem(
+        9.0, (Tried((ALL, CUBIC), 9000.0, 1.0), Tried((ALL,), 4000.0, 4.0)), "effect_named", 0
     ),
     "one law in two storeys that meet": Problem(
         6.0, (Tried((CUBIC, NEXT), 9000.0, 1.0), Tried((CUBIC,), 4000.0, 4.0)), "unknown_effect", 0

@@ -111,7 +111,7 @@ def test_a_law_in_all_storeys_is_not_that_of_one_and_its_size_is_found() -> None
     assert best.effects[0].name == "all_hysteresis"
     assert others[0].log_posterior < best.log_posterior - 100
     fit = refine(model, best.filtered, best.effects, best.values)
-    assert np.all(np.abs(fit.values[0] - truth)[:2] < 3 * fit.std[0][:2])
+    assert fit.values[0][:2] == pytest.approx(truth[:2], rel=0.01)
 
 
 def test_a_law_in_one_storey_is_not_that_of_all() -> None:
@@ -136,7 +136,9 @@ def test_what_breaks_friction_loose_is_gone_when_it_slides() -> None:
 def test_a_stop_of_another_power_is_the_straight_one_at_a_millimetre_and_loss_takes_energy() -> None:
     depth = np.array([0.5e-3, 1e-3, 2e-3])
     still, time = np.zeros(3), np.arange(3.0)
-    straight, progressive = (stop.along((1e-3, 1e5, 0.0, power), 1e-3 + depth, still, time) for power in (0.0, 1.0))
+    straight, progressive = (
+        stop.along((1e-3, 1e5, 0.0, power), 1e-3 + depth, still, time) for power in (0.0, 1.0)
+    )
     assert straight == pytest.approx(1e5 * depth)
     assert progressive == pytest.approx(1e8 * depth**2)
     mirrored = stop.along((-1e-3, 1e5, 0.0, 1.0), -1e-3 - depth, still, time)

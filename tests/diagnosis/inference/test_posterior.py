@@ -17,6 +17,7 @@ from pounding.diagnosis.inference.posterior import (
     Posterior,
     Trials,
     add_products,
+    bounded_step,
     descend,
 )
 
@@ -152,3 +153,14 @@ def test_products_of_a_long_run_need_no_copy_of_it() -> None:
     assert peak < 0.1 * columns.nbytes
     assert np.all(gram == len(columns))
     assert np.all(slope == len(columns))
+
+
+def test_slopes_that_are_too_large_for_their_digits_still_give_a_step_inside_the_bounds() -> None:
+    """As those of friction that sticks and slips: a crash of the whole diagnosis before."""
+    blown = np.array([1e12, 3e11, 7e10])
+    precision = np.outer(blown, blown) - 20.0 * np.eye(3)
+    lower, upper = -np.ones(3), np.full(3, 0.5)
+    with pytest.raises(np.linalg.LinAlgError):
+        np.linalg.cholesky(precision)
+    step = bounded_step(precision, np.array([1e13, -1e13, 1e14]), lower, upper)
+    assert np.all((step >= lower) & (step <= upper))
