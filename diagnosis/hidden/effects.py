@@ -289,6 +289,11 @@ def quadratic_damping(setting: Setting, size: float, rng: np.random.Generator) -
     return setting.with_storey_law(lambda _: laws.drag(damper, 1e-4)), {"damping": (damper, "N s^2/m^2")}
 
 
+BEYOND, DAMPING_BEYOND = 0.5, 1.0
+"""Logarithm of a whole frame's stiffness or mass, and of its damping, over what was believed, within which it is no effect
+but what a calibration is for: frame, storeys, joints and floors together may depart by three of their prior standard
+deviations each, and one of 0.35 disappeared there."""
+
 State = Callable[[Sequence[Parameters], np.ndarray], Parameters]
 """Says of all storeys what the truth states: from the parameters of each and their stiffness [N/m], shape (storeys,)."""
 
@@ -350,31 +355,36 @@ def loosened(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
     return {"final_relative_change": (float(np.mean(_mean(told, "final_relative_change"))), "-")}
 
 
+def _beyond(size: float, least: float) -> float:
+    """Return a factor that is further from one than `least` (of its logarithm), by `size` more on the same side."""
+    return float(np.exp(np.copysign(least, size))) * (1 + size)
+
+
 def all_stiffness_change(
     setting: Setting, size: float, rng: np.random.Generator
 ) -> tuple[Scenario, Parameters]:
-    """Stiffen or soften columns and joints of a whole frame alike."""
-    beams = setting.beams
-    changed = setting.with_beams(bending=(1 + size) * beams.bending, joint=(1 + size) * beams.joint)
-    return changed, {"relative_change": (size, "-")}
+    """Stiffen or soften columns and joints of a whole frame alike, further than a calibration is for."""
+    beams, factor = setting.beams, _beyond(size, BEYOND)
+    changed = setting.with_beams(bending=factor * beams.bending, joint=factor * beams.joint)
+    return changed, {"relative_change": (factor - 1, "-")}
 
 
 def all_damping_change(
     setting: Setting, size: float, rng: np.random.Generator
 ) -> tuple[Scenario, Parameters]:
-    """Damp all modes more or less, a little unevenly."""
-    factor = (1 + size) * rng.normal(1.0, 0.03, len(setting.beams.ratios))
-    return setting.with_beams(ratios=factor * setting.beams.ratios), {"damping_factor": (1 + size, "-")}
+    """Damp all modes more or less than any guess of it, a little unevenly."""
+    factor = _beyond(size, DAMPING_BEYOND)
+    each = factor * rng.normal(1.0, 0.03, len(setting.beams.ratios))
+    return setting.with_beams(ratios=each * setting.beams.ratios), {"damping_factor": (factor, "-")}
 
 
 def all_added_mass(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Put mass on all floors, with the weight that it has."""
-    beams = setting.beams
-    mass = size * (beams.floor_mass + beams.column_mass)
+    """Put mass on all floors or take it away, further than a calibration is for, with the weight that it has."""
+    beams, factor = setting.beams, _beyond(size, BEYOND)
+    mass = (factor - 1) * (beams.floor_mass + beams.column_mass)
     axial = beams.axial + STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1]
-    return setting.with_beams(floor_mass=beams.floor_mass + mass, axial=axial), {
-        "relative_change": (size, "-")
-    }
+    changed = setting.with_beams(floor_mass=beams.floor_mass + mass, axial=axial)
+    return changed, {"relative_change": (factor - 1, "-")}
 
 
 STATES: dict[str, State] = {
@@ -412,9 +422,9 @@ CATALOGUE: dict[str, Effect] = {
     "all_quadratic_damping": Effect(
         "frame", in_all_storeys(quadratic_damping, STATES["all_quadratic_damping"]), 12.0
     ),
-    "all_stiffness_change": Effect("frame", all_stiffness_change, 0.8, -0.6),
-    "all_damping_change": Effect("frame", all_damping_change, 5.0, -0.8),
-    "all_added_mass": Effect("frame", all_added_mass, 1.0, -0.4),
+    "all_stiffness_change": Effect("frame", all_stiffness_change, 0.3, -0.3),
+    "all_damping_change": Effect("frame", all_damping_change, 1.0, -0.4),
+    "all_added_mass": Effect("frame", all_added_mass, 0.3, -0.15),
     "table_gain": Effect("table", table_gain, 0.4, -0.4),
     "table_delay": Effect("table", table_delay, 1.0, -1.0),
     "table_tilt": Effect("table", table_tilt, 1.0, -1.0),

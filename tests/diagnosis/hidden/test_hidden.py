@@ -18,11 +18,12 @@ from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.beams import Appendage
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
-from pounding.diagnosis.hidden.effects import CATALOGUE
+from pounding.diagnosis.hidden.effects import CATALOGUE, Setting, hysteresis, in_all_storeys, yielding
 from pounding.diagnosis.hidden.hide import VISIBILITY, hide
 from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
 from pounding.diagnosis.hidden.motions import Motion, draw
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.reference import Typical
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
 from pounding.diagnosis.hidden.worlds import OWN
@@ -355,3 +356,27 @@ def test_a_signal_at_another_rate_keeps_its_start_and_holds_its_end() -> None:
     fast = at_rate(np.sin(time), 1.01)
     np.testing.assert_allclose(fast[:3900], np.sin(1.01 * time[:3900]), atol=1e-6)
     assert (fast[-30:] == np.sin(time[-1])).all()
+
+
+def test_a_law_in_all_storeys_is_that_of_one_in_each_in_proportion_to_its_stiffness() -> None:
+    """A yielding part of one share and one yield drift, but for a few per cent."""
+    built, stiffness = baseline("5A"), np.array([5e4, 4e4, 4e4, 3e4, 2e4])
+    even = Typical(
+        *(np.full(5, value) for value in (3e-3, 1e-3, 0.03, 0.5)), stiffness, np.full(5, 10.0), 4.0
+    )
+    setting = Setting(Scenario({"5A": built}), even, "5A")
+    put = in_all_storeys(hysteresis, yielding)
+    scenario, stated = put(setting, 1.0, np.random.default_rng(1))
+    assert [(spring.upper, spring.lower) for spring in scenario.springs] == [(n, n - 1) for n in range(1, 6)]
+    each = [law for spring in scenario.springs if isinstance(law := spring.make(1.0), laws.BoucWen)]
+    share, drift = np.array([(law.stiffness, law.yield_force / law.stiffness) for law in each]).T
+    assert share / stiffness == pytest.approx(stated["stiffness_share"][0])
+    assert 1e3 * drift == pytest.approx(stated["yield_drift"][0], rel=0.1)
+    assert np.ptp(drift) > 0.0
+
+
+def test_a_whole_frame_differs_by_more_than_a_calibration_is_for() -> None:
+    for effect in ("all_stiffness_change", "all_added_mass"):
+        hidden = hide([effect], ["5A"], seed=8, visibility=0.1, source="artificial", duration_s=2.0)
+        (changed,) = [one["value"] for one in hidden.truth["effects"][0]["parameters"]]
+        assert abs(np.log1p(changed)) > 0.5
