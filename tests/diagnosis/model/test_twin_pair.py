@@ -23,11 +23,11 @@ from tests.diagnosis.pair_models import CONTACT, FLOORS, MASS, STEP_S, STIFFNESS
 STOREY = STIFFNESS["tall"]
 EFFECTS: dict[str, tuple[float, ...]] = {
     "damping_change": (20.0,),
-    "coulomb_friction": (8.0, 15.0, 0.1),
+    "coulomb_friction": (8.0, 15.0, 0.0),
     "cubic_stiffness": (0.2 * STOREY / 0.005**2,),
     "hysteresis": (20.0, 0.4 * STOREY, 8.0, 0.0),
     "loosening": (-0.3,),
-    "bumper": (0.003, STOREY, 0.5, 0.2),
+    "bumper": (0.003, STOREY, 0.0, 0.0),
     "dahl_friction": (8.0, 3e-4),
     "air_drag": (6.0, 0.0, 0.0),
     "table_tilt": (5e-4,),
