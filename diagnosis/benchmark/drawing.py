@@ -28,6 +28,15 @@ NOISES: dict[str, tuple[float | None, ...]] = {"own": (None,), "opensees": (0.00
 
 
 @dataclass(frozen=True)
+class Counts:
+    """How many cases of a set have no effect, one outside the catalogue, and two; the rest have one."""
+
+    nulls: int
+    outsiders: int
+    doubles: int
+
+
+@dataclass(frozen=True)
 class Drawn:
     """One case of a set: its number, what is hidden on which frames, the seed of all else, and the noise asked for.
 
@@ -41,7 +50,9 @@ class Drawn:
     noise: float | None = None
 
 
-def draw_set(count: int, seed: int, *, pairs: bool = False, engine: str = "own") -> list[Drawn]:
+def draw_set(
+    count: int, seed: int, *, pairs: bool = False, engine: str = "own", counts: Counts | None = None
+) -> list[Drawn]:
     """Draw a set of cases on single frames, or on pairs that may touch.
 
     On pairs every second effect is one of the contact's.
@@ -51,27 +62,32 @@ def draw_set(count: int, seed: int, *, pairs: bool = False, engine: str = "own")
         seed: Of the set; the same gives the same cases, and a longer set does not begin with a shorter one.
         pairs: Whether two frames stand side by side.
         engine: The world in which effects are hidden: ``own`` or ``opensees``.
+        counts: How many cases of each kind; by the shares above when None.
 
     Raises:
-        CaseError: There is no case in it.
+        CaseError: There is no case in it, or fewer than are asked of the kinds.
     """
     if count < 1:
         raise CaseError(f"a benchmark of {count} cases says nothing; give at least 1")
     world = WORLDS[engine]
     rng = np.random.default_rng([seed, count])
-    nulls, outsiders, doubles = (round(share * count) for share in (NULLS, OUTSIDERS, DOUBLES))
+    asked = counts or Counts(*(round(share * count) for share in (NULLS, OUTSIDERS, DOUBLES)))
+    if asked.nulls + asked.outsiders + asked.doubles > count:
+        raise CaseError(f"{count} cases are fewer than the kinds that are asked for: {asked}")
     catalogue, outside = _dealt(rng, list(world.catalogue)), _dealt(rng, list(world.outside))
     if pairs:
         catalogue = _in_turn(_dealt(rng, list(world.contact)), catalogue)
-    hidden: list[tuple[str, ...]] = [()] * nulls
-    hidden += [(next(outside),) for _ in range(outsiders)]
-    hidden += [_pair(catalogue) for _ in range(doubles)]
+    hidden: list[tuple[str, ...]] = [()] * asked.nulls
+    hidden += [(next(outside),) for _ in range(asked.outsiders)]
+    hidden += [_pair(catalogue) for _ in range(asked.doubles)]
     hidden += [(next(catalogue),) for _ in range(count - len(hidden))]
     frames = _dealt(rng, list(PAIRS if pairs else SINGLES[engine]))
     order = rng.permutation(count)
     seeds = rng.integers(2**31, size=count)
-    noises = _dealt(rng, list(NOISES[engine]))
-    return [Drawn(i, hidden[at], next(frames), int(seeds[i]), next(noises)) for i, at in enumerate(order)]
+    # Before the cases are shuffled, so that each kind has every noise as often.
+    dealt = _dealt(rng, list(NOISES[engine]))
+    noises = [next(dealt) for _ in hidden]
+    return [Drawn(i, hidden[at], next(frames), int(seeds[i]), noises[at]) for i, at in enumerate(order)]
 
 
 def _dealt(rng: np.random.Generator, cards: list[Card]) -> Iterator[Card]:

@@ -14,7 +14,7 @@ from typing import Any
 from msgspec import to_builtins
 from rich.console import Console
 
-from pounding.diagnosis.benchmark.drawing import Drawn, draw_set
+from pounding.diagnosis.benchmark.drawing import Counts, Drawn, draw_set
 from pounding.diagnosis.benchmark.pictures import draw_benchmark
 from pounding.diagnosis.benchmark.scoring import judge
 from pounding.diagnosis.benchmark.summary import summarise
@@ -67,7 +67,14 @@ def method(name: str) -> Method:
 
 
 def one_case(
-    index: int, count: int, seed: int, way: str, motions: str, pairs: bool, engine: str
+    index: int,
+    count: int,
+    seed: int,
+    way: str,
+    motions: str,
+    pairs: bool,
+    engine: str,
+    counts: Sequence[int] | None = None,
 ) -> dict[str, Any]:
     """Hide, diagnose and only then open the truth of one case of a set.
 
@@ -79,11 +86,13 @@ def one_case(
         motions: ``records``, ``artificial`` or ``mixed``.
         pairs: Whether the set is one of pairs.
         engine: The world of the set: ``own`` or ``opensees``.
+        counts: Its `Counts`; by the shares of `drawing` when None.
 
     Returns:
         ``truth`` and ``report`` as JSON texts, ``seconds`` [s] and ``memory_mb``, the largest so far [MB].
     """
-    drawn = draw_set(count, seed, pairs=pairs, engine=engine)[index]
+    kinds = None if counts is None else Counts(*counts)
+    drawn = draw_set(count, seed, pairs=pairs, engine=engine, counts=kinds)[index]
     hidden = hide(
         drawn.effects,
         drawn.frames,
@@ -121,6 +130,7 @@ def run_benchmark(
     first: int | None = None,
     only: Sequence[str] = KINDS,
     engine: str = "own",
+    counts: Counts | None = None,
 ) -> dict[str, Any]:
     """Judge a way of diagnosis on a drawn set.
 
@@ -137,6 +147,7 @@ def run_benchmark(
         first: Judge only so many cases of the set, in its random order; all when None.
         only: Judge only cases of these kinds, some of `KINDS`.
         engine: The world in which effects are hidden: ``own`` or ``opensees``.
+        counts: How many cases of each kind; by the shares of `drawing` when None.
 
     Returns:
         The figures of `summarise`, and ``parameters``, ``method``, ``motion_records``, ``failures``,
@@ -150,7 +161,7 @@ def run_benchmark(
     world_of(engine)
     if first is not None and not 1 <= first <= count:
         raise CaseError(f"the first {first} of {count} cases: give 1 to {count}")
-    drawn = draw_set(count, seed, pairs=pairs, engine=engine)[:first]
+    drawn = draw_set(count, seed, pairs=pairs, engine=engine, counts=counts)[:first]
     cases = [{"index": one.index} for one in drawn if kind(one) in only]
     if not cases:
         raise CaseError(
@@ -163,6 +174,7 @@ def run_benchmark(
         "motions": motions,
         "pairs": pairs,
         "engine": engine,
+        "counts": None if counts is None else [counts.nulls, counts.outsiders, counts.doubles],
     }
     done = sweep(
         one_case,

@@ -36,14 +36,17 @@ class Judged:
         called: What the verdict says: an effect's name, ``nothing_missing`` or ``unknown_effect``.
         frames: Frames on the table.
         signal_to_noise: Largest change of a channel by the weakest hidden effect over its noise; NaN without one.
+        signal_to_error: The same over noise and model error together; the same figure in a world without model error.
         detected: Something was found missing.
         exact: Type and place of every hidden effect are right and nothing else is claimed; for nothing
             hidden that nothing was found, for an outsider that it was called unknown.
         in_class: Every hidden effect is in one of the stated classes (exact verdicts are too).
         confidence: The stated one.
         misfit_explained: Share of the explainable held-out misfit that the effects explain; NaN where none was explainable.
+        misfit_closed: The same of the best candidate, whether or not it is claimed.
         parameter_errors: Relative error of each parameter of the effects that were exact; from the
             nearest where a parameter has more than one definition in use.
+        parameter_deviations: The same errors, each over the standard error that is stated with it.
         seconds: What the diagnosis took [s].
     """
 
@@ -52,12 +55,15 @@ class Judged:
     called: str
     frames: tuple[str, ...]
     signal_to_noise: float
+    signal_to_error: float
     detected: bool
     exact: bool
     in_class: bool
     confidence: float
     misfit_explained: float
+    misfit_closed: float
     parameter_errors: tuple[float, ...]
+    parameter_deviations: tuple[float, ...]
     seconds: float
 
 
@@ -79,18 +85,25 @@ def judge(truth: Mapping[str, Any], report: Report, seconds: float = np.nan) -> 
     else:
         exact = len(claims) == len(hidden) and all(_named(effect, claims) for effect in hidden)
         in_class = exact or (bool(claims) and all(_classed(effect, claims) for effect in hidden))
+    weakest = min((effect["visibility"] for effect in hidden), default=np.nan)
+    closed = _closed(report)
+    errors = _parameter_errors(hidden, claims)
     return Judged(
         truth["kind"],
         tuple(effect["effect"] for effect in hidden),
         claims[0].effect if claims else verdict,
         tuple(truth["frames"]),
-        min((effect["visibility"] for effect in hidden), default=np.nan),
+        weakest,
+        weakest * _noise_of_both(truth),
         detected,
         exact,
         in_class,
         np.nan if report.confidence is None else report.confidence,
-        _explained(report),
-        _parameter_errors(hidden, claims),
+        # What is not claimed explains nothing.
+        closed if report.named or np.isnan(closed) else 0.0,
+        closed,
+        tuple(relative for relative, _ in errors),
+        tuple(deviations for _, deviations in errors if np.isfinite(deviations)),
         seconds,
     )
 
@@ -110,8 +123,17 @@ def _classed(truth: Mapping[str, Any], claims: Sequence[Claim]) -> bool:
     return any(same(truth, member) for claim in claims for member in (claim, *claim.members))
 
 
-def _explained(report: Report) -> float:
-    """Return the share of the held-out misfit above the noise floor that the effects explain, NaN where it has none.
+def _noise_of_both(truth: Mapping[str, Any]) -> float:
+    """Return the noise over noise and model error together, both over the motion; 1 without a model error."""
+    error = truth.get("model_error")
+    if error is None:
+        return 1.0
+    noise = float(np.median(list(truth["noise"].values())))
+    return noise / float(np.hypot(noise, error["misfit"]))
+
+
+def _closed(report: Report) -> float:
+    """Return the share of the held-out misfit above the noise floor that the best effects explain, NaN where it has none.
 
     What is named of a contact alone is judged by the held-out impacts: forces are known inputs to the frames' motion.
     """
@@ -120,10 +142,7 @@ def _explained(report: Report) -> float:
         impacts = report.misfit.contact
         misfit = Misfit(before=impacts.before, after=impacts.after, noise_floor=1.0) if impacts else None
     share = None if misfit is None else misfit.share()
-    if share is None:
-        return np.nan
-    # What is not claimed explains nothing.
-    return share if report.named else 0.0
+    return np.nan if share is None else share
 
 
 def _of_a_contact(claim: Claim) -> bool:
@@ -132,16 +151,20 @@ def _of_a_contact(claim: Claim) -> bool:
     return known is not None and known.place in ("contact", "between")
 
 
-def _parameter_errors(hidden: Sequence[Mapping[str, Any]], claims: Sequence[Claim]) -> tuple[float, ...]:
+def _parameter_errors(
+    hidden: Sequence[Mapping[str, Any]], claims: Sequence[Claim]
+) -> list[tuple[float, float]]:
+    """Return the error of each parameter of what is named, relative and in standard errors (NaN where none is stated)."""
     errors = []
     for effect in hidden:
         claim = _named(effect, claims)
         if claim is None:
             continue
-        found = {parameter.name: parameter.value for parameter in claim.parameters}
+        found = {parameter.name: (parameter.value, parameter.std) for parameter in claim.parameters}
         for parameter in effect["parameters"]:
-            value = found.get(parameter["name"])
+            value, std = found.get(parameter["name"], (None, None))
             if isinstance(value, int | float) and isinstance(parameter["value"], int | float):
                 stated = [parameter["value"], *parameter.get("also", ())]
-                errors.append(min(abs(value / one - 1) for one in stated))
-    return tuple(errors)
+                off = min((abs(value - one) for one in stated if one), default=np.nan)
+                errors.append((min(abs(value / one - 1) for one in stated), off / std if std else np.nan))
+    return errors

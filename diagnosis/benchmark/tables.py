@@ -8,9 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from pounding.diagnosis.benchmark.scoring import NOTHING, UNKNOWN
-from pounding.diagnosis.benchmark.summary import SHOWN, TARGETS
-
-AT_MOST = frozenset({"false_alarms", "parameter_error_median"})
+from pounding.diagnosis.benchmark.summary import AT_MOST, SHOWN, TARGETS
 
 
 def tables(result: Mapping[str, Any]) -> Iterator[Table | str]:
@@ -19,6 +17,7 @@ def tables(result: Mapping[str, Any]) -> Iterator[Table | str]:
     yield _detection(result)
     yield _confusion(result)
     yield _reliability(result)
+    yield _misses(result)
     seconds, largest = result["seconds_median"], result["seconds_largest"]
     if seconds is not None:
         memory = result["memory_mb"]
@@ -46,6 +45,8 @@ def _figures(result: Mapping[str, Any]) -> Table:
             reached = _percent(value)
         elif name in TARGETS:
             reached = "–" if value is None else f"{value:.1%}"
+        elif name == "parameter_deviation_median":
+            reached = "–" if value is None else f"{value:.2f} standard errors"
         else:
             continue
         sign = "at most" if name in AT_MOST else "at least"
@@ -62,6 +63,17 @@ def _detection(result: Mapping[str, Any]) -> Table:
         low, high = row["signal_to_noise"]
         bounds = f"{low:g} to {high:g}" if high is not None else f"above {low:g}"
         table.add_row(bounds, _percent(row["detected"]), _percent(row["exact"]))
+    return table
+
+
+def _misses(result: Mapping[str, Any]) -> Table:
+    """Return every verdict that is not right, by kind."""
+    table = Table("miss", "frames", "hidden", "called", "signal to noise and error", title="Misses")
+    table.title_justify = "left"
+    for one in result["misses"]:
+        hidden, size = ", ".join(one["effects"]) or "nothing", one["signal_to_error"]
+        strength = "" if not one["effects"] else f"{size:.2g}"
+        table.add_row(one["miss"], "-".join(one["frames"]), hidden, one["called"], strength)
     return table
 
 
