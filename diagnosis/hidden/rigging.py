@@ -106,7 +106,8 @@ def draw_rig(
     shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
     bare, error = set_up(rng, frames, channels, world.scenario), None
     if world.settle is not None:
-        bare, error = world.settle(rng, bare, Sight(channels, log, _coarse(shakings[0], log)), model_error)
+        seen = Sight(channels, tuple(_coarse(shakings[run], log) for run in (0, -1)))
+        bare, error = world.settle(rng, bare, seen, model_error)
     if not pair:
         return Rig(bare, (), channels, log, shakings, world, error)
     free = world.quickly(bare, shakings[0], 0)

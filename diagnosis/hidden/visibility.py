@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
@@ -16,28 +16,17 @@ REACH = 2.5
 """How far an nuisance parameter may go to imitate an effect, in prior standard deviations."""
 
 
-@dataclass(frozen=True)
-class Patience:
-    """How long nuisance parameters are refitted.
-
-    Attributes:
-        refits: Most steps.
-        enough: Share of the misfit that a step has to take away to be followed by another.
-        reach: How far a parameter may go, in prior standard deviations.
-    """
-
-    refits: int
-    enough: float
-    reach: float = REACH
-
-
 Clean = Callable[[Scenario, bool], np.ndarray]
 
 LEAST = 1e-6
 """Visibility of what changes no channel at all."""
 
 NUDGE = 0.05
-PATIENCE = Patience(refits=10, enough=0.1)
+REFITS = 10
+"""Most steps in which nuisance parameters are refitted."""
+
+ENOUGH = 0.1
+"""Share of the misfit that a step has to take away to be followed by another."""
 
 
 class Eye:
@@ -79,33 +68,23 @@ class Eye:
             return np.nan, np.nan
         return _largest(channels / self.noise - self.bare), _largest(self.unexplained(channels))
 
-    def unexplained(
-        self, channels: np.ndarray, start: np.ndarray | None = None, patience: Patience = PATIENCE
-    ) -> np.ndarray:
+    def unexplained(self, channels: np.ndarray) -> np.ndarray:
         """Return what the refitted nuisance parameters leave of a change over the noise, (samples, channels).
 
         Args:
             channels: The changed channels without noise, in SI, shape (samples, channels); all finite.
-            start: Where the refit begins, shape (ordinary_parameters,), in prior standard deviations; at the
-                priors' middle when None.
-            patience: How long it goes on.
         """
         target, fresh = channels / self.noise, True
         at = np.zeros(ordinary_parameters(self.without))
         left, (imitable, factor) = target - self.bare, self.start
-        if start is not None:
-            at, left = start, target - self._imitated(start)
-            imitable, factor = self._sensitivity(start)
-        for _ in range(patience.refits):
+        for _ in range(REFITS):
             wanted = np.linalg.solve(factor.T, imitable.T @ left.ravel() - at)
-            step = lsq_linear(
-                factor, wanted, (-patience.reach - at - 1e-9, patience.reach - at + 1e-9), tol=1e-6
-            ).x
+            step = lsq_linear(factor, wanted, (-REACH - at - 1e-9, REACH - at + 1e-9), tol=1e-6).x
             gained, at, left = self._descend(target, at, step, left)
-            if gained < patience.enough and fresh:
+            if gained < ENOUGH and fresh:
                 break
             # The sensitivities serve until they do not help any more; then they are made where we are.
-            fresh = gained < patience.enough
+            fresh = gained < ENOUGH
             if fresh:
                 imitable, factor = self._sensitivity(at)
         return np.asarray(left)
@@ -130,16 +109,6 @@ def _largest(change: np.ndarray) -> float:
 def ordinary_parameters(scenario: Scenario) -> int:
     """Return how many nuisance parameters a scenario has."""
     return 2 + sum(1 + _damped(beams) + 2 * beams.storeys for beams in scenario.frames.values())
-
-
-def rooms(scenario: Scenario) -> dict[str, tuple[slice, slice]]:
-    """Return where each frame's damping ratios and its storeys' stiffnesses are among the nuisance parameters."""
-    found, taken = {}, 2
-    for name, beams in scenario.frames.items():
-        damped = taken + 1 + _damped(beams)
-        found[name] = slice(taken + 1, damped), slice(damped, damped + beams.storeys)
-        taken = damped + 2 * beams.storeys
-    return found
 
 
 def _damped(beams: Beams) -> int:

@@ -11,32 +11,18 @@ import numpy as np
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.effects import Effect
-from pounding.diagnosis.hidden.instruments import Logger
 from pounding.diagnosis.hidden.motions import Motion
-from pounding.diagnosis.hidden.scenario import Happened, Scenario, happen, observed
+from pounding.diagnosis.hidden.scenario import Happened, Scenario
 
 Happen = Callable[[Scenario, Motion, int], Happened]
 
 
 @dataclass(frozen=True)
 class Sight:
-    """What sensors and logger see of a run: the channels, the logger, and the motion at its rate."""
+    """What is looked at to see how large a model error is: channels, and the strongest and weakest motion at their rate."""
 
     channels: tuple[Channel, ...]
-    log: Logger
-    motion: Motion
-
-    def clean(self, scenario: Scenario) -> np.ndarray:
-        """Return what ideal sensors read if all were linear, in SI, shape (samples, channels)."""
-        return observed(scenario, happen(scenario, self.motion, 0), self.channels)
-
-    def noise_of(self, clean: np.ndarray) -> np.ndarray:
-        """Return the standard deviation of each channel's noise, shape (channels,).
-
-        Args:
-            clean: What ideal sensors read, in SI, shape (samples, channels).
-        """
-        return self.log.noise_of(self.channels, clean)
+    motions: tuple[Motion, ...]
 
 
 class Settle(Protocol):

@@ -26,6 +26,9 @@ STRETCHLESS = 20
 SOFTEST, STIFFEST = np.log(0.05), np.log(50.0)
 """Range of the joints' factor within which a frame is tuned (logarithms)."""
 
+SLIPPED, KNEE, KNEE_LATER = 0.02, 2.0, (0.5, 0.15)
+"""Of joints that slip: stiffness afterwards over before, and how round the knee is at first and later (`Steel02`)."""
+
 
 @dataclass(frozen=True)
 class PlaneFrame(Beams):
@@ -39,6 +42,8 @@ class PlaneFrame(Beams):
         rayleigh: Damping in proportion to mass [1/s] and to initial stiffness [s].
         modal: Damping ratio of each lateral mode beside it; empty for Rayleigh's alone.
         tuned_hz: The first frequency to which the frame was tuned [Hz].
+        slip_share: Of each level's joints, how much of the stiffness slips, shape (storeys + 1,); empty for none.
+        slip_rotation: Rotation about which it does [rad].
     """
 
     span_m: float = 0.4
@@ -48,6 +53,8 @@ class PlaneFrame(Beams):
     rayleigh: tuple[float, float] = (0.0, 0.0)
     modal: np.ndarray = field(default_factory=lambda: np.zeros(0))
     tuned_hz: float = np.nan
+    slip_share: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    slip_rotation: float = 0.0
 
     def matrices(self) -> Matrices:
         """Return the matrices of the frame as OpenSees has it under its weight, without its massless unknowns."""
@@ -194,7 +201,14 @@ def _head(domain: Domain, frame: PlaneFrame, level: int, x: float, corner: int) 
     head = domain.node(x, level * frame.height_m, (1, 1, 0) if held else (0, 0, 0))
     if not held:
         domain.ops.equalDOF(corner, head, 1, 2)
-    return head, domain.spring(corner, head, 6, "Elastic", 0.5 * float(frame.joint[level]), damped=True)
+    stiffness = 0.5 * float(frame.joint[level])
+    slips = stiffness * float(frame.slip_share[level]) if frame.slip_share.size else 0.0
+    if slips:
+        # Menegotto and Pinto's law with so round a knee that bolts slip one by one.
+        domain.spring(
+            corner, head, 6, "Steel02", slips * frame.slip_rotation, slips, SLIPPED, KNEE, *KNEE_LATER
+        )
+    return head, domain.spring(corner, head, 6, "Elastic", stiffness - slips, damped=True)
 
 
 def _masses(
