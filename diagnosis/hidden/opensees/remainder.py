@@ -16,6 +16,9 @@ WEIGHTS = np.array([0.01, 0.2])
 """Size of a usual step of a frequency and of a damping ratio (logarithms)."""
 
 STEPS = 12
+SHIFTS = np.array([0.0, 1.0, -0.5, -1.0, -2.0, -3.0, -4.0, -6.0])
+"""Where the fit may start: all frequencies shifted alike, in the sizes above; what slips is softer in the mean."""
+
 ENOUGH_HZ = 400.0
 """Rate at which a motion is compared [Hz]: a table moves up to 60 Hz."""
 
@@ -64,9 +67,10 @@ def beyond_linear(runs: Sequence[Seen], hz: np.ndarray, ratios: np.ndarray) -> n
         basis, _ = np.linalg.qr(_scaled(np.vstack(columns)))
         return np.asarray(wanted - basis @ (basis.T @ wanted))
 
-    fit = least_squares(
-        lambda moved: left(moved).ravel(), np.zeros(2 * free), diff_step=1e-3, x_scale=1.0, max_nfev=STEPS
-    )
+    # With light damping a frequency that is off by more than that is out of step, and no descent leads back.
+    starts = [np.repeat([shift, 0.0], free) for shift in SHIFTS]
+    start = min(starts, key=lambda moved: float(np.sum(left(moved) ** 2)))
+    fit = least_squares(lambda moved: left(moved).ravel(), start, diff_step=1e-3, x_scale=1.0, max_nfev=STEPS)
     return np.asarray(np.sqrt(np.mean(left(fit.x) ** 2, axis=0)))
 
 
