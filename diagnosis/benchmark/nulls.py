@@ -1,0 +1,141 @@
+"""The stored nulls, by which the false-alarm rate is met: rigs on which nothing is missing, simulated and searched.
+
+``python -m pounding.diagnosis.benchmark.nulls 72 --seed 20261123 --out nulls.csv`` makes them, two at a time; a file that
+is there already is gone on with. Rigs (frame, channels, logger, table motions) are those of hidden cases; what they
+measure is simulated with the diagnosis' own model, with nuisance parameters and discrepancy drawn from their priors.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.decision.nulls import Shown, drawn, shown, with_data_of
+from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.hidden.hide import hide
+from pounding.diagnosis.hidden.instruments import USUAL_NOISE
+from pounding.diagnosis.inference.discrepancy import SCALES
+from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import observe, root_mean_square
+from pounding.diagnosis.model.storeys import Structure
+from pounding.extras import extra_module
+
+FRAMES = ("5A", "5B", "10", "15A", "15B")
+NOISES = (0.002, 0.05)
+"""Range of the noise over the root mean square of each channel, drawn log-uniform."""
+TABLE_NOISES = (0.005, 0.01)
+"""Range of the table's, at the usual noise of the channels, to which it is in proportion."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A null of the file: the rig, what was drawn, and what the search found (`Shown`)."""
+
+    number: int
+    seed: int
+    frame: str
+    channels: int
+    samples: int
+    noise: float
+    discrepancy: float
+    verdict: str
+    cpu_s: float
+
+
+def null(number: int, seed: int) -> dict[str, object]:
+    """Return the row of a null, the same whenever it is asked for.
+
+    Args:
+        number: Its number in the set; frames come in turn.
+        seed: Of the set.
+    """
+    began = time.process_time()
+    rng = np.random.default_rng([seed, number])
+    frame = FRAMES[number % len(FRAMES)]
+    noise = float(np.exp(rng.uniform(*np.log(NOISES))))
+    rig = hide([], (frame,), seed=int(rng.integers(2**31)), noise=noise).case
+    model, training, held_out = _model(_with_fewer(rig, rng))
+    discrepancy = float(rng.choice(SCALES))
+    sensors = np.full(len(model.observed.names), noise)
+    table = float(rng.uniform(*TABLE_NOISES)) * noise / USUAL_NOISE
+    simulated = with_data_of(model, drawn(model, rng, discrepancy), [], (sensors, table), rng)
+    found = search(simulated, candidates(simulated), training, held_out, lambda what, share: None)
+    samples = sum(len(run.time_s) for run in model.observed.runs)
+    row = Row(
+        number, seed, frame, len(sensors), samples, noise, discrepancy, decide(found).verdict,
+        time.process_time() - began,
+    )  # fmt: skip
+    return asdict(row) | asdict(shown(found))
+
+
+def _with_fewer(case: Case, rng: np.random.Generator) -> Case:
+    """Return a case with one to all of its response channels."""
+    responses = [i for i, channel in enumerate(case.channels) if not channel.is_table]
+    count = int(rng.integers(1, len(responses) + 1))
+    left_out = set(rng.permutation(responses)[count:].tolist())
+    kept = [i for i in range(len(case.channels)) if i not in left_out]
+    runs = tuple(replace(run, values=run.values[:, kept]) for run in case.runs)
+    return replace(case, channels=tuple(case.channels[i] for i in kept), runs=runs)
+
+
+def _model(case: Case) -> tuple[Model, list[int], list[int]]:
+    """Return the model of a case, and the numbers of its training and held-out runs."""
+    structure = Structure(baseline_frames(case))
+    model = Model(structure, observe(case, structure), case.prior)
+    numbers = {run.file: i for i, run in enumerate(case.runs)}
+    training, held_out = case.split()
+    return model, [numbers[run.file] for run in training], [numbers[run.file] for run in held_out]
+
+
+def make(numbers: Sequence[int], seed: int, out: Path, workers: int) -> None:
+    """Add the nulls of some numbers to a file, those that it lacks.
+
+    Args:
+        numbers: Their numbers.
+        seed: Of the set.
+        out: The file.
+        workers: Processes.
+    """
+    joblib = extra_module("joblib")
+    names = [one.name for one in (*fields(Row), *fields(Shown))]
+    known: set[int] = set()
+    if out.is_file():
+        with out.open(encoding="utf-8", newline="") as file:
+            known = {int(row["number"]) for row in csv.DictReader(file)}
+    else:
+        out.write_text(",".join(names) + "\n", encoding="utf-8")
+    missing = [number for number in numbers if number not in known]
+    tasks = (joblib.delayed(null)(number, seed) for number in missing)
+    for row in joblib.Parallel(n_jobs=workers, return_as="generator_unordered")(tasks):
+        with out.open("a", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerow(_shortly(row[name]) for name in names)
+
+
+def _shortly(value: object) -> object:
+    return f"{value:.5g}" if isinstance(value, float) else value
+
+
+def main() -> None:
+    """Make the nulls that are asked for."""
+    parser = argparse.ArgumentParser(prog="python -m pounding.diagnosis.benchmark.nulls", description=__doc__)
+    parser.add_argument("count", type=int, help="how many nulls")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the set")
+    parser.add_argument("--out", type=Path, required=True, help="CSV file; nulls that it has are not made again")
+    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), help="nulls at a time")
+    asked = parser.parse_args()
+    make(range(asked.count), asked.seed, asked.out, asked.workers)
+
+
+if __name__ == "__main__":
+    main()
