@@ -1,8 +1,8 @@
 """The stored nulls, by which the false-alarm rate is met: rigs on which nothing is missing, simulated and searched.
 
 ``python -m pounding.diagnosis.benchmark.nulls 72 --seed 20261123 --out nulls.csv`` makes them, two at a time; a file that
-is there already is gone on with. Rigs (frame, channels, logger, table motions) are those of hidden cases; what they
-measure is simulated with the diagnosis' own model, with nuisance parameters and discrepancy drawn from their priors.
+is there already is gone on with. They are hidden cases in which nothing is hidden, but the frame is off its model as
+frames are: beside the scatter of the own world's frames a discrepancy at a scale drawn from its prior.
 """
 
 from __future__ import annotations
@@ -16,26 +16,48 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.linalg import eigh
 
-from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.decision.nulls import Shown, drawn, shown, with_data_of
+from pounding.diagnosis.case.case import Case, CaseFrame
+from pounding.diagnosis.decision.nulls import Shown, shown
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
-from pounding.diagnosis.hidden.hide import hide
-from pounding.diagnosis.hidden.instruments import USUAL_NOISE
+from pounding.diagnosis.hidden.beams import Beams, Matrices
+from pounding.diagnosis.hidden.instruments import recorded
+from pounding.diagnosis.hidden.rigging import RUNS, draw_rig
+from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.observations import observe, root_mean_square
+from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.storeys import Structure
 from pounding.extras import extra_module
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 NOISES = (0.002, 0.05)
 """Range of the noise over the root mean square of each channel, drawn log-uniform."""
-TABLE_NOISES = (0.005, 0.01)
-"""Range of the table's, at the usual noise of the channels, to which it is in proportion."""
+DISCREPANT = 6
+"""So many modes, the lowest, have a discrepancy, as in the model of the diagnosis."""
+DURATION_S = 4.0
+"""Length of each run [s]: half a usual one, for a second of CPU instead of two."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Off(Beams):
+    """A frame whose lowest modes are stiffer by an upper triangle of factors, shape (modes, modes)."""
+
+    factors: np.ndarray
+
+    def matrices(self) -> Matrices:
+        """Return the matrices of the frame."""
+        known = super().matrices()
+        many = min(len(self.factors), self.storeys)
+        squared, shapes = eigh(known.stiffness, known.mass, subset_by_index=[0, many - 1])
+        half = np.sqrt(np.outer(squared, squared)) * self.factors[:many, :many]
+        pushed = known.mass @ shapes
+        both = half + half.T - np.diag(np.diag(half))
+        return replace(known, stiffness=known.stiffness + pushed @ both @ pushed.T)
 
 
 @dataclass(frozen=True)
@@ -64,19 +86,32 @@ def null(number: int, seed: int) -> dict[str, object]:
     rng = np.random.default_rng([seed, number])
     frame = FRAMES[number % len(FRAMES)]
     noise = float(np.exp(rng.uniform(*np.log(NOISES))))
-    rig = hide([], (frame,), seed=int(rng.integers(2**31)), noise=noise).case
-    model, training, held_out = _model(_with_fewer(rig, rng))
     discrepancy = float(rng.choice(SCALES))
-    sensors = np.full(len(model.observed.names), noise)
-    table = float(rng.uniform(*TABLE_NOISES)) * noise / USUAL_NOISE
-    simulated = with_data_of(model, drawn(model, rng, discrepancy), [], (sensors, table), rng)
-    found = search(simulated, candidates(simulated), training, held_out, lambda what, share: None)
+    model, training, held_out = _model(_with_fewer(_case(frame, noise, discrepancy, rng), rng))
+    found = search(model, candidates(model), training, held_out, lambda what, share: None)
     samples = sum(len(run.time_s) for run in model.observed.runs)
     row = Row(
-        number, seed, frame, len(sensors), samples, noise, discrepancy, decide(found).verdict,
+        number, seed, frame, len(model.observed.names), samples, noise, discrepancy, decide(found).verdict,
         time.process_time() - began,
     )  # fmt: skip
     return asdict(row) | asdict(shown(found))
+
+
+def _case(frame: str, noise: float, discrepancy: float, rng: np.random.Generator) -> Case:
+    """Return a hidden case in which nothing is hidden, of a frame with a discrepancy."""
+    world = replace(OWN, built=lambda chance, name: _off(OWN.built(chance, name), chance, discrepancy))
+    rig = draw_rig(rng, (frame,), "mixed", DURATION_S, world=world, noise=noise)
+    runs = tuple(
+        recorded(rng, rig.behind_sensors(rig.bare, run), rig.channels, rig.log, f"run{run + 1}.csv")
+        for run in range(RUNS)
+    )
+    known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
+    return Case("null", Path(), known, runs, rig.channels, ())
+
+
+def _off(beams: Beams, rng: np.random.Generator, discrepancy: float) -> _Off:
+    factors = discrepancy * np.triu(rng.standard_normal((DISCREPANT, DISCREPANT)))
+    return _Off(**vars(beams), factors=factors)
 
 
 def _with_fewer(case: Case, rng: np.random.Generator) -> Case:
@@ -131,7 +166,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m pounding.diagnosis.benchmark.nulls", description=__doc__)
     parser.add_argument("count", type=int, help="how many nulls")
     parser.add_argument("--seed", type=int, default=0, help="seed of the set")
-    parser.add_argument("--out", type=Path, required=True, help="CSV file; nulls that it has are not made again")
+    parser.add_argument(
+        "--out", type=Path, required=True, help="CSV file; nulls that it has are not made again"
+    )
     parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), help="nulls at a time")
     asked = parser.parse_args()
     make(range(asked.count), asked.seed, asked.out, asked.workers)
