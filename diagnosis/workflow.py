@@ -14,6 +14,7 @@ from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again,
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
+from pounding.diagnosis.decision.false_alarms import stored
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
@@ -29,6 +30,7 @@ from pounding.diagnosis.model.slowing import slowed_if_long
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.report import Report
+from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.files import tried_folder
 
 Progress = Callable[[str, float], None]
@@ -42,6 +44,7 @@ def diagnose(
     candidates_file: Path | str | None = None,
     calibrate: bool = False,
     film: bool = False,
+    false_alarms: float = SETTINGS.decision.false_alarms,
 ) -> Report:
     """Diagnose a case: where it disagrees with the baseline model, what is missing, and how much that explains.
 
@@ -51,8 +54,11 @@ def diagnose(
         progress: Called with what is being done and the share that is done (0 to 1).
         candidates_file: Python file with effects of the user's that compete with the catalogue. It is executed, once the
             case has been read: pass a file that you trust.
-        calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed).
+        calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed), and on a
+            single frame for what an effect needs.
         film: Film the run before and after over each other, `before_after.mp4`; only with `out`.
+        false_alarms: Share of the cases of a single frame without an effect in which one may be named, and in which
+            something may be said to remain.
 
     Returns:
         The report; with `out` also what `pounding.diagnosis.report.details` adds.
@@ -74,12 +80,12 @@ def diagnose(
         )
     if case.modal and not case.runs:
         return _modal(case, out, told)
-    found, decision = find(case, told, own)
+    found, decision = find(case, told, own, false_alarms)
     if found.pair is not None:
         told("looking at the impacts", 0.9)
     diagnosis = conclude(case, found, decision)
     if calibrate:
-        diagnosis = replace(diagnosis, conclusion=_calibrated(diagnosis, own, told))
+        diagnosis = _calibrated(diagnosis, own, told)
     made = report_on(diagnosis)
     report = made.report
     if out is not None:
@@ -95,8 +101,8 @@ def _silent(what: str, share: float) -> None:
     """Tell nobody."""
 
 
-def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progress) -> Conclusion:
-    """Return the conclusion with the confidence that cases simulated on this very rig give it."""
+def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progress) -> Diagnosis:
+    """Return the diagnosis with what cases simulated on this very rig say: the confidence, and what an effect needs."""
     from pounding.diagnosis.decision import pair_calibration, rig_calibration
     from pounding.frames.cache import folder
 
@@ -110,7 +116,11 @@ def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progres
         judge = partial(_concluded, own)
         simulate = partial(pair_calibration.simulate_and_judge, case, found, diagnosis.contact, judge)
     outcomes = rig_calibration.calibrated(found, folder() / "diagnosis", simulate, names, told)
-    return rig_calibration.stated(diagnosis.conclusion, outcomes)
+    alarms = rig_calibration.false_alarms(found, outcomes)
+    if alarms is not None:
+        found = replace(found, false_alarms=alarms)
+        diagnosis = conclude(case, found, decide(found))
+    return replace(diagnosis, conclusion=rig_calibration.stated(diagnosis.conclusion, outcomes))
 
 
 def _concluded(own: Sequence[type[Effect]], case: Case) -> Conclusion:
@@ -140,7 +150,12 @@ def _own(file: Path | str) -> list[type[Effect]]:
     return user_kinds(read_candidates(file))
 
 
-def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> tuple[Findings, Decision]:
+def find(
+    case: Case,
+    progress: Progress,
+    own: Sequence[type[Effect]] = (),
+    false_alarms: float = SETTINGS.decision.false_alarms,
+) -> tuple[Findings, Decision]:
     """Return what the search finds in a case, and what is decided of the frames.
 
     A force cell whose gain or delay was put right by sensors of which one is wrong itself is taken at its word instead.
@@ -149,11 +164,12 @@ def find(case: Case, progress: Progress, own: Sequence[type[Effect]] = ()) -> tu
         case: The case.
         progress: Called with what is being done and the share that is done.
         own: Kinds of effects of the user's, beside the catalogue.
+        false_alarms: Share of the cases without an effect in which one may be named.
     """
-    found, decision = _find(case, progress, own)
+    found, decision = _find(case, progress, own, false_alarms)
     cell = None if found.pair is None else found.pair.cell
     if cell is not None and cell.corrected and _wrong_sensor(decision):
-        found, decision = _find(case, progress, own, against_motion=False)
+        found, decision = _find(case, progress, own, false_alarms, against_motion=False)
     return found, decision
 
 
@@ -184,7 +200,11 @@ def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...])
 
 
 def _find(
-    case: Case, progress: Progress, own: Sequence[type[Effect]], against_motion: bool = True
+    case: Case,
+    progress: Progress,
+    own: Sequence[type[Effect]],
+    false_alarms: float,
+    against_motion: bool = True,
 ) -> tuple[Findings, Decision]:
     structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
@@ -217,5 +237,6 @@ def _find(
     effects += [effect for kind in own for effect in places(kind, model)]
     found = search(model, effects, used, unseen, progress, start)
     found.pair = pair
+    found.false_alarms = stored(false_alarms)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

@@ -137,6 +137,9 @@ PARAMETER = Bound(1e-15, 1e15, "in SI", "a typical size is an order of magnitude
 PRIOR = Bound(1e-6, 1e2, "", "a standard deviation, 1e-4 for what is known")
 RELATIVE_STD = Bound(1e-6, 1e2, "", "state how uncertain the number is as a share of it")
 WORKERS = Bound(0, 1024, "", "more processes than cores gain nothing")
+FALSE_ALARMS = Bound(
+    1e-3, 0.5, "", "the nulls that are kept say nothing of rarer ones, and a coin is right as often as not"
+)
 CASES = Bound(1, 1e6, "", "each case takes some ten seconds")
 
 # What may be asked of a computer.

@@ -23,9 +23,9 @@ from pounding.diagnosis.contact_force.pairs import with_contacts
 from pounding.diagnosis.decision.claims import Place, place_of
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
+from pounding.diagnosis.decision.nulls import drawn
 from pounding.diagnosis.decision.rig_calibration import (
     Outcome,
-    drawn,
     noise_shares,
     scattered,
     turn,

@@ -39,7 +39,7 @@ def claims_of(
     found = contact_claims(case, contact_findings)
     needed = SETTINGS.pair_decision.contact_evidence
     if frames in NAMED or claims:
-        needed *= SETTINGS.decision.second_factor
+        needed *= SETTINGS.pair_decision.second_factor
     if pair.cell is None:
         needed *= SETTINGS.pair_decision.unmeasured_factor
     if (

@@ -19,12 +19,15 @@ import numpy as np
 
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
+from pounding.diagnosis.decision.false_alarms import alarms_of, of_nulls
+from pounding.diagnosis.decision.nulls import Shown, drawn, shown, with_data_of
 from pounding.diagnosis.decision.verdict import decide, features
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.tails import FalseAlarms
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.observations import RunData, root_mean_square
+from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.console.estimates import remaining
 from pounding.experiments.results.provenance import software_version
@@ -44,6 +47,8 @@ class Outcome:
     truth: str
     right: bool
     features: Features
+    null: Shown | None = None
+    """What the search found where nothing is missing, on a frame that stands alone."""
 
 
 def calibrate(
@@ -176,7 +181,27 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     if truth.effects:
         claimed = [one.places for one in (decision.judged, *decision.alike)]
         right = decision.named and truth.places in claimed
-    return Outcome(number, truth.label(), right, features(again, decision))
+    null = None if truth.effects else shown(again)
+    return Outcome(number, truth.label(), right, features(again, decision), null)
+
+
+def false_alarms(found: Findings, outcomes: Sequence[Outcome]) -> FalseAlarms | None:
+    """Return what raises false alarms on this rig; None where too few nulls were simulated, or two frames touch.
+
+    Args:
+        found: What the search found on the measured data.
+        outcomes: The simulated cases.
+    """
+    nulls = [one.null for one in outcomes if one.null is not None]
+    if len(nulls) < SETTINGS.calibration.least_nulls:
+        return None
+    return of_nulls(
+        alarms_of(found).rate,
+        [one.ordinary for one in nulls],
+        [one.absorbing for one in nulls],
+        [one.left for one in nulls],
+        f"{len(nulls)} nulls simulated on this rig, under its records, with the discrepancy found",
+    )
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:
@@ -187,22 +212,8 @@ def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model
         truth: The effects that are in the data.
         rng: Random numbers for nuisance parameters, sizes and noise.
     """
-    model = found.model
-    nuisance = drawn(model, rng, truth.fit.filtered.discrepancy)
-    acting = scattered(truth, rng)
-    share, table_share = noise_shares(found)
-    runs: list[RunData] = []
-    outputs = model.predict(nuisance, None, acting).outputs
-    for run, clean in zip(model.observed.runs, outputs, strict=True):
-        size = share * root_mean_square(clean)
-        noisy = clean + size * rng.standard_normal(clean.shape)
-        noisy[~np.isfinite(run.measured)] = np.nan
-        table = run.table + table_share * float(root_mean_square(run.table)) * rng.standard_normal(
-            len(run.table)
-        )
-        runs.append(replace(run, measured=noisy, table=table))
-    observed = replace(model.observed, runs=tuple(runs), warnings=[])
-    return model.seeing(observed)
+    nuisance = drawn(found.model, rng, truth.fit.filtered.discrepancy)
+    return with_data_of(found.model, nuisance, scattered(truth, rng), noise_shares(found), rng)
 
 
 def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
@@ -216,19 +227,6 @@ def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
     table = min(noise.table, first.largest_table_noise)
     share = np.where(known, channel / np.where(rms > 0, rms, 1.0), 0.0)
     return share, table / float(root_mean_square(first.table))
-
-
-def drawn(model: Model, rng: np.random.Generator, discrepancy: float) -> np.ndarray:
-    """Return nuisance parameters drawn from their priors, in their own units, shape (nuisance,).
-
-    Args:
-        model: The baseline model.
-        rng: Random numbers.
-        discrepancy: Scale of the model discrepancy [-], which frames of this kind have.
-    """
-    within = SETTINGS.calibration.within
-    spread = model.spread(discrepancy)
-    return np.asarray(spread * np.clip(rng.standard_normal(len(spread)), -within, within))
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.whole_frame import EVERY
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -21,9 +22,9 @@ def decide(found: Findings) -> Decision:
     """
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
-    if not single or not found.plain(single[0], signal_to_noise(found, single[0])):
+    if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
         objections = _model_checks(found, found.null)
-        if objections or remaining(found, found.null) > unexplained_from(found):
+        if objections or remains(found, remaining(found, found.null)):
             return Decision("unknown_effect", single[0] if single else found.null, (), objections)
         return Decision("nothing_missing", found.null)
     chosen = _listed(found, single)
@@ -62,11 +63,6 @@ def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
     return tuple(said) if pushed is None else (*said, pushed.sentence())
 
 
-def unexplained_from(found: Findings) -> float:
-    """Return the misfit over the noise floor from which on something remains to be explained."""
-    return SETTINGS.pair_decision.blind_unexplained if _blind(found) else SETTINGS.decision.unexplained
-
-
 def _blind(found: Findings) -> bool:
     return found.pair is not None and found.pair.blind
 
@@ -81,7 +77,7 @@ def _holds(found: Findings, judged: Judged, objections: tuple[str, ...]) -> bool
         return False
     if _spread(judged):
         return False
-    if not objections and remaining(found, judged) < unexplained_from(found):
+    if not objections and not remains(found, remaining(found, judged)):
         return True
     needs = SETTINGS.decision
     return explained(found, judged, 1.0) >= (needs.explained if objections else needs.larger_part)
@@ -159,11 +155,8 @@ def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decisio
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
-    ln_bayes, _ = found.thresholds(
-        any(effect.absorbing for effect in double.effects if effect not in single.effects)
-    )
     needs = SETTINGS.decision
-    least = single.ln_bayes + needs.second_factor * ln_bayes + needs.second_share * single.ln_bayes
+    least = single.ln_bayes + _second_evidence(found, single, double) + needs.second_share * single.ln_bayes
     likely = double.ln_bayes > least
     if not likely or signal_to_noise(found, double, single) < needs.second_size:
         return False
@@ -179,6 +172,14 @@ def _together(judged: Judged) -> bool:
     """Return whether effects act in one storey, one in all storeys of a frame counting as in that of the other."""
     everywhere = any(effect.where == EVERY for effect in judged.effects)
     return len({(effect.frame, None if everywhere else effect.storey) for effect in judged.effects}) == 1
+
+
+def _second_evidence(found: Findings, single: Judged, double: Judged) -> float:
+    """Return the ln Bayes factor that a second effect needs beside a first one, whatever that one leaves."""
+    if found.pair is None:
+        return SETTINGS.decision.second_evidence
+    second = (effect.absorbing for effect in double.effects if effect not in single.effects)
+    return SETTINGS.pair_decision.second_factor * thresholds(found, any(second))[0]
 
 
 def features(found: Findings, decision: Decision) -> Features:

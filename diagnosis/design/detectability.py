@@ -11,6 +11,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.claims import Parameter, Place, fields, place_of
 from pounding.diagnosis.decision.conclusion import parameters
 from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.false_alarms import thresholds
 from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.evidence import Score, Scores
@@ -101,7 +102,7 @@ def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
 
 def _least(found: Findings, one: Score, scores: Scores, sight: Sight) -> Smallest | None:
     effect, model = one.effect, found.model
-    ln_bayes, size = found.thresholds(effect.absorbing)
+    ln_bayes, size = thresholds(found, effect.absorbing)
     shapes = effect.grid(found.sizes)
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]

@@ -20,6 +20,7 @@ from pounding.diagnosis.inference.misfit import (
     simulate,
 )
 from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.tails import FalseAlarms
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -84,35 +85,10 @@ class Findings:
     """Scores of second effects about the best fit."""
     pair: Pair | None = None
     """Two frames that touch, at the rate of the logger."""
+    false_alarms: FalseAlarms | None = None
+    """By what it is judged; None: by the nulls that come with the package, at the usual rate."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
-
-    def thresholds(self, absorbing: bool = False) -> tuple[float, float]:
-        """Return the ln Bayes factor and the size, in units of a channel's noise, that an effect needs to be named.
-
-        Args:
-            absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).
-        """
-        if self.pair is None:
-            return SETTINGS.decision.evidence, SETTINGS.decision.size
-        needs = SETTINGS.pair_decision
-        known = needs.unmeasured_factor if self.pair.blind else 1.0
-        if absorbing:
-            return self._beside() * known * needs.absorbing_evidence, self._beside() * needs.absorbing_size
-        return known * needs.local_evidence, needs.local_size
-
-    def _beside(self) -> float:
-        claimed = self.pair is not None and self.pair.contact_claimed
-        return SETTINGS.pair_decision.beside_contact_factor if claimed else 1.0
-
-    def plain(self, judged: Judged, size: float) -> bool:
-        """Return whether effects are detected that have so much evidence and this size."""
-        needed, least = self.thresholds(any(effect.absorbing for effect in judged.effects))
-        certain = self.pair is not None and not self.pair.blind
-        if judged.ln_bayes >= needed and size >= least:
-            return True
-        sure = self._beside() * SETTINGS.pair_decision.certain_evidence
-        return certain and judged.ln_bayes >= sure and size >= SETTINGS.pair_decision.certain_size
 
     def claimable(self) -> list[Judged]:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.

@@ -8,7 +8,8 @@ import numpy as np
 from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
-from pounding.diagnosis.decision.verdict import remaining, unexplained_from
+from pounding.diagnosis.decision.false_alarms import p_value, remains
+from pounding.diagnosis.decision.verdict import remaining
 from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Fit
@@ -112,9 +113,10 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
         f"the baseline model and the frame differ by {100 * size:.2g} % of the motion in ways that no single effect "
         "explains"
     )
-    if left < unexplained_from(found):
+    chance = p_value(found, left)
+    if not remains(found, left):
         return Remainder(
-            p_value=None, linear=True, size=finite(size), statement=f"{said}; what is left is noise"
+            p_value=chance, linear=True, size=finite(size), statement=f"{said}; what is left is noise"
         )
     linear = sight.linear_share() > SETTINGS.report.linear
     kind = (
@@ -123,7 +125,7 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
         else "no frame of other stiffness, mass or damping would explain it: another law, or another effect"
     )
     return Remainder(
-        p_value=None,
+        p_value=chance,
         linear=linear,
         size=finite(size),
         statement=f"{said}; {left:.2g} noise floors are left, and {kind}",

@@ -9,6 +9,7 @@ from msgspec import UNSET
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.decision.false_alarms import alarms_of, thresholds
 from pounding.diagnosis.design.advice import advice
 from pounding.diagnosis.design.detectability import smallest
 from pounding.diagnosis.design.distinguishing_tests import distinctions
@@ -69,9 +70,12 @@ def _share(misfit: Misfit, verdict: Verdict) -> float | None:
 
 
 def _thresholds(found: Findings) -> Thresholds:
-    evidence, size = found.thresholds(False)
-    absorbing = found.thresholds(True)
+    evidence, size = thresholds(found, False)
+    absorbing = thresholds(found, True)
+    known = None if found.pair is not None else alarms_of(found)
     return Thresholds(
+        false_alarms=UNSET if known is None else known.rate,
+        nulls=UNSET if known is None else known.source,
         log_evidence=evidence,
         share_of_noise=size,
         absorbing=Threshold(log_evidence=absorbing[0], share_of_noise=absorbing[1]),

@@ -88,9 +88,17 @@ class Threshold(Struct, frozen=True, kw_only=True):
 
 
 class Thresholds(Threshold, frozen=True, kw_only=True):
-    """The same, and for effects that absorb what every baseline frame has wrong."""
+    """The same, and for effects that absorb what every baseline frame has wrong.
+
+    Attributes:
+        absorbing: What these effects need.
+        false_alarms: Share of the cases without an effect in which one is named; unset for a pair.
+        nulls: The simulated cases without an effect by which this is met.
+    """
 
     absorbing: Threshold
+    false_alarms: float | UnsetType = UNSET
+    nulls: str | UnsetType = UNSET
 
 
 class File(Struct, frozen=True, kw_only=True):

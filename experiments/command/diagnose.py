@@ -57,6 +57,14 @@ def diagnose(
         bool,
         Parameter(negative=(), help="Write a film of the run before and after over each other to --out."),
     ] = False,
+    false_alarms: Annotated[
+        float | None,
+        Parameter(
+            help="Share of frames without an effect for which one may be named, and for which something may be said "
+            "to remain; default: 0.05.",
+            validator=options.bounded(bounds.FALSE_ALARMS),
+        ),
+    ] = None,
     json: options.Json = False,
     benchmark: Annotated[
         int | None,
@@ -115,9 +123,11 @@ def diagnose(
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
     """
     if benchmark is not None:
-        if case is not None or candidates is not None or calibrate or trust or film:
+        given = case is not None or candidates is not None or false_alarms is not None
+        if given or calibrate or trust or film:
             raise CaseError(
-                "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate and --film"
+                "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate, --film and "
+                "--false-alarms"
             )
         estimates.announce(estimates.of_benchmark(first or benchmark))
         _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
@@ -157,8 +167,15 @@ def diagnose(
         _ask_to_execute(candidates)
     estimates.announce(*_works(read, calibrate))
     with _bar() as told:
+        rate = SETTINGS.decision.false_alarms if false_alarms is None else false_alarms
         report = workflow.diagnose(
-            read, out, told, candidates_file=candidates, calibrate=calibrate, film=film
+            read,
+            out,
+            told,
+            candidates_file=candidates,
+            calibrate=calibrate,
+            film=film,
+            false_alarms=rate,
         )
     emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
 

@@ -23,7 +23,6 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations
 from pounding.diagnosis.model.sensors import screened
 from pounding.diagnosis.model.storeys import Structure
-from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.command.app import main
 from tests.diagnosis.models import STEP_S, measured
 
@@ -217,12 +216,16 @@ def test_a_first_frequency_that_is_unlikely_is_said(believed_hz: float, said: in
     assert len(frequency_warnings(model)) == said
 
 
+EVIDENCE = 30.0
+"""Some ln Bayes factor that a verdict may need."""
+
+
 def test_a_smallest_effect_has_the_evidence_that_a_verdict_needs() -> None:
     information = np.array([1e-3, 1.0, 1e3, 1e7])
-    amplitude = threshold(information, SETTINGS.decision.evidence)
+    amplitude = threshold(information, EVIDENCE)
     # The expected evidence as `pounding.diagnosis.inference.evidence` has it, for a pull of information times amplitude.
     ln_bayes = 0.5 * (information * amplitude) ** 2 / (1 + information) - 0.5 * np.log1p(information)
-    np.testing.assert_allclose(ln_bayes, SETTINGS.decision.evidence)
+    np.testing.assert_allclose(ln_bayes, EVIDENCE)
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis import Decision, Findings, decide
+from pounding.diagnosis.decision.false_alarms import of_nulls
 from pounding.diagnosis.decision.verdict import explained, remaining, signal_to_noise
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
@@ -22,6 +23,8 @@ from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 
 CHANNELS = 5
+NULLS = of_nulls(0.05, [30.0] * 20, [30.0] * 20, [1.15] * 20, "nulls that are all alike")
+"""An effect needs an ln Bayes factor of 30, and something remains beyond 1.15 noise floors."""
 
 
 @cache
@@ -179,7 +182,7 @@ def findings(problem: Problem, data: Data, filtered: Filtered | None = None) -> 
     nothing: Any = None
     return Findings(
         model, null, nothing, nothing, (0,), (1,) if data.held_out else (),
-        sorted(found, key=lambda one: -one.ln_bayes), data.misfits(1.0),
+        sorted(found, key=lambda one: -one.ln_bayes), data.misfits(1.0), false_alarms=NULLS,
     )  # fmt: skip
 
 

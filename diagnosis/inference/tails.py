@@ -1,0 +1,86 @@
+"""How large a figure becomes by chance: the upper tail of what simulated nulls showed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import chi2
+
+from pounding.diagnosis.settings import SETTINGS
+
+
+@dataclass(frozen=True)
+class Tail:
+    """The upper tail of a figure over nulls: exponential above its upper quartile, as that of an ln Bayes factor is.
+
+    The mean excess is its upper confidence limit, so that few nulls ask for more.
+
+    Attributes:
+        values: The figure of each null, in increasing order.
+    """
+
+    values: tuple[float, ...]
+
+    @cached_property
+    def _begin(self) -> float:
+        return float(np.quantile(self.values, 1.0 - SETTINGS.decision.tail))
+
+    @cached_property
+    def _share(self) -> float:
+        return float(np.mean(np.array(self.values) > self._begin))
+
+    @cached_property
+    def _mean_excess(self) -> float:
+        excess = np.array([value - self._begin for value in self.values if value > self._begin])
+        # A sum of m exponential excesses over their mean is half a chi-square of 2 m degrees of freedom.
+        return float(2.0 * excess.sum() / chi2.ppf(1.0 - SETTINGS.decision.tail_sure, 2 * len(excess)))
+
+    def exceeded_by(self, rate: float) -> float:
+        """Return what a share of the nulls exceeds.
+
+        Args:
+            rate: The share.
+        """
+        if rate >= self._share or not self._share:
+            return float(np.quantile(self.values, 1.0 - rate))
+        return self._begin + self._mean_excess * float(np.log(self._share / rate))
+
+    def probability(self, value: float) -> float:
+        """Return the share of the nulls that show as much.
+
+        Args:
+            value: The figure.
+        """
+        if value <= self._begin or not self._share:
+            return float((1 + np.sum(np.array(self.values) >= value)) / (1 + len(self.values)))
+        return self._share * float(np.exp(-(value - self._begin) / self._mean_excess))
+
+
+@dataclass(frozen=True)
+class FalseAlarms:
+    """The rate of false alarms that a verdict may have, and the nulls by which it is met.
+
+    Attributes:
+        rate: Share of the cases without an effect in which one is named, and share in which something is said to remain.
+        ordinary: Largest ln Bayes factor of single effects that absorb no errors of models.
+        absorbing: The same of effects that do.
+        left: Misfit that remains over the noise floor.
+        source: Where the nulls come from.
+    """
+
+    rate: float
+    ordinary: Tail
+    absorbing: Tail
+    left: Tail
+    source: str
+
+    def evidence(self, absorbing: bool) -> float:
+        """Return the ln Bayes factor that an effect needs; either kind may raise half of the false alarms.
+
+        Args:
+            absorbing: Whether it absorbs errors of models.
+        """
+        tail = self.absorbing if absorbing else self.ordinary
+        return max(tail.exceeded_by(self.rate / 2), 0.0)
