@@ -260,8 +260,8 @@ class Decision:
     """From evidence to the verdict on frames (`inference.findings`, `decision.verdict`)."""
 
     false_alarms: float = 0.05
-    """[share of the cases without an effect] In so many an effect is named on a single frame, and in so many something
-    is said to remain, unless the user asks for another rate. Origin: theory: the usual level of a test."""
+    """[share of the cases without an effect] In half so many an effect is named on a single frame, in half so many
+    something is said to remain, unless the user asks for another rate. Origin: theory: the usual level of a test."""
     tail: float = 0.25
     """[share of the nulls] The largest of what nulls show follow an exponential law. Origin: chosen."""
     tail_sure: float = 0.9

@@ -57,8 +57,8 @@ def diagnose(
         calibrate: Simulate null and rivals on this rig for a confidence of its own (up to 15 minutes, resumed), and on a
             single frame for what an effect needs.
         film: Film the run before and after over each other, `before_after.mp4`; only with `out`.
-        false_alarms: Share of the cases of a single frame without an effect in which one may be named, and in which
-            something may be said to remain.
+        false_alarms: Share of the cases of a single frame without an effect in which one may be named or something may
+            be said to remain.
 
     Returns:
         The report; with `out` also what `pounding.diagnosis.report.details` adds.

@@ -17,8 +17,10 @@ from pathlib import Path
 
 import numpy as np
 from scipy.linalg import eigh
+from scipy.stats import binomtest
 
 from pounding.diagnosis.case.case import Case, CaseFrame
+from pounding.diagnosis.decision.false_alarms import FILE, of_rows, read_nulls
 from pounding.diagnosis.decision.nulls import Shown, shown
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
@@ -32,6 +34,7 @@ from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.settings import SETTINGS
 from pounding.extras import extra_module
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
@@ -146,8 +149,7 @@ def make(numbers: Sequence[int], seed: int, out: Path, workers: int) -> None:
     names = [one.name for one in (*fields(Row), *fields(Shown))]
     known: set[int] = set()
     if out.is_file():
-        with out.open(encoding="utf-8", newline="") as file:
-            known = {int(row["number"]) for row in csv.DictReader(file)}
+        known = {int(row["number"]) for row in read_nulls(out)[0]}
     else:
         out.write_text(",".join(names) + "\n", encoding="utf-8")
     missing = [number for number in numbers if number not in known]
@@ -161,17 +163,46 @@ def _shortly(value: object) -> object:
     return f"{value:.5g}" if isinstance(value, float) else value
 
 
+def judged(path: Path) -> list[str]:
+    """Return how many nulls of a file raise an alarm at the usual rate, in sentences.
+
+    The nulls of the package are judged each by all the others, any others by those of the package.
+
+    Args:
+        path: The file.
+    """
+    rows, _ = read_nulls(path)
+    stored_rows, _ = read_nulls(FILE)
+    rate = SETTINGS.decision.false_alarms
+    named = remaining = 0
+    for row in rows:
+        alarms = of_rows(rate, [one for one in stored_rows if one != row], "")
+        named += max(float(row["ordinary"]), float(row["absorbing"])) >= alarms.needed
+        remaining += alarms.too_much(float(row["left"]))
+    told = []
+    for what, count in (("enough evidence for an effect", named), ("more remains than noise", remaining)):
+        low, high = binomtest(count, len(rows)).proportion_ci(0.95, method="wilson")
+        told.append(f"{what}: {count} of {len(rows)} nulls, {100 * low:.0f} to {100 * high:.0f} %")
+    return told
+
+
 def main() -> None:
-    """Make the nulls that are asked for."""
+    """Make the nulls that are asked for, or judge a file."""
     parser = argparse.ArgumentParser(prog="python -m pounding.diagnosis.benchmark.nulls", description=__doc__)
-    parser.add_argument("count", type=int, help="how many nulls")
+    parser.add_argument("count", type=int, nargs="?", default=0, help="how many nulls")
+    parser.add_argument(
+        "--judge", action="store_true", help="print how many nulls of the file raise an alarm"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of the set")
     parser.add_argument(
         "--out", type=Path, required=True, help="CSV file; nulls that it has are not made again"
     )
     parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), help="nulls at a time")
     asked = parser.parse_args()
-    make(range(asked.count), asked.seed, asked.out, asked.workers)
+    if asked.judge:
+        print("\n".join(judged(asked.out)))
+    else:
+        make(range(asked.count), asked.seed, asked.out, asked.workers)
 
 
 if __name__ == "__main__":

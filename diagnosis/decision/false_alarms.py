@@ -6,7 +6,7 @@ The nulls that come with the package are in `nulls.csv`; its first lines say whi
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -24,27 +24,43 @@ def stored(rate: float = SETTINGS.decision.false_alarms) -> FalseAlarms:
     Args:
         rate: Share of nulls that may raise one.
     """
-    lines = FILE.read_text(encoding="utf-8").splitlines()
+    rows, said = read_nulls(FILE)
+    return of_rows(rate, rows, f"{len(rows)} simulated nulls; {said}")
+
+
+def read_nulls(path: Path) -> tuple[list[dict[str, str]], str]:
+    """Return the nulls of a file, a mapping each, and what its first lines say of them.
+
+    Args:
+        path: The file.
+    """
+    lines = path.read_text(encoding="utf-8").splitlines()
     said = [line.removeprefix("#").strip() for line in lines if line.startswith("#")]
-    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
-    figures = ([float(row[name]) for row in rows] for name in ("ordinary", "absorbing", "left"))
-    return of_nulls(rate, *figures, f"{len(rows)} simulated nulls; {' '.join(said)}")
+    return list(csv.DictReader(line for line in lines if not line.startswith("#"))), " ".join(said)
 
 
-def of_nulls(
-    rate: float, ordinary: Sequence[float], absorbing: Sequence[float], left: Sequence[float], source: str
-) -> FalseAlarms:
+def of_rows(rate: float, rows: Sequence[Mapping[str, str]], source: str) -> FalseAlarms:
+    """Return false alarms by nulls of a file.
+
+    Args:
+        rate: Share of nulls that may raise one.
+        rows: The nulls.
+        source: Where they come from.
+    """
+    evidence = [max(float(row["ordinary"]), float(row["absorbing"])) for row in rows]
+    return of_nulls(rate, evidence, [float(row["left"]) for row in rows], source)
+
+
+def of_nulls(rate: float, evidence: Sequence[float], left: Sequence[float], source: str) -> FalseAlarms:
     """Return false alarms by nulls.
 
     Args:
         rate: Share of nulls that may raise one.
-        ordinary: Largest ln Bayes factor of ordinary effects in each null.
-        absorbing: The same of absorbing ones.
+        evidence: Largest ln Bayes factor of a single effect in each null.
         left: Misfit over the noise floor of each null.
         source: Where the nulls come from.
     """
-    tails = [Tail(tuple(sorted(values))) for values in (ordinary, absorbing, left)]
-    return FalseAlarms(rate, *tails, source)
+    return FalseAlarms(rate, Tail(tuple(sorted(evidence))), Tail(tuple(sorted(left))), source)
 
 
 def alarms_of(found: Findings) -> FalseAlarms:
@@ -57,11 +73,12 @@ def thresholds(found: Findings, absorbing: bool = False) -> tuple[float, float]:
 
     Args:
         found: The findings.
-        absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`).
+        absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`); in a pair it
+            needs more.
     """
     pair = found.pair
     if pair is None:
-        return alarms_of(found).evidence(absorbing), SETTINGS.decision.size
+        return alarms_of(found).needed, SETTINGS.decision.size
     needs = SETTINGS.pair_decision
     known = needs.unmeasured_factor if pair.blind else 1.0
     if absorbing:
@@ -107,9 +124,8 @@ def remains(found: Findings, left: float) -> bool:
         found: The findings.
         left: Misfit over the noise floor.
     """
-    chance = p_value(found, left)
-    if chance is None:
-        blind = found.pair is not None and found.pair.blind
-        needs = SETTINGS.pair_decision
-        return left >= (needs.blind_unexplained if blind else needs.unexplained)
-    return chance < alarms_of(found).rate
+    pair = found.pair
+    if pair is None:
+        return alarms_of(found).too_much(left)
+    needs = SETTINGS.pair_decision
+    return left >= (needs.blind_unexplained if pair.blind else needs.unexplained)

@@ -197,8 +197,7 @@ def false_alarms(found: Findings, outcomes: Sequence[Outcome]) -> FalseAlarms | 
         return None
     return of_nulls(
         alarms_of(found).rate,
-        [one.ordinary for one in nulls],
-        [one.absorbing for one in nulls],
+        [max(one.ordinary, one.absorbing) for one in nulls],
         [one.left for one in nulls],
         f"{len(nulls)} nulls simulated on this rig, under its records, with the discrepancy found",
     )

@@ -63,24 +63,26 @@ class FalseAlarms:
     """The rate of false alarms that a verdict may have, and the nulls by which it is met.
 
     Attributes:
-        rate: Share of the cases without an effect in which one is named, and share in which something is said to remain.
-        ordinary: Largest ln Bayes factor of single effects that absorb no errors of models.
-        absorbing: The same of effects that do.
+        rate: Share of the cases without an effect in which one is named or something is said to remain; half for each.
+        evidence: Largest ln Bayes factor of a single effect.
         left: Misfit that remains over the noise floor.
         source: Where the nulls come from.
     """
 
     rate: float
-    ordinary: Tail
-    absorbing: Tail
+    evidence: Tail
     left: Tail
     source: str
 
-    def evidence(self, absorbing: bool) -> float:
-        """Return the ln Bayes factor that an effect needs; either kind may raise half of the false alarms.
+    @property
+    def needed(self) -> float:
+        """The ln Bayes factor that an effect needs to be named."""
+        return max(self.evidence.exceeded_by(self.rate / 2), 0.0)
+
+    def too_much(self, left: float) -> bool:
+        """Return whether a misfit is more than nulls leave.
 
         Args:
-            absorbing: Whether it absorbs errors of models.
+            left: The misfit over the noise floor.
         """
-        tail = self.absorbing if absorbing else self.ordinary
-        return max(tail.exceeded_by(self.rate / 2), 0.0)
+        return self.left.probability(left) < self.rate / 2

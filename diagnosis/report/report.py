@@ -92,7 +92,8 @@ class Thresholds(Threshold, frozen=True, kw_only=True):
 
     Attributes:
         absorbing: What these effects need.
-        false_alarms: Share of the cases without an effect in which one is named; unset for a pair.
+        false_alarms: Share of the cases without an effect in which one is named or something is said to remain; unset for a
+            pair.
         nulls: The simulated cases without an effect by which this is met.
     """
 

@@ -60,7 +60,7 @@ def diagnose(
     false_alarms: Annotated[
         float | None,
         Parameter(
-            help="Share of frames without an effect for which one may be named, and for which something may be said "
+            help="Share of frames without an effect for which one may be named or something may be said "
             "to remain; default: 0.05.",
             validator=options.bounded(bounds.FALSE_ALARMS),
         ),

@@ -51,35 +51,29 @@ def test_the_nulls_of_the_package_say_how_they_were_made() -> None:
 
 def test_few_of_the_stored_nulls_would_raise_an_alarm() -> None:
     """At most one more than expected: the tail is above what the nulls show, not below."""
-    known = stored(0.1)
-    named = [
-        float(row["ordinary"]) > known.evidence(False) or float(row["absorbing"]) > known.evidence(True)
-        for row in rows()
-    ]
-    left = [known.left.probability(float(row["left"])) < 0.1 for row in rows()]
+    known = stored(0.2)
+    named = [max(float(row["ordinary"]), float(row["absorbing"])) > known.needed for row in rows()]
+    left = [known.too_much(float(row["left"])) for row in rows()]
     for alarms in (named, left):
         assert sum(alarms) <= 0.1 * len(rows()) + 1
 
 
 def test_a_rarer_false_alarm_asks_for_more() -> None:
     needed = [stored(rate) for rate in (0.2, 0.05, 0.01, 0.002)]
-    for absorbing in (False, True):
-        evidence = [one.evidence(absorbing) for one in needed]
-        assert evidence == sorted(evidence)
-        assert evidence[0] < evidence[-1]
-    assert thresholds(alone())[0] == stored(SETTINGS.decision.false_alarms).evidence(False)
+    evidence = [one.needed for one in needed]
+    assert evidence == sorted(evidence)
+    assert evidence[0] < evidence[-1]
+    assert thresholds(alone())[0] == thresholds(alone(), True)[0] == stored().needed
     strict = replace(alone(), false_alarms=stored(0.01))
     assert thresholds(strict)[0] > thresholds(alone())[0]
     # A misfit that is too much at the usual rate is chance at a stricter one.
-    left = 0.5 * (stored(0.05).left.exceeded_by(0.05) + stored(0.01).left.exceeded_by(0.01))
+    left = 0.5 * (stored(0.05).left.exceeded_by(0.025) + stored(0.01).left.exceeded_by(0.005))
     assert remains(alone(), left)
     assert not remains(strict, left)
 
 
 def test_what_remains_has_the_probability_of_nulls_that_leave_as_much() -> None:
-    found = replace(
-        alone(), false_alarms=of_nulls(0.05, [0.0], [0.0], [1 + i / 100 for i in range(100)], "ours")
-    )
+    found = replace(alone(), false_alarms=of_nulls(0.05, [0.0], [1 + i / 100 for i in range(100)], "ours"))
     assert p_value(found, 1.3) == pytest.approx(0.7, abs=0.02)
     assert p_value(found, 3.0) == pytest.approx(0.0, abs=0.01)
     touching = replace(found, pair=SimpleNamespace(blind=False, contact_claimed=False))
@@ -92,8 +86,8 @@ def test_what_remains_has_the_probability_of_nulls_that_leave_as_much() -> None:
 def test_nulls_of_one_s_own_rig_decide(data: str) -> None:
     """What is plain where nulls show nothing is none where they show as much, and what is left follows them, too."""
     found = findings(Problem(1.5, (Tried((CUBIC,), 50.0, 1.0),), ""), DATA[data])
-    quiet = of_nulls(0.05, [i / 10 for i in range(20)], [0.0] * 20, [1.0 + i / 1000 for i in range(20)], "")
-    loud = of_nulls(0.05, [5.0 * i for i in range(20)], [0.0] * 20, [1.0 + i / 10 for i in range(20)], "")
+    quiet = of_nulls(0.05, [i / 10 for i in range(20)], [1.0 + i / 1000 for i in range(20)], "")
+    loud = of_nulls(0.05, [5.0 * i for i in range(20)], [1.0 + i / 10 for i in range(20)], "")
     found.false_alarms = quiet
     assert decide(found).verdict == "effect_named"
     found.false_alarms = loud
@@ -114,6 +108,5 @@ def test_a_rig_s_own_nulls_count_where_there_are_enough() -> None:
     known = false_alarms(strict, [outcome(i, null) for i in range(least)] + others)
     assert known is not None
     assert known.rate == alarms_of(strict).rate == 0.01
-    assert known.evidence(False) == 3.0
-    assert known.evidence(True) == 1.0
+    assert known.needed == 3.0
     assert known.source.startswith(f"{least} nulls simulated on this rig")

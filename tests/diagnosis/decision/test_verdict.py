@@ -23,7 +23,7 @@ from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 
 CHANNELS = 5
-NULLS = of_nulls(0.05, [30.0] * 20, [30.0] * 20, [1.15] * 20, "nulls that are all alike")
+NULLS = of_nulls(0.05, [30.0] * 100, [1.15] * 100, "nulls that are all alike")
 """An effect needs an ln Bayes factor of 30, and something remains beyond 1.15 noise floors."""
 
 

@@ -52,10 +52,12 @@ def test_nulls_that_all_show_the_same_leave_no_tail() -> None:
     assert same.probability(1.1) == pytest.approx(1 / 11)
 
 
-def test_either_kind_raises_half_of_the_false_alarms() -> None:
-    ordinary, absorbing, left = (tail(RNG.exponential(size, 100)) for size in (1.0, 5.0, 1.0))
-    alarms = FalseAlarms(0.05, ordinary, absorbing, left, "")
-    assert alarms.evidence(False) == ordinary.exceeded_by(0.025)
-    assert alarms.evidence(True) == absorbing.exceeded_by(0.025)
+def test_names_and_remainders_raise_half_of_the_false_alarms_each() -> None:
+    evidence, left = tail(RNG.exponential(5.0, 100)), tail(RNG.normal(1.0, 0.01, 100))
+    alarms = FalseAlarms(0.05, evidence, left, "")
+    assert alarms.needed == evidence.exceeded_by(0.025)
+    limit = left.exceeded_by(0.025)
+    assert not alarms.too_much(limit - 1e-6)
+    assert alarms.too_much(limit + 1e-6)
     nothing = tail(-RNG.exponential(1.0, 100) - 50.0)
-    assert FalseAlarms(0.05, nothing, nothing, left, "").evidence(False) == 0.0
+    assert FalseAlarms(0.05, nothing, left, "").needed == 0.0
