@@ -167,6 +167,6 @@ def test_the_module_prints_the_tables() -> None:
 
 def test_values_are_shown_as_they_are() -> None:
     shown = {(one.group, one.name): one.value for one in rows()}
-    assert shown["decision", "evidence"] == "30"
+    assert shown["decision", "second_evidence"] == "60"
     assert shown["confidence", "limits"] == "0.01, 0.99"
     assert Path(str(settings.__file__)).samefile(DIAGNOSIS / "settings.py")
