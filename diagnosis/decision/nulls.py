@@ -6,6 +6,7 @@ searched as a measured case is. How large the evidence for anything becomes in m
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -92,7 +93,7 @@ def drawn(model: Model, rng: np.random.Generator, discrepancy: float) -> np.ndar
 def with_data_of(
     model: Model,
     nuisance: np.ndarray,
-    acting: list[tuple[Acting, np.ndarray]],
+    acting: Sequence[tuple[Acting, np.ndarray]],
     noise: tuple[np.ndarray, float],
     rng: np.random.Generator,
 ) -> Model:
