@@ -199,6 +199,34 @@ def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...])
     return replace(found, settled=(decision.judged, corrected, filtered)), decision
 
 
+def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], progress: Progress) -> Model:
+    """Return the model with what it lacks in the reference runs already, which is no change; itself without any.
+
+    Args:
+        model: The baseline model.
+        effects: The candidates.
+        runs: Numbers of the runs that are fitted.
+        progress: Called with what is being done and the share that is done.
+    """
+    observed = model.observed
+    known = [number for number in runs if not model.acts(number)]
+    if not known:
+        return model
+    progress("looking for what was missing before", 0.03)
+    plain = tuple(replace(run, reference=False) for run in observed.runs)
+    alone = model.seeing(replace(observed, runs=plain, warnings=[]))
+    decision = decide(search(alone, effects, known, (), _silent))
+    if not decision.named:
+        return model
+    fit = decision.judged.fit
+    names = ", ".join(observed.runs[number].name for number in known)
+    observed.warnings.append(
+        f"{names}: {decision.judged.label()} is missing in the baseline model before the change already; it is part of the "
+        "model here, and what is said is what changed since"
+    )
+    return Model(model.structure, observed, model.prior, tuple(zip(fit.effects, fit.values, strict=True)))
+
+
 def _find(
     case: Case,
     progress: Progress,
@@ -220,8 +248,13 @@ def _find(
     numbers = {run.file: i for i, run in enumerate(case.runs)}
     used = usable(observed, [numbers[run.file] for run in training])
     unseen = usable(observed, [numbers[run.file] for run in held_out])
-    if not used:
-        used, unseen = unseen, []
+    if not model.since(used):
+        used, unseen = [*used, *unseen], []
+    if not model.since(used):
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: nothing moves in any run but the references; "
+            "check that the files hold the measurements"
+        )
     start, measured = None, observed.runs
     if pair is not None:
         progress("putting contact forces right", 0.02)
@@ -235,6 +268,7 @@ def _find(
         if effect.name != "joint_flexibility" or structure.frames[effect.index].joint_derivative is not None
     ]
     effects += [effect for kind in own for effect in places(kind, model)]
+    model = _as_before(model, effects, used, progress)
     found = search(model, effects, used, unseen, progress, start)
     found.pair = pair
     found.false_alarms = stored(false_alarms)

@@ -15,6 +15,9 @@ import numpy as np
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
 from pounding.diagnosis.case.quantities import OF_THE_TABLE, UNITS
 
+REFERENCE = "reference"
+"""Role of a run of the frame as it was before."""
+
 
 class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Prior standard deviations of the nuisance parameters, as fractions; the delay in ms."""
@@ -108,7 +111,7 @@ class Run:
 
     Attributes:
         file: Name of the CSV file, also the name of the run.
-        role: ``held_out``, ``training`` or None where the case does not say.
+        role: ``reference``, ``held_out``, ``training`` or None where the case does not say.
         time_s: Uniform times [s], shape (samples,).
         step_s: Sampling step [s].
         values: Channels in SI in the case's order, NaN where a sample dropped out, shape (samples, channels).
@@ -119,6 +122,11 @@ class Run:
     time_s: np.ndarray
     step_s: float
     values: np.ndarray
+
+    @property
+    def reference(self) -> bool:
+        """Whether it is of the frame as it was before: what is asked is what changed since."""
+        return self.role == REFERENCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,12 +149,14 @@ class Case:
         return [channel.name for channel in self.channels].index(name)
 
     def split(self) -> tuple[tuple[Run, ...], tuple[Run, ...]]:
-        """Return the runs to learn from and those held out.
+        """Return the runs to learn from, reference runs among them, and those held out.
 
-        With two or more runs and no role named the last one is held out; with a single run nothing is.
+        With two or more runs since and no role named the last one is held out; with a single one nothing is. Runs of the
+        frame as it was before are learnt from.
         """
         held_out = tuple(run for run in self.runs if run.role == "held_out")
-        if not held_out and len(self.runs) > 1:
-            free = [run for run in self.runs if run.role is None]
+        since = [run for run in self.runs if not run.reference]
+        if not held_out and len(since) > 1:
+            free = [run for run in since if run.role is None]
             held_out = (free[-1],) if free else ()
         return tuple(run for run in self.runs if run not in held_out), held_out

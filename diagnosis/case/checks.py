@@ -14,7 +14,7 @@ import msgspec
 
 from pounding import bounds
 from pounding.bounds import Bound
-from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact
+from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Channel, Contact
 from pounding.diagnosis.case.number_tables import check_modal, check_peaks
 from pounding.diagnosis.case.place import in_words
 from pounding.diagnosis.case.quantities import (
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable
     from pounding.frames.definition import Frame
 
-ROLES = ("training", "held_out")
+ROLES = ("training", "held_out", REFERENCE)
 OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
 """Keys of a frame that is given by its masses and modes."""
 JOINTS = ("calibrated", "rigid")
@@ -288,6 +288,34 @@ def _check_roles(described: Description, places: Places) -> None:
     if all(run.role == "held_out" for run in described.run):
         what = "every run is held out, so there is nothing to learn from; leave the role out of one"
         raise places.error(what, "run", 0, "role")
+    before = next((index for index, run in enumerate(described.run) if run.role == REFERENCE), None)
+    if before is not None:
+        _check_references(described, before, places)
+
+
+def _check_references(described: Description, index: int, places: Places) -> None:
+    """Refuse what cannot stand beside reference runs, of which `index` is the first."""
+    since = {run.role for run in described.run} - {REFERENCE}
+    what = ""
+    if not since:
+        what = (
+            "every run is a reference, so there is no run in which something could have changed; add one without that role, "
+            "or leave the role out to diagnose these runs themselves"
+        )
+    elif since == {"held_out"}:
+        what = "every run but the references is held out, so there is nothing to learn from; leave the role out of one"
+    elif described.contact:
+        what = (
+            "a reference run cannot stand beside a [[contact]]; give each frame's runs alone as a case of their own, "
+            "or leave the role out"
+        )
+    elif described.modal:
+        what = (
+            "a reference run cannot stand beside [[modal]], as nothing says whether these numbers are from before or since; "
+            "leave one of the two out"
+        )
+    if what:
+        raise places.error(f"run {described.run[index].file!r}: {what}", "run", index, "role")
 
 
 def _check_what_is_measured(channels: tuple[Channel, ...], places: Places) -> None:

@@ -86,7 +86,8 @@ def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...
         return ()
     judged = decision.judged
     shown = []
-    for effect, values, std in zip(judged.fit.effects, judged.fit.values, judged.fit.std, strict=True):
+    sizes_of = judged.fit.stated(found.model)
+    for effect, (values, std) in zip(judged.fit.effects, sizes_of, strict=True):
         if effect.rival or effect not in judged.effects:
             continue
         for place in places_of(effect):

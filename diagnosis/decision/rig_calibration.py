@@ -125,6 +125,7 @@ def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
     digest.update(" ".join(sorted(one.effect.label() for one in found.scores.ranked)).encode())
     digest.update(" ".join(drawn_from).encode())
     digest.update(repr(found.model.prior).encode())
+    digest.update(repr((found.reference, found.model.always)).encode())
     return digest.hexdigest()[:12]
 
 
@@ -175,7 +176,7 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     truth = tried[turn(number, len(tried) - 1)]
     model = simulated(found, truth, np.random.default_rng([number, 20261121]))
     effects = [one.effect for one in found.scores.ranked]
-    again = search(model, effects, found.training, found.held_out, lambda what, share: None)
+    again = search(model, effects, found.fitted, found.held_out, lambda what, share: None)
     decision = decide(again)
     right = decision.verdict == "nothing_missing"
     if truth.effects:

@@ -9,8 +9,8 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.whole_frame import EVERY
-from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.misfit import by_frame, over_floor
+from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
+from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
 from pounding.diagnosis.inference.model_checks import model_checks, strained
 from pounding.diagnosis.settings import SETTINGS
 
@@ -24,7 +24,7 @@ def decide(found: Findings) -> Decision:
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
         objections = _model_checks(found, found.null)
-        if objections or remains(found, remaining(found, found.null)):
+        if objections or _something_left(found, found.null):
             return Decision("unknown_effect", single[0] if single else found.null, (), objections)
         return Decision("nothing_missing", found.null)
     chosen = _listed(found, single)
@@ -56,11 +56,28 @@ def _listed(found: Findings, single: list[Judged]) -> Judged:
 
 
 def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
-    filtered = judged.fit.filtered
+    # What speaks against the model in a reference run was there before, and is no answer to what changed since.
+    filtered = judged.fit.filtered.since(found.model)
     said = model_checks(found.model, filtered)
     # A contact's push that was missed is no blow.
     pushed = None if _blind(found) else impulses(found.model, filtered)
     return tuple(said) if pushed is None else (*said, pushed.sentence())
+
+
+def _something_left(found: Findings, judged: Judged) -> bool:
+    """Return whether something remains that was not there before: more misfit than in the reference runs."""
+    return remains(found, remaining(found, judged) / max(1.0, before(found, judged)))
+
+
+def before(found: Findings, judged: Judged) -> float:
+    """Return the misfit over the noise floor of the reference runs, as `remaining` does of the others; 1 without any."""
+    if not found.reference:
+        return 1.0
+    filtered = judged.fit.filtered
+    misfits = fit_misfits(found.model, filtered, found.reference)
+    over = over_floor(found.model, misfits, floors(found.model, filtered, found.reference))
+    each = by_frame(found.model, over)
+    return float(np.nanmax(each)) if np.isfinite(each).any() else 1.0
 
 
 def _blind(found: Findings) -> bool:
@@ -77,7 +94,7 @@ def _holds(found: Findings, judged: Judged, objections: tuple[str, ...]) -> bool
         return False
     if _spread(judged):
         return False
-    if not objections and not remains(found, remaining(found, judged)):
+    if not objections and not _something_left(found, judged):
         return True
     needs = SETTINGS.decision
     return explained(found, judged, 1.0) >= (needs.explained if objections else needs.larger_part)

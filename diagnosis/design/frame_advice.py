@@ -82,14 +82,16 @@ def expected(found: Findings, true: Fit, other: Fit) -> list[Gain]:
     """
     began = perf_counter()
     now = as_it_was(found)
-    base = _normal(now, true, other, found)
+    # What a run of the frame as it was before says of the nuisance parameters stays known.
+    before = [_normal(as_it_was(found, run), true, other, found) for run in found.reference[:1]]
+    base = _sum(_normal(now, true, other, found), *before)
     left = _unexplained(base)
     gains = []
     for one in measurements(found, now):
         if perf_counter() - began > SETTINGS.design.seconds:
             break
         normal = _normal(one, true, other, found)
-        total = _unexplained(_sum(base, normal)) if one.more else _unexplained(normal)
+        total = _unexplained(_sum(normal, base) if one.more else _sum(normal, *before))
         gains.append(Gain(one.what, total - left))
     return sorted(gains, key=lambda gain: -gain.ln_bayes)
 
@@ -109,7 +111,7 @@ def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
         heavier = Structure(
             tuple(replace(f, mass=mass) if i == number else f for i, f in enumerate(structure.frames))
         )
-        loaded = Model(heavier, model.observed, model.prior)
+        loaded = Model(heavier, model.observed, model.prior, model.always)
         yield Measurement(
             f"the same shaking with {weight:.2g} kg on the roof of {frame.name}", loaded, now.noise, True
         )
@@ -152,13 +154,18 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
             yield Measurement(what, model, np.append(now.noise, min(share, 1.0) * rms), False)
 
 
-def as_it_was(found: Findings) -> Measurement:
-    """Return what was measured: the first training run, cut to `LONGEST_S`, without what is infinitely noisy."""
-    seen = found.model.observed
-    number = found.null.fit.filtered.runs[0]
+def as_it_was(found: Findings, number: int | None = None) -> Measurement:
+    """Return what was measured: a run, cut to `LONGEST_S`, without what is infinitely noisy.
+
+    Args:
+        found: What the search found.
+        number: Number of a run that was fitted, the first training run by default.
+    """
+    seen, fitted = found.model.observed, found.null.fit.filtered
+    number = found.training[0] if number is None else number
     run = seen.runs[number]
     samples = min(len(run.table), int(SETTINGS.design.longest_s / run.step_s))
-    noise = np.asarray(found.null.fit.filtered.noise[0].channel, float)
+    noise = np.asarray(fitted.noise[fitted.runs.index(number)].channel, float)
     kept = np.flatnonzero(np.isfinite(noise))
     cut = replace(
         run,
@@ -223,8 +230,10 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     return both.T @ both, both.T @ residual, float(residual @ residual)
 
 
-def _sum(one: Normal, other: Normal) -> Normal:
-    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+def _sum(one: Normal, *others: Normal) -> Normal:
+    for other in others:
+        one = one[0] + other[0], one[1] + other[1], one[2] + other[2]
+    return one
 
 
 def _unexplained(normal: Normal) -> float:

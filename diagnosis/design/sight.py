@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,7 @@ class Sight:
         noise: Noise of each channel in SI, shape (channels,); infinite where nothing was measured.
         nuisance: What a prior standard deviation of each nuisance parameter adds, shape (samples * channels, nuisance).
         gram: Information of it, shape (nuisance, nuisance).
+        before: Information of the strongest reference run, in which effects do not act, of the same shape.
     """
 
     model: Model
@@ -38,27 +40,18 @@ class Sight:
     noise: np.ndarray
     nuisance: np.ndarray
     gram: np.ndarray
+    before: np.ndarray
 
     @classmethod
     def of(cls, found: Findings, filtered: Filtered) -> Sight:
         """Return what changes do about a fit."""
-        model = found.model
-        run = max(
-            found.training, key=lambda number: float(root_mean_square(model.observed.runs[number].table))
-        )
-        rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=np.inf)
-        noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
-        noise = noise * np.sqrt(model.observed.slower)
-        output = simulate(model, filtered.values, filtered.effects, [run])[0]
-        columns = []
-        spread = model.spread(filtered.discrepancy)
-        for number, std in enumerate(spread):
-            moved = filtered.values.copy()
-            moved[number] += PROBE * std
-            changed = simulate(model, moved, filtered.effects, [run])[0]
-            columns.append(((changed - output) / noise).ravel() / PROBE)
-        nuisance = np.array(columns).T
-        return cls(model, filtered, run, output, noise, nuisance, nuisance.T @ nuisance)
+        run = _strongest(found.model, found.training)
+        output, noise, nuisance = _columns(found, filtered, run)
+        gram, before = nuisance.T @ nuisance, np.zeros((nuisance.shape[1],) * 2)
+        if found.reference:
+            *_, known = _columns(found, filtered, _strongest(found.model, found.reference))
+            before = known.T @ known
+        return cls(found.model, filtered, run, output, noise, nuisance, gram, before)
 
     def of_effect(self, effect: Effect, values: np.ndarray) -> float:
         """Return the rms of what an effect adds to the channel where it shows most, in units of the noise.
@@ -77,7 +70,7 @@ class Sight:
         start = self.filtered.values / self.model.spread(scale)
         imitation = Coordinates.of(self.model, (), (), (), discrepancy=scale).posterior(())
         left = change - self.nuisance @ imitation.step(
-            self.gram, self.nuisance.T @ change + start, start, 0.0
+            self.gram + self.before, self.nuisance.T @ change + start, start, 0.0
         )
         return float(root_mean_square(left.reshape(self.output.shape)).max())
 
@@ -108,3 +101,23 @@ class Sight:
             float(left @ left) - float(np.sum((left - self.nuisance @ fitted) ** 2)) - self.nuisance.shape[1]
         )
         return taken / above if above > 0 else 1.0
+
+
+def _strongest(model: Model, runs: Sequence[int]) -> int:
+    return max(runs, key=lambda number: float(root_mean_square(model.observed.runs[number].table)))
+
+
+def _columns(found: Findings, filtered: Filtered, run: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a run's simulated channels, their noise, and what a prior deviation of each nuisance parameter adds."""
+    model = found.model
+    rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=np.inf)
+    noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
+    noise = noise * np.sqrt(model.observed.slower)
+    output = simulate(model, filtered.values, filtered.effects, [run])[0]
+    columns = []
+    for number, std in enumerate(model.spread(filtered.discrepancy)):
+        moved = filtered.values.copy()
+        moved[number] += PROBE * std
+        changed = simulate(model, moved, filtered.effects, [run])[0]
+        columns.append(((changed - output) / noise).ravel() / PROBE)
+    return output, noise, np.array(columns).T

@@ -161,6 +161,11 @@ class Effect:
         del model
         return float("inf")
 
+    def relative_to(self, model: Model) -> list[int]:
+        """Return the numbers of the nuisance parameters that change by their sum what its first parameter is relative to."""
+        del model
+        return []
+
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the terms that a unit amplitude adds to the innovations.
 

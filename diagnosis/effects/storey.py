@@ -78,6 +78,12 @@ class StiffnessChange(Departure):
         """Return nearly all of the storey's stiffness."""
         return LARGEST_LOSS
 
+    def relative_to(self, model: Model) -> list[int]:
+        """Return what calibration does to the storey: the change is one of the frame at hand, not of the baseline model."""
+        whole = model.structure.index(str(self.frame))
+        ours = {("storey_stiffness", self.index), ("base_stiffness", self.index), ("frame_stiffness", whole)}
+        return [number for number, one in enumerate(model.parameters) if (one.kind, one.place) in ours]
+
 
 @memoryless
 def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pounding.diagnosis.case.case import Case, CaseFrame, Contact
+from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Contact
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden import motions
 from pounding.diagnosis.hidden.contact_effects import CONTACT
@@ -51,6 +51,7 @@ def hide(
     engine: str = "own",
     noise: float | None = None,
     model_error: float | None = None,
+    reference: int = 0,
 ) -> Hidden:
     """Make a case with hidden effects.
 
@@ -67,6 +68,7 @@ def hide(
         noise: Noise of every response channel over its root mean square [-]; drawn when None.
         model_error: Misfit that the second world's model error leaves after calibration, over the motion [-];
             drawn when None.
+        reference: How many runs there are of the frames before an effect was put in, under the same motions.
 
     Raises:
         CaseError: An effect, place, frame or option is not known, or the engine is not installed.
@@ -83,6 +85,10 @@ def hide(
     for name, share in (("noise", noise), ("model error", model_error)):
         if share is not None and not 1e-4 <= share <= 0.5:
             raise CaseError(f"{name} is {100 * share:g} %; give 0.01 to 50")
+    if not 0 <= reference <= RUNS or (reference and len(frames) > 1):
+        raise CaseError(
+            f"{reference} reference runs are not made; give 0 to {RUNS}, and none for frames that touch"
+        )
     rng = np.random.default_rng(seed)
     damped = any(want.name == "contact_damping" for want in wants)
     rig = draw_rig(
@@ -98,6 +104,13 @@ def hide(
     runs = tuple(
         recorded(rng, rig.behind_sensors(scenario, run), rig.channels, rig.log, f"run{run + 1}.csv")
         for run in range(RUNS)
+    )
+    runs += tuple(
+        replace(
+            recorded(rng, rig.behind_sensors(rig.bare, run), rig.channels, rig.log, f"before{run + 1}.csv"),
+            role=REFERENCE,
+        )
+        for run in range(reference)
     )
     known = tuple(CaseFrame(name, beams.storeys) for name, beams in rig.bare.frames.items())
     contacts = tuple(Contact(**vars(touch)) for touch in rig.baseline)

@@ -120,8 +120,9 @@ def score(
     residuals = whitened_innovations(model, filtered)
     spread = model.spread(filtered.discrepancy)
     for number, motion in enumerate(motions(model, filtered)):
-        groups: list[list[Term]] = nuisance_terms(model, filtered.modes, motion)
-        groups += [effect.terms(model, filtered.modes, motion, shape) for effect, shape in columns]
+        modes, acts = filtered.run_modes[number], model.acts(filtered.runs[number])
+        groups: list[list[Term]] = nuisance_terms(model, modes, motion)
+        groups += [effect.terms(model, modes, motion, shape) if acts else [] for effect, shape in columns]
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
         for rows, signature in signature_pieces_of_run(model, filtered, number, groups, AT_ONCE):
             wide = signature * np.concatenate([spread, width])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +24,8 @@ class Filtered:
 
     Attributes:
         values: Nuisance parameters in their own units.
-        effects: Effects that act, with their SI parameters.
-        modes: Modes with these.
+        effects: Effects that act in the runs since the reference ones, with their SI parameters.
+        modes: Modes with these. run_modes: Modes of each run, those of a reference run without them.
         noise: Noise of each training run.
         filters: Steady filter of each training run.
         prediction: Innovations and states of each training run.
@@ -35,6 +36,7 @@ class Filtered:
     values: np.ndarray
     effects: tuple[tuple[Acting, np.ndarray], ...]
     modes: Modes
+    run_modes: tuple[Modes, ...]
     noise: tuple[Noise, ...]
     filters: tuple[SteadyFilter, ...]
     prediction: Prediction
@@ -54,6 +56,25 @@ class Filtered:
         """
         return replace(self, noise=tuple(replace(one, discrepancy=scale) for one in self.noise))
 
+    def since(self, model: Model) -> Filtered:
+        """Return the same without what is of reference runs but the likelihood, which is of all."""
+        kept = [number for number, run in enumerate(self.runs) if model.acts(run)]
+        whole = self.prediction
+
+        def of(series: Sequence[Any]) -> list[Any]:
+            return [series[number] for number in kept]
+
+        return replace(
+            self,
+            run_modes=tuple(of(self.run_modes)),
+            noise=tuple(of(self.noise)),
+            filters=tuple(of(self.filters)),
+            prediction=Prediction(
+                of(whole.innovations), of(whole.before), of(whole.after), of(whole.outputs)
+            ),
+            runs=tuple(of(self.runs)),
+        )
+
 
 def run_filter(
     model: Model,
@@ -71,13 +92,14 @@ def run_filter(
         runs: Numbers of the runs.
         effects: Effects that act, each with its SI parameters, shape (parameters,).
     """
-    modes = model.modes(model.assemble(values, effects))
-    filters = design(model, modes, noise, runs)
+    run_modes = tuple(modes for _, modes in model.systems(values, effects, runs))
+    filters = design(model, run_modes, noise, runs)
     prediction = model.predict(values, [f.gain for f in filters], effects, runs)
     return Filtered(
         values=np.array(values, float),
         effects=tuple(effects),
-        modes=modes,
+        modes=next((one for one, run in zip(run_modes, runs, strict=True) if model.acts(run)), run_modes[0]),
+        run_modes=run_modes,
         noise=tuple(noise),
         filters=filters,
         prediction=prediction,
@@ -87,20 +109,19 @@ def run_filter(
 
 
 def design(
-    model: Model, modes: Modes, noise: Sequence[Noise], runs: Sequence[int]
+    model: Model, modes: Sequence[Modes], noise: Sequence[Noise], runs: Sequence[int]
 ) -> tuple[SteadyFilter, ...]:
     """Return the steady filter of each run.
 
     Args:
         model: The baseline model.
-        modes: Its modes.
+        modes: Modes of each run.
         noise: Noise of each run.
         runs: Numbers of the runs.
     """
-    system = model.linear_system(modes)
     return tuple(
-        steady_filter(system, one, model.observed.runs[run].step_s)
-        for one, run in zip(noise, runs, strict=True)
+        steady_filter(model.linear_system(own), one, model.observed.runs[run].step_s)
+        for own, one, run in zip(modes, noise, runs, strict=True)
     )
 
 
@@ -169,8 +190,9 @@ def motions(model: Model, filtered: Filtered) -> list[Motion]:
     found = []
     for number, run in enumerate(filtered.runs):
         data, outputs = model.observed.runs[run], filtered.prediction.outputs[number]
-        start = _motion(model, filtered.modes, filtered.prediction.after[number], data, outputs)
-        predicted = _motion(model, filtered.modes, filtered.prediction.before[number], data, outputs)
+        modes = filtered.run_modes[number]
+        start = _motion(model, modes, filtered.prediction.after[number], data, outputs)
+        predicted = _motion(model, modes, filtered.prediction.before[number], data, outputs)
         found.append(replace(predicted, start=start))
     return found
 

@@ -70,7 +70,8 @@ class Findings:
         judged: Refined candidates, best first.
         floor: Misfit that a perfect model would leave over the training and the held-out runs, (2, channels).
         sizes: Typical sizes of motion.
-        training, held_out: Numbers of the runs.
+        training, held_out: Numbers of the runs in which effects act. reference: Those of the frame as it was before, which
+            are fitted too.
     """
 
     model: Model
@@ -87,8 +88,14 @@ class Findings:
     """Two frames that touch, at the rate of the logger."""
     false_alarms: FalseAlarms | None = None
     """By what it is judged; None: by the nulls that come with the package, at the usual rate."""
+    reference: tuple[int, ...] = ()
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
+
+    @property
+    def fitted(self) -> tuple[int, ...]:
+        """Numbers of all runs that are fitted."""
+        return (*self.reference, *self.training)
 
     def claimable(self) -> list[Judged]:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.

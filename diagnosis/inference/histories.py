@@ -12,6 +12,7 @@ from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     motions,
     run_filter,
+    run_signatures,
     whitened_innovations,
     whitened_runs,
 )
@@ -140,7 +141,8 @@ class Histories(Likelihood):
         """Return whitened signatures of the nuisance parameters in units of their priors, (samples * channels, nuisance)."""
         if self._columns is None:
             model, filtered = self.model, self.filtered
-            groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+            both = zip(filtered.run_modes, motions(model, filtered), strict=True)
+            groups = [nuisance_terms(model, modes, motion) for modes, motion in both]
             self._columns = [
                 columns * self.coordinates.scale.astype(columns.dtype)
                 for columns in grouped_signatures(model, filtered, groups)
@@ -169,11 +171,11 @@ class Histories(Likelihood):
         for effect in coordinates.effects:
             if effect.linear:
                 # As the nuisance parameters' columns are made: two that mean the same must not differ by an approximation.
-                groups = [
-                    [effect.terms(model, filtered.modes, motion, ())] for motion in motions(model, filtered)
-                ]
-                for store, column in zip(found, grouped_signatures(model, filtered, groups), strict=True):
-                    store[:, first] = column[:, 0] * slopes[first]
+                for number, motion in enumerate(motions(model, filtered)):
+                    if model.acts(filtered.runs[number]):
+                        terms = effect.terms(model, filtered.run_modes[number], motion, ())
+                        column = run_signatures(model, filtered, number, [terms])
+                        found[number][:, first] = column[:, 0] * slopes[first]
             else:
                 for j in range(first, first + len(effect.quantities)):
                     for store, column in zip(found, self._difference(theta, j), strict=True):

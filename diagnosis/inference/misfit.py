@@ -152,7 +152,8 @@ def floors(model: Model, filtered: Filtered, runs: Sequence[int]) -> np.ndarray:
         known = np.isfinite(noise.channel)
         own = np.where(known, np.fmin(noise.channel, run.largest_noise), 0.0)
         shaken = min(noise.table, run.largest_table_noise)
-        carried = table_response(model, filtered.modes, run.step_s, len(run.table)) * shaken
+        _, modes = model.systems(filtered.values, filtered.effects, [number])[0]
+        carried = table_response(model, modes, run.step_s, len(run.table)) * shaken
         carried = carried * _held(model, filtered, number, shaken)
         pushed = 0.0 if number in filtered.runs else contact_response(model, filtered.modes, number)
         squares = squares + len(run.table) * (own**2 + carried**2 + pushed)
@@ -166,7 +167,8 @@ def _held(model: Model, filtered: Filtered, number: int, table: float) -> np.nda
 
     Friction that sticks and dampers carry less of it than the frame alone; both are simulated with noise and without.
     """
-    if not model.assemble(filtered.values, filtered.effects).laws:
+    assembly, _ = model.systems(filtered.values, filtered.effects, [number])[0]
+    if not assembly.laws:
         return np.ones(len(model.observed.names))
     run = model.observed.runs[number]
     white = table / np.sqrt(TABLE_NOISE_RATE * run.step_s / 2)

@@ -121,8 +121,7 @@ class Numbers:
             floor=np.array([structure.first(structure.index(name)) + floor - 1 for name, floor in places]),
             runs=tuple(blank),
         )
-        model = Model(structure, seen, self.model.prior)
-        return model, {place: i for i, place in enumerate(places)}
+        return self.model.seeing(seen), {place: i for i, place in enumerate(places)}
 
 
 class NumbersTerm(Likelihood):

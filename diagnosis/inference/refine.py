@@ -27,6 +27,7 @@ class Fit:
         std: Standard errors of those.
         filtered: The predictor with them.
         nuisance_std: Standard errors of the nuisance parameters in their own units, shape (nuisance,).
+        covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).
         log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
     """
@@ -35,9 +36,28 @@ class Fit:
     values: tuple[np.ndarray, ...]
     std: tuple[np.ndarray, ...]
     nuisance_std: np.ndarray
+    covariance: np.ndarray
     filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
+
+    def stated(self, model: Model) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame."""
+        found, first = [], len(self.nuisance_std)
+        for effect, values, std in zip(self.effects, self.values, self.std, strict=True):
+            beside = effect.relative_to(model)
+            whole = 1.0 + float(self.filtered.values[beside].sum())
+            if beside:
+                # The quotient's error to first order: both come from the same data. What of the model discrepancy is of
+                # this place nobody knows.
+                share, which = values[0] / whole, [first, *beside]
+                slope = np.array([1.0, *[-share] * len(beside)]) / whole
+                square = slope @ self.covariance[np.ix_(which, which)] @ slope
+                error = np.hypot(np.sqrt(square), share * self.filtered.discrepancy)
+                values, std = np.r_[share, values[1:]], np.r_[error, std[1:]]
+            found.append((values, std))
+            first += len(values)
+        return found
 
 
 def refine(
@@ -221,12 +241,15 @@ def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta:
     gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
     any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
-    known = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))
+    size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
+    covariance = np.linalg.inv(gram + np.eye(len(gram))) * np.outer(size, size)
+    known = np.sqrt(np.diag(covariance))
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(theta),
-        std=coordinates.split(known[own:] * np.abs(coordinates.slopes(theta))),
-        nuisance_std=known[:own] * coordinates.scale,
+        std=coordinates.split(known[own:]),
+        nuisance_std=known[:own],
+        covariance=covariance,
         filtered=filtered,
         log_posterior=posterior.log_evidence(theta, gram) + any_scale,
         columns=tuple(column for term in terms for column in term.effect_columns(theta)),

@@ -41,7 +41,7 @@ def search(
     Args:
         model: The baseline model.
         effects: The candidates.
-        training: Numbers of the runs that are fitted.
+        training: Numbers of the runs that are fitted, reference runs among them.
         held_out: Numbers of the runs that are only predicted.
         progress: Called with what is being done and the share that is done.
         start: The null model as calibrated, where that is known already.
@@ -50,7 +50,7 @@ def search(
     start = start or calibrated(model, training)
     null = best_null(model, refine(model, start))
     model, null = unswapped(model, null, training)
-    runs = (tuple(training), tuple(held_out))
+    runs = (model.since(training), tuple(held_out))
     found = _refined_best(model, null, effects, runs, progress)
     for _ in range(SETTINGS.search.restarts):
         again = null_again(found)
@@ -79,6 +79,7 @@ def _refined_best(
     sizes = scales(model, null.filtered)
     scores = score(model, null.filtered, effects, sizes)
     found = Findings(model, judge(model, null, null, *runs), scores, sizes, *runs)
+    found.reference = tuple(run for run in null.filtered.runs if not model.acts(run))
     chosen = _chosen(scores)
     quick = _each(
         found,
@@ -257,7 +258,7 @@ def _ticked(found: Findings) -> None:
 
     def ticked(tried: tuple[Effect, np.ndarray]) -> Fit:
         clock, values = tried
-        filtered = run_filter(found.model, start.values, start.noise, found.training, [(clock, values)])
+        filtered = run_filter(found.model, start.values, start.noise, found.fitted, [(clock, values)])
         width = widths(found.model, clock, found.sizes, ())
         return refine(found.model, filtered, (clock,), (values,), (width,))
 
@@ -297,7 +298,7 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
 
     def rescued(tried: tuple[Effect, np.ndarray]) -> Fit:
         effect, values = tried
-        filtered = run_filter(model, start.values, start.noise, found.training, [tried])
+        filtered = run_filter(model, start.values, start.noise, found.fitted, [tried])
         return refine(model, filtered, (effect,), (values,))
 
     for fit in _each(found, rescued, _hopeful(found, effects, start)):
@@ -306,8 +307,8 @@ def _rescue(found: Findings, effects: Sequence[Effect]) -> None:
 
 def _anew(found: Findings) -> Filtered:
     """Return the baseline model with small latent forces."""
-    noise = starting_noise(found.model, found.training, SETTINGS.start.rescue_level)
-    return run_filter(found.model, np.zeros(len(found.model.std)), noise, found.training)
+    noise = starting_noise(found.model, found.fitted, SETTINGS.start.rescue_level)
+    return run_filter(found.model, np.zeros(len(found.model.std)), noise, found.fitted)
 
 
 def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> list[tuple[Effect, np.ndarray]]:

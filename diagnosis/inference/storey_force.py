@@ -25,7 +25,7 @@ def storey_force(
     plain = model.assemble(fit.values)
     time = np.arange(len(drift)) * step_s
     total = np.zeros(len(drift))
-    for one in assembly.laws:
+    for one in assembly.laws[len(plain.laws) :]:
         if np.allclose(one.row, structure.drift[storey]) and not one.in_room:
             total += one.law.along(one.parameters, drift[:, storey], rate[:, storey], time)
     frame, number = structure.place(storey)

@@ -52,8 +52,11 @@ def frequency_warnings(model: Model) -> list[str]:
     said = []
     for number, frame in enumerate(model.structure.frames):
         first = _first(model, modes, number)
-        found = measured_frequency(model, number, first)
-        said += _odd_run(model, number, first)
+        runs = range(len(model.observed.runs))
+        since, before = model.since(runs), [run for run in runs if not model.acts(run)]
+        # What changed since is for the diagnosis to say.
+        found = measured_frequency(model, number, first, before or None)
+        said += [*_odd_run(model, number, first, since), *_odd_run(model, number, first, before)]
         spread = 0.5 * np.hypot(prior.frame_stiffness, prior.storey_stiffness / np.sqrt(frame.floors))
         unlikely = SETTINGS.screening.frequency_unlikely * spread
         if found is None or found.holds(first):
@@ -89,11 +92,12 @@ class Peak:
         return self.from_hz <= hertz <= self.to_hz
 
 
-def _odd_run(model: Model, frame: int, first_hz: float) -> list[str]:
-    """Return a sentence if the first frequency in one run is unlike that in the others, nothing if they are alike."""
-    runs = model.observed.runs
-    each = [(run, measured_frequency(model, frame, first_hz, [number])) for number, run in enumerate(runs)]
-    known = sorted(((run.name, peak) for run, peak in each if peak is not None), key=lambda one: one[1].hertz)
+def _odd_run(model: Model, frame: int, first_hz: float, runs: Sequence[int]) -> list[str]:
+    """Return a sentence if the first frequency in one of some runs is unlike that in the others, nothing if alike."""
+    names = [model.observed.runs[number].name for number in runs]
+    peaks = [measured_frequency(model, frame, first_hz, [number]) for number in runs]
+    each = zip(names, peaks, strict=True)
+    known = sorted(((name, peak) for name, peak in each if peak is not None), key=lambda one: one[1].hertz)
     if not known:
         return []
     usual, middle = known[(len(known) - 1) // 2]

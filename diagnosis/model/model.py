@@ -67,12 +67,20 @@ class Model:
         structure: The frames.
         observed: What was measured.
         prior: Prior standard deviations that the case states.
+        always: Effects that act in all runs, reference runs too, each with its SI parameters, shape (parameters,).
     """
 
-    def __init__(self, structure: Structure, observed: Observations, prior: Prior) -> None:
+    def __init__(
+        self,
+        structure: Structure,
+        observed: Observations,
+        prior: Prior,
+        always: Sequence[tuple[Acting, np.ndarray]] = (),
+    ) -> None:
         self.structure = structure
         self.observed = observed
         self.prior = prior
+        self.always = tuple(always)
         self.parameters = nuisance_parameters(structure, observed, prior)
         self.std = np.array([parameter.std for parameter in self.parameters])
         self.discrepant = np.array([parameter.kind == MODAL_STIFFNESS for parameter in self.parameters], bool)
@@ -116,7 +124,7 @@ class Model:
             # Slopes and searches of effects leave the nuisance parameters alone.
             self._last_plain = last = key, self._without_effects(values)
         assembly = last[1].copy()
-        for effect, numbers in effects:
+        for effect, numbers in (*self.always, *effects):
             effect.apply(assembly, np.asarray(numbers, float), self)
         return assembly
 
@@ -145,6 +153,30 @@ class Model:
         for parameter, value in zip(self.parameters, values, strict=True):
             vary(assembly, structure, parameter.kind, parameter.place, float(value))
         return assembly
+
+    def acts(self, run: int) -> bool:
+        """Return whether effects act in a run: in all but reference runs, which are of the frame as it was before them."""
+        return not self.observed.runs[run].reference
+
+    def since(self, runs: Sequence[int]) -> tuple[int, ...]:
+        """Return those of some runs in which effects act."""
+        return tuple(run for run in runs if self.acts(run))
+
+    def systems(
+        self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
+    ) -> list[tuple[Assembly, Modes]]:
+        """Return system and modes of each run, with the effects that act in it.
+
+        Args:
+            values: Nuisance parameters in their own units, shape (nuisance,).
+            effects: Effects, each with its SI parameters, shape (parameters,).
+            runs: Numbers of the runs.
+        """
+        built: dict[bool, tuple[Assembly, Modes]] = {}
+        for acts in {self.acts(run) for run in runs}:
+            assembly = self.assemble(values, effects if acts else ())
+            built[acts] = assembly, self.modes(assembly)
+        return [built[self.acts(run)] for run in runs]
 
     def modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly, with the coordinates that effects added."""
@@ -190,7 +222,7 @@ class Model:
 
     def seeing(self, observed: Observations) -> Model:
         """Return the same frames and priors with other observations."""
-        return Model(self.structure, observed, self.prior)
+        return Model(self.structure, observed, self.prior, self.always)
 
     def table_at(self, assembly: Assembly, number: int, times_s: np.ndarray) -> np.ndarray:
         """Return the table's acceleration [m/s^2] with an assembly's gain, delay and clock, shape of `times_s`.
@@ -239,15 +271,17 @@ class Model:
         Args:
             values: Nuisance parameters in their own units, shape (nuisance,).
             gains: Filter gain of each run, shape (states, channels); none for a simulation.
-            effects: Effects that act, each with its SI parameters, shape (parameters,).
+            effects: Effects that act in the runs since the reference ones, each with its SI parameters, shape (parameters,).
             runs: Numbers of the runs, all by default.
             whole: Whether states and outputs are wanted beside the innovations; else these have no samples.
         """
-        assembly = self.assemble(values, effects)
-        modes = self.modes(assembly)
         numbers = list(runs if runs is not None else range(len(self.observed.runs)))
-        each = [(run, None if gains is None else gains[number]) for number, run in enumerate(numbers)]
-        pieces = side_by_side(lambda one: self._run(assembly, modes, *one, whole), each)
+        systems = self.systems(values, effects, numbers)
+        each = [
+            (*system, run, None if gains is None else gains[number])
+            for number, (run, system) in enumerate(zip(numbers, systems, strict=True))
+        ]
+        pieces = side_by_side(lambda one: self._run(*one, whole), each)
         innovations, before, after, outputs = ([piece[i] for piece in pieces] for i in range(4))
         return Prediction(innovations, before, after, outputs)
 

@@ -48,6 +48,7 @@ class RunData:
         contact: Measured contact forces [N], compression positive, shape (samples, contacts measured).
         table_between: How the table's acceleration goes on between samples (`pounding.diagnosis.model.table_motion`).
         fine_contact, fine_step_s: Contact forces on a finer grid, if any: between samples a short force is no line.
+        reference: Whether it is of the frame as it was before: effects act in the runs since.
     """
 
     name: str
@@ -59,6 +60,7 @@ class RunData:
     table_between: str = SMOOTH
     fine_contact: np.ndarray | None = None
     fine_step_s: float = 0.0
+    reference: bool = False
 
     @cached_property
     def largest_noise(self) -> np.ndarray:
@@ -210,6 +212,7 @@ def _run(case: Case, run: Run, columns: list[int], forces: list[int], warnings: 
         table_between=between,
         measured=np.ascontiguousarray(run.values[:, columns]),
         contact=contact,
+        reference=run.reference,
     )
 
 

@@ -75,10 +75,9 @@ def simulate_engine(
     Raises:
         CaseError: The engine did not get through a run.
     """
-    assembly = model.assemble(values, effects)
     kept = {} if motions is None else motions
     outputs = []
-    for run in runs:
+    for run, (assembly, _) in zip(runs, model.systems(values, effects, runs), strict=True):
         kept[run] = _shaken(model, assembly, run, values, effects)
         outputs.append(channels(model, assembly, run, kept[run], values, effects))
     return outputs

@@ -12,6 +12,8 @@ from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.decision.false_alarms import remains
+from pounding.diagnosis.decision.verdict import before
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -67,7 +69,7 @@ def report_on(diagnosis: Diagnosis) -> Made:
     )
     contact = UNSET if conclusion.contact_misfit is None else conclusion.contact_misfit
     misfits = Misfits(training=training, held_out=held_out, contact=contact)
-    warnings = []
+    warnings = lacked(found, diagnosis.decision.judged)
     if found.pair is not None:
         left = training.after if diagnosis.decision.named else training.before
         warnings = poor_forces(found.pair, left, training.noise_floor)
@@ -101,6 +103,23 @@ def assembled(
         warnings=(*conclusion.warnings, *warnings),
         modal=tuple(modal) or UNSET,
     )
+
+
+def lacked(found: Findings, judged: Judged) -> list[str]:
+    """Return a warning where the model lacks something in the reference runs too.
+
+    Args:
+        found: What the search found.
+        judged: What the verdict rests on.
+    """
+    left = before(found, judged)
+    if not remains(found, left):
+        return []
+    names = " and ".join(found.model.observed.runs[run].name for run in found.reference)
+    return [
+        f"{names}: the runs from before leave {left:.2g} noise floors too; what the baseline model lacked then is no change "
+        "and is not looked for: diagnose them as a case of their own"
+    ]
 
 
 def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str]:
@@ -167,9 +186,9 @@ def _likeliest(found: Findings) -> Judged | None:
 def _misfit(diagnosis: Diagnosis, which: int, outputs: Outputs) -> Misfit:
     found = diagnosis.found
     runs = (found.training, found.held_out)[which]
-    before = after = found.null.misfit[which]
+    plain = after = found.null.misfit[which]
     if outputs:
         after = float(median(channel_misfits(found.model, [outputs[run] for run in runs], runs)))
     return Misfit(
-        before=finite(before), after=finite(after), noise_floor=finite(float(median(found.floor[which])))
+        before=finite(plain), after=finite(after), noise_floor=finite(float(median(found.floor[which])))
     )

@@ -32,4 +32,5 @@ def origin(case: Case) -> Origin:
             for path in paths
             if path.is_file()
         ),
+        reference=tuple(run.file for run in case.runs if run.reference),
     )

@@ -110,7 +110,11 @@ class File(Struct, frozen=True, kw_only=True):
 
 
 class Origin(Struct, frozen=True, kw_only=True):
-    """Where a report comes from: the software, what it was asked, its priors, and the files that it read."""
+    """Where a report comes from: the software, what it was asked, its priors, and the files that it read.
+
+    Attributes:
+        reference: Names of the runs of the frame as it was before: what is said is what changed since.
+    """
 
     software: str
     version: str
@@ -119,6 +123,7 @@ class Origin(Struct, frozen=True, kw_only=True):
     command: str
     prior: dict[str, float]
     files: tuple[File, ...]
+    reference: tuple[str, ...] = ()
 
 
 class ModalRow(Struct, frozen=True, kw_only=True):

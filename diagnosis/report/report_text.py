@@ -60,6 +60,19 @@ def _of_runs(report: Report) -> str:
     return f"Missing is {names}; {change}{sure}."
 
 
+def before_the_change(report: Report) -> str | None:
+    """Return which runs are of the frame as it was before; None without any, or in a report without its origin."""
+    names = report.origin.reference if report.origin else ()
+    if not names:
+        return None
+    several = len(names) > 1
+    listed = f"{', '.join(names[:-1])} and {names[-1]}" if several else names[0]
+    return (
+        f"Run{'s' * several} {listed} {'are' if several else 'is'} of the frame before the change; the baseline was "
+        f"calibrated on {'them' if several else 'it'} too, and the question is what changed since."
+    )
+
+
 def storeys_that_moved(report: Report) -> str:
     """Return in words which storeys the calibration took far from the baseline model, empty where it took none."""
     return " and ".join(

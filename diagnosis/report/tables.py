@@ -10,7 +10,14 @@ from rich.text import Text
 
 from pounding.diagnosis.report.modal import contents
 from pounding.diagnosis.report.report import Report
-from pounding.diagnosis.report.report_text import LN_BAYES, against_the_next, number, percent, sentence
+from pounding.diagnosis.report.report_text import (
+    LN_BAYES,
+    against_the_next,
+    before_the_change,
+    number,
+    percent,
+    sentence,
+)
 from pounding.experiments.console.output import table
 
 SPOTS, CANDIDATES = 4, 8
@@ -20,6 +27,8 @@ SPOTS, CANDIDATES = 4, 8
 def tables(report: Report) -> Iterator[RenderableType]:
     """Yield the findings of a report, the verdict in a sentence first."""
     yield Text(sentence(report))
+    if said := before_the_change(report):
+        yield Text(said)
     yield from _of_modal_data(report) if report.modal else _of_runs(report)
     yield Text(LN_BAYES)
     for pair in report.apart or ():

@@ -57,6 +57,9 @@ def hide(
     duration: Annotated[
         float | None, Parameter(help="Length of each run [s]; default: drawn, 6 to 8, 4 to 5.5 for pairs.")
     ] = None,
+    reference: Annotated[
+        int, Parameter(help="How many runs there are of the frame before an effect was put in, 0 to 3.")
+    ] = 0,
     seed: options.Seed = 0,
     truth: Annotated[
         Path | None,
@@ -87,6 +90,7 @@ def hide(
         engine=engine,
         noise=None if noise is None else noise / 100,
         model_error=None if model_error is None else model_error / 100,
+        reference=reference,
     )
     written = write_hidden(hidden, out, truth)
     asked = {
@@ -97,6 +101,7 @@ def hide(
         "engine": engine,
         "noise_percent": noise,
         "model_error_percent": model_error,
+        "reference": reference,
     }
     result: dict[str, Any] = {
         **stamp({**asked, "motions": motions, "duration_s": duration}),

@@ -40,8 +40,12 @@ def measured(
     samples: int = 2000,
     runs: int = 2,
     values: np.ndarray | None = None,
+    reference: int = 0,
 ) -> Model:
-    """Return the model with runs that it made itself, effects and nuisance parameters included, and white noise."""
+    """Return the model with runs that it made itself, effects and nuisance parameters included, and white noise.
+
+    The first `reference` runs are of the frame before the effects.
+    """
     quantity = np.array([ACCELERATION] * 3 + [DISPLACEMENT] * 2)
     floor = np.array([0, 1, 2, 0, 2])
     names = ("a1", "a2", "a3", "d1", "d3")
@@ -53,6 +57,7 @@ def measured(
             shaking(samples, i),
             np.zeros((samples, 5)),
             np.zeros((samples, 0)),
+            reference=i < reference,
         )
         for i in range(runs)
     )

@@ -158,6 +158,56 @@ def test_roles(folder: Path) -> None:
         read_case(folder)
 
 
+RUN1, RUN2 = ('[[run]]\nfile = "run1.csv"\n', '[[run]]\nfile = "run2.csv"\n')
+CONTACT = CASE[CASE.index('[[channel]]\nname = "force"') : CASE.index("[prior]")]
+"""The contact of the case, and the channel of its force."""
+
+
+def test_a_reference_run_is_learnt_from_and_never_held_out_by_default(folder: Path) -> None:
+    (folder / "run3.csv").write_text(samples(0.002))
+    more = '[[run]]\nfile = "run3.csv"\nrole = "reference"\n'
+    (folder / "case.toml").write_text(CASE.replace(CONTACT, "").replace(RUN2, RUN2 + more))
+    case = read_case(folder)
+    training, held_out = case.split()
+    assert ([r.file for r in training], [r.file for r in held_out]) == (
+        ["run1.csv", "run3.csv"],
+        ["run2.csv"],
+    )
+    write_case(case, folder / "again")
+    assert [run.role for run in read_case(folder / "again").runs] == [None, None, "reference"]
+    edit(folder / "case.toml", RUN2, "")
+    training, held_out = read_case(folder).split()
+    assert [run.file for run in training] == ["run1.csv", "run3.csv"]
+    assert held_out == ()
+
+
+@pytest.mark.parametrize(
+    ("roles", "more", "said"),
+    [
+        (("reference", "reference"), "", "run1.csv': every run is a reference, so there is no run in which"),
+        (("held_out", "reference"), "", "run2.csv': every run but the references is held out"),
+        (("reference", None), CONTACT, "run1.csv': a reference run cannot stand beside a ..contact.."),
+        (
+            ("reference", None),
+            '[[modal]]\nframe = "5B"\nquantity = "frequency"\nmode = 1\nvalue = 6.5\nunit = "Hz"\nstd = 0.1\n'
+            'test = "hammer"\n',
+            "run1.csv': a reference run cannot stand beside ..modal..",
+        ),
+        (("referense", None), "", "unknown role 'referense'; did you mean 'reference'"),
+    ],
+)
+def test_what_no_reference_run_can_be(
+    folder: Path, roles: tuple[str | None, ...], more: str, said: str
+) -> None:
+    text = CASE.replace(CONTACT, more)
+    for run, role in zip((RUN1, RUN2), roles, strict=True):
+        text = text.replace(run, run + (f'role = "{role}"\n' if role else ""))
+    (folder / "case.toml").write_text(text)
+    with pytest.raises(CaseError, match=said) as caught:
+        read_case(folder)
+    assert len(str(caught.value).splitlines()) == 1
+
+
 def test_a_single_run_holds_nothing_out(folder: Path) -> None:
     edit(folder / "case.toml", '[[run]]\nfile = "run2.csv"\n', "")
     training, held_out = read_case(folder).split()

@@ -225,6 +225,23 @@ def test_the_same_seed_is_the_same_case_and_a_round_trip_keeps_it(tmp_path: Path
         write_hidden(one, tmp_path / "case")
 
 
+def test_reference_runs_are_of_the_frame_before_the_effect() -> None:
+    wish = {"effects": ["sensor_gain:5A_a5"], "seed": 5, "duration_s": 1.0, "source": "artificial"}
+    plain, more = hide(**wish), hide(**wish, reference=2)
+    since, before = more.case.runs[:3], more.case.runs[3:]
+    assert all(
+        np.array_equal(one.values, run.values) for one, run in zip(plain.case.runs, since, strict=True)
+    )
+    assert [(run.file, run.role) for run in before] == [
+        ("before1.csv", "reference"),
+        ("before2.csv", "reference"),
+    ]
+    column = more.case.channel_index("5A_a5")
+    (size,) = more.truth["effects"][0]["parameters"]
+    ratio = since[0].values[:, column].std() / before[0].values[:, column].std()
+    assert ratio == pytest.approx(1.0 + size["value"], rel=0.02)
+
+
 def test_the_noise_is_as_stated() -> None:
     """A null's channels over frequencies that no frame and no table reaches are noise alone."""
     hidden = hide([], ["5A"], seed=2, source="artificial")
@@ -261,6 +278,8 @@ def test_visibility_is_drawn_in_its_range() -> None:
         ([], {"source": "recrods"}, "motions 'recrods' are not known"),
         ([], {"frames": ["5C"]}, "did you mean 5"),
         ([], {"duration_s": 0.1}, "duration is 0.1 s; give 0.5 to 60"),
+        ([], {"reference": 4}, "4 reference runs are not made; give 0 to 3"),
+        ([], {"reference": 1, "frames": ["5A", "5B"]}, "none for frames that touch"),
     ],
 )
 def test_bad_wishes(effects: list[str], options: dict, said: str) -> None:
