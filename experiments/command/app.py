@@ -23,6 +23,7 @@ VERBS = {
     "shake": "pounding.experiments.command.shake:shake",
     "pound": "pounding.experiments.command.pound:pound",
     "gap": "pounding.experiments.command.gap:gap",
+    "experiment": "pounding.experiments.command.experiment:experiment",
     "design": "pounding.experiments.command.design:design",
     "diagnose": "pounding.experiments.command.diagnose:diagnose",
     "hide": "pounding.experiments.command.hide:hide",

@@ -131,12 +131,15 @@ def pound(
         "impact_merging_s": MERGING_S,
         "impact_sample_rate_hz": SAMPLE_RATE_HZ,
     }
-    result = stamp(asked, [shaken]) | {"runs": [run.result() for run in runs]}
+    result = stamp(asked, [shaken]) | {"runs": [run.result() | run.validity() for run in runs]}
     if out is not None:
         kept = _keep(runs, result, out, film)
         result |= {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
         for note in kept.notes:
             warn(note)
+    for run in result["runs"]:
+        for sentence in run["warnings"]:
+            warn(f"{run['law']}: {sentence}" if len(runs) > 1 else sentence)
     emit(result, as_json=json, show=lambda: _show(result))
 
 

@@ -91,6 +91,11 @@ def of_gap(frames: Sequence[ReducedFrame], duration_s: float, step_s: float) -> 
     )
 
 
+def of_experiments(count: int) -> Work:
+    """Return the work of running so many experiments of the thesis with their pictures, finished ones not counted."""
+    return Work("running the experiments, unless they are kept from before,", 20.0 * count, 1.0)
+
+
 def of_hiding(frames: int, effects: int, duration_s: float) -> Work:
     """Return the work of making a case with hidden effects.
 

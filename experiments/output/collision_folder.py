@@ -1,4 +1,4 @@
-"""The folder that a collision leaves: data, plots of the forces, a still and, on request, a film."""
+"""The folder that a collision leaves: data, plots of the forces, a still, a VTK series and, on request, a film."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from pounding.experiments.output.result_folder import Kept, prepare
+from pounding.experiments.output.result_folder import Kept, around, prepare
 from pounding.experiments.pictures import collision_scene
 from pounding.experiments.pictures import contact_plots as plots_contact
+from pounding.experiments.pictures.series import write_series
 from pounding.experiments.results import dataset as results
 from pounding.experiments.rig.pounding import Pounding
 from pounding.frames.drawing.rendering import cannot_render
@@ -22,15 +23,17 @@ def keep(
     folder: Path,
     *,
     film: bool = False,
+    labels: Sequence[str] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Kept:
-    """Write `pound.json`, one NetCDF file a law and, if the floors touched, plots and pictures.
+    """Write `pound.json`, one NetCDF file a run, a VTK series, a still and, if the floors touched, plots of the force.
 
     Args:
-        runs: Runs that differ in their law; pictures show the first one that touched.
+        runs: Runs that differ in their law; still and series show the first one that touched, or the first of all.
         result: What `pounding pound --json` prints.
         folder: Where to; made if it is not there.
         film: Also film the hardest collision in slow motion (`collision.mp4`).
+        labels: What the runs are called in plots and names of files; the names of their laws when None.
         progress: Called with the share of the film that is done.
 
     Returns:
@@ -41,23 +44,30 @@ def keep(
     """
     prepare(folder)
     files, notes, shown = [], [], None
-    for run in runs:
+    for run, name in zip(runs, labels or [run.motion.contacts[0].law.name for run in runs], strict=True):
         data = results.dataset(run.motion, run.record, provenance=result)
-        files.append(f"{run.motion.contacts[0].law.name}.nc")
+        files.append(f"{name}.nc")
         results.save(data, folder / files[-1])
     touched = [run for run in runs if run.impacts]
     if touched:
-        plots_contact.force_histories(runs, folder / "forces.png")
-        plots_contact.loops(runs, folder / "loops.png")
+        plots_contact.force_histories(runs, folder / "forces.png", labels=labels)
+        plots_contact.loops(runs, folder / "loops.png", labels=labels)
         files += ["forces.png", "loops.png"]
-        reason = cannot_render()
-        if reason:
-            notes.append(reason)
-        else:
-            collision_scene.still(touched[0], folder / "collision.png")
-            files.append("collision.png")
-            if film:
-                shown = collision_scene.film(touched[0], folder / "collision.mp4", progress=progress)
-                files.append("collision.mp4")
+    seen = (touched or list(runs))[0]
+    if all(frame.reduced.is_mesh for frame in seen.motion.frames):
+        times = around(seen.motion, collision_scene.moment(seen))
+        write_series(seen.motion, times, folder / "series.pvd")
+        files.append("series.pvd")
+    reason = cannot_render()
+    if reason:
+        notes.append(reason)
+    else:
+        files.append("collision.png" if touched else "closest.png")
+        collision_scene.still(seen, folder / files[-1])
+        if film and touched:
+            shown = collision_scene.film(seen, folder / "collision.mp4", progress=progress)
+            files.append("collision.mp4")
+        elif film:
+            notes.append("no film: the floors did not touch; narrow the gap")
     write_whole(folder / "pound.json", (json.dumps(result, indent=2) + "\n").encode())
     return Kept([*files, "pound.json"], notes, shown)

@@ -10,19 +10,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from pounding.experiments import published
 from pounding.experiments.measurements.history import Channel
 from pounding.experiments.pictures import films, plots, scenes
 from pounding.experiments.pictures.series import write_series
 from pounding.experiments.results import dataset as results
+from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.shaking import Shaking
 from pounding.frames import names
 from pounding.frames.drawing.rendering import cannot_render
 from pounding.frames.files import tried_folder, write_whole
 
 SERIES_S = 1.0
-"""The VTK series covers so long before and after the largest roof displacement [s]."""
+"""The VTK series covers so long before and after the largest roof displacement or contact force [s]."""
 
 SERIES_STEP_S = 0.02
 """Step of the VTK series [s]: twenty states in a period of the tallest frame."""
@@ -97,7 +99,7 @@ def keep(
     files += _plots(shaking, data, folder, wish, title)
     if shaking.reduced.is_mesh:
         told("VTK series", 0.3)
-        write_series(shaking.motion, _around_peak(shaking), folder / "series.pvd")
+        write_series(shaking.motion, around(shaking.motion), folder / "series.pvd")
         files.append("series.pvd")
     told("pictures", 0.5)
     reason, film = cannot_render(), None
@@ -156,7 +158,13 @@ def _film(shaking: Shaking, path: Path, title: str, told: Callable[[str, float],
     )
 
 
-def _around_peak(shaking: Shaking) -> np.ndarray:
-    moment = scenes.largest_moment(shaking.motion)
-    start, end = max(0.0, moment - SERIES_S), min(shaking.motion.model_s, moment + SERIES_S)
+def around(motion: Motion, moment_s: float | None = None) -> NDArray[np.floating[Any]]:
+    """Return the times (k,) [s] of a VTK series around a moment of a run.
+
+    Args:
+        motion: The run.
+        moment_s: The moment [s]; that of the largest contact force or roof displacement when None.
+    """
+    moment = scenes.largest_moment(motion) if moment_s is None else moment_s
+    start, end = max(0.0, moment - SERIES_S), min(motion.model_s, moment + SERIES_S)
     return np.arange(start, end, SERIES_STEP_S)

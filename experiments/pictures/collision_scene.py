@@ -1,4 +1,4 @@
-"""The collision to look at: a still at the hardest impact, and a film of the moments around it."""
+"""The collision to look at: a still at the hardest impact or closest approach, and a film of an impact."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SLOWED = 0.05
 
 
 def still(run: Pounding, path: str | Path, *, size: tuple[int, int] | None = None) -> None:
-    """Draw both frames at the hardest impact, with the force at the contact as an arrow.
+    """Draw both frames at the hardest impact, with the force as an arrow, or where they came closest without touching.
 
     Args:
         run: The run.
@@ -25,10 +25,17 @@ def still(run: Pounding, path: str | Path, *, size: tuple[int, int] | None = Non
         size: Width and height [pixels].
 
     Raises:
-        ExperimentError: The floors did not touch.
         FrameError: The machine cannot render, or the file cannot be written.
     """
-    scenes.picture(run.motion, path, time_s=_hardest(run), title=_title(run), size=size)
+    scenes.picture(run.motion, path, time_s=moment(run), title=_title(run), size=size)
+
+
+def moment(run: Pounding) -> float:
+    """Return the time [s] of the largest contact force or, without an impact, of the closest approach."""
+    if run.impacts:
+        return scenes.largest_moment(run.motion)
+    closest = max(run.motion.contacts, key=lambda contact: float(contact.deformation_m.max()))
+    return float(closest.time_s[closest.deformation_m.argmax()])
 
 
 def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] | None = None) -> films.Film:
@@ -46,22 +53,18 @@ def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] |
         ExperimentError: The floors did not touch, or another suffix.
         FrameError: The machine cannot render, or the file cannot be written.
     """
-    moment = _hardest(run)
+    if not run.impacts:
+        raise ExperimentError("no collision to film: the floors did not touch; narrow the gap")
+    middle = moment(run)
     return films.film(
         run.motion,
         path,
-        start_s=max(0.0, moment - BEFORE_S),
-        end_s=min(run.motion.model_s, moment + AFTER_S),
+        start_s=max(0.0, middle - BEFORE_S),
+        end_s=min(run.motion.model_s, middle + AFTER_S),
         speed=SLOWED,
         title=_title(run),
         progress=progress,
     )
-
-
-def _hardest(run: Pounding) -> float:
-    if not run.impacts:
-        raise ExperimentError("no collision to show: the floors did not touch; narrow the gap")
-    return scenes.largest_moment(run.motion)
 
 
 def _title(run: Pounding) -> str:

@@ -85,6 +85,26 @@ def history(
     _save(figure, path)
 
 
+@matplotlib.rc_context(STYLE)
+def roof_acceleration(data: xr.Dataset, path: str | Path, *, frame: str, title: str = "") -> None:
+    """Plot the acceleration of a frame's roof in the room.
+
+    Args:
+        data: A run (`pounding.experiments.results.dataset.dataset`).
+        path: File to write.
+        frame: Label of the frame.
+        title: Title.
+    """
+    floor, time = roof(data, frame), data.time.values
+    figure = _figure(height=2.8)
+    axes = figure.subplots()
+    moved = data.absolute_acceleration.sel(frame=frame, floor=floor).values / STANDARD_GRAVITY
+    axes.plot(time, moved, color=OURS, lw=0.8)
+    axes.set(xlabel="time on the model's clock [s]", ylabel=f"floor {floor} [g]", xlim=(time[0], time[-1]))
+    axes.set_title(title, loc="left")
+    _save(figure, path)
+
+
 def roof(data: xr.Dataset, frame: str) -> int:
     """Return the top floor of a frame in a dataset."""
     return int(data.floor.values[np.isfinite(data.height.sel(frame=frame).values)][-1])

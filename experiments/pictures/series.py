@@ -52,7 +52,7 @@ def write_series(motion: Motion, times_s: ArrayLike, path: str | Path) -> None:
                 entries += [
                     (time, number, f"{path.stem}/{file}") for time, file in zip(times, files, strict=True)
                 ]
-            _replace_folder(folder, path.with_suffix(""))
+            replace_folder(folder, path.with_suffix(""))
     except OSError as error:
         raise FrameError(f"{path}: cannot be written ({error.strerror or error})") from error
     write_whole(path, _collection(entries))
@@ -114,7 +114,16 @@ def _collection(entries: list[tuple[float, int, str]]) -> bytes:
     return bytes(ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def _replace_folder(new: Path, folder: Path) -> None:
+def replace_folder(new: Path, folder: Path) -> None:
+    """Put a new folder of a series in the place of the one that was there.
+
+    Args:
+        new: The new folder.
+        folder: Where it goes.
+
+    Raises:
+        OSError: The old one holds other files, or the new one cannot be moved.
+    """
     if folder.is_dir():
         for old in folder.glob("*.vtu"):
             old.unlink()

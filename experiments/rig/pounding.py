@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 from pounding import frames
@@ -16,6 +16,8 @@ from pounding.experiments.rig.impacts import Impact, all_impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
+from pounding.experiments.rig.shaking import validity
+from pounding.frames.response.stress import Largest, largest_stress
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -34,6 +36,26 @@ class Pounding:
     record: Record
     motion: Motion
     impacts: list[Impact]
+
+    @cached_property
+    def stresses(self) -> tuple[Largest | None, ...]:
+        """The largest stress of each frame; None for a stick, which has no plates."""
+        return tuple(
+            largest_stress(frame.reduced, frame.displacement_m) if frame.reduced.is_mesh else None
+            for frame in self.motion.frames
+        )
+
+    def validity(self) -> dict[str, Any]:
+        """Return `max_stress_mpa` of the left and the right frame, and `warnings`: sentences on what passes a limit.
+
+        It takes longer than `result`, for it recovers the stress of every plate.
+        """
+        sides = zip(("left", "right"), self.stresses, strict=True)
+        pairs = zip(self.motion.frames, self.stresses, strict=True)
+        return {
+            "max_stress_mpa": {side: None if one is None else one.stress_pa / 1e6 for side, one in sides},
+            "warnings": [sentence for frame, stress in pairs for sentence in validity(frame, stress)],
+        }
 
     def result(self) -> dict[str, Any]:
         """Return the run's numbers, units in the keys, as `pounding pound --json` prints them."""

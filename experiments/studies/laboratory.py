@@ -12,11 +12,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
-import matplotlib
 import numpy as np
 import pandas as pd
 from cyclopts import Parameter
-from matplotlib.figure import Figure
 from rich.progress import Progress
 
 from pounding import frames
@@ -24,9 +22,9 @@ from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
-from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE
+from pounding.experiments.pictures import laboratory_plots
 from pounding.experiments.results.provenance import stamp
-from pounding.frames.files import replacing, write_whole
+from pounding.frames.files import write_whole
 from pounding.frames.response import laboratory
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
@@ -173,34 +171,11 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
     )
 
 
-@matplotlib.rc_context(STYLE)
 def picture(name: str, path: Path) -> None:
     """Plot the decay, its spectrum with the half-power band, and the sweep's amplification of a frame."""
     reduced = frames.build(frames.load(name))
     decay, sweep = laboratory.free_vibration_test(reduced), laboratory.sine_sweep_test(reduced)
-    figure = Figure(figsize=(9.0, 6.6), layout="constrained")
-    axes = figure.subplots(3, 1)
-    shown = decay.time_s < 40.0
-    axes[0].plot(decay.time_s[shown], decay.acceleration_m_s2[shown], color=OURS, lw=0.6)
-    axes[0].set(xlabel="time [s]", ylabel="roof [m/s²]", xlim=(0.0, 40.0))
-    axes[0].set_title(f"Frame {name}: roof displaced by 5 mm and released", loc="left")
-    height = decay.amplitude_m_s / decay.amplitude_m_s.max()
-    frequency, ratio = decay.reading
-    axes[1].plot(decay.frequency_hz, height, color=OURS)
-    axes[1].hlines(0.5**0.5, frequency * (1 - ratio), frequency * (1 + ratio), color=PUBLISHED, lw=2.0)
-    words = f"half-power bandwidth:\n{frequency:.3f} Hz, damping ratio {ratio:.5f}"
-    axes[1].annotate(words, (frequency * (1 + 1.5 * ratio), 0.5**0.5), va="center", color=PUBLISHED)
-    axes[1].set(xlabel="frequency [Hz]", ylabel="amplitude / peak", ylim=(0.0, 1.05))
-    axes[1].set_xlim(decay.frequency_hz[0], decay.frequency_hz[-1])
-    axes[2].loglog(sweep.frequency_hz, sweep.ratio, color=OURS)
-    for reading in sweep.readings:
-        axes[2].axvline(reading.frequency_hz, color=PUBLISHED, lw=0.8, ls="--")
-        place = (reading.frequency_hz * 1.03, 0.02)
-        axes[2].annotate(f"{reading.frequency_hz:.2f} Hz", place, color=PUBLISHED, fontsize=9)
-    axes[2].set(xlabel="frequency [Hz]", ylabel="roof / table", xlim=(0.2, 50.0), ylim=(1e-2, 3e2))
-    axes[2].xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    with replacing(path) as part:
-        figure.savefig(part, dpi=110)
+    laboratory_plots.free_vibration_and_sweep(reduced.name, decay, sweep, path)
 
 
 def _first_row(test: dict[str, Any]) -> list[str]:

@@ -111,7 +111,7 @@ def push_test(reduced: ReducedFrame, *, largest_force_n: float = 50.0, loads: in
         loads: Number of loads, evenly spaced from zero.
     """
     forces = np.linspace(0.0, largest_force_n, loads)
-    deflections = forces * _pushed(reduced)[reduced.floor_x[-1]]
+    deflections = forces * pushed(reduced)[reduced.floor_x[-1]]
     return PushTest(forces, deflections, float(linregress(deflections, forces).slope))
 
 
@@ -138,7 +138,7 @@ def free_vibration_test(
     """
     length = _decay_time(reduced) if record_s is None else record_s
     time_s = np.arange(0.0, length, 1.0 / SAMPLE_HZ)
-    start = _pushed(reduced)
+    start = pushed(reduced)
     start *= displacement_m / start[reduced.floor_x[-1]]
     acceleration = _roof_of_decay(reduced, start, time_s)
     tapered = acceleration * get_window(window, len(acceleration), fftbins=False)
@@ -187,6 +187,13 @@ def sine_sweep_test(
     return SineSweep(time_s, table, roof, displacement, frequencies[band], ratio, readings, instants)
 
 
+def pushed(reduced: ReducedFrame) -> Real:
+    """Return the coordinates (n,) [m/N] under a unit force at the roof."""
+    force = np.zeros(len(reduced.mass))
+    force[reduced.floor_x[-1]] = 1.0
+    return np.linalg.solve(reduced.stiffness, force)
+
+
 def half_power(frequency_hz: ArrayLike, amplitude: ArrayLike) -> Reading:
     """Return frequency and damping ratio of the highest peak of a spectrum (Chopra, section 3.4.2).
 
@@ -207,13 +214,6 @@ def half_power(frequency_hz: ArrayLike, amplitude: ArrayLike) -> Reading:
     lower = np.interp(half, height[[left, left + 1]], frequency[[left, left + 1]])
     upper = np.interp(half, height[[right, right - 1]], frequency[[right, right - 1]])
     return Reading(float(frequency[top]), float((upper - lower) / (2.0 * frequency[top])))
-
-
-def _pushed(reduced: ReducedFrame) -> Real:
-    """Return the coordinates (n,) [m/N] under a unit force at the roof."""
-    force = np.zeros(len(reduced.mass))
-    force[reduced.floor_x[-1]] = 1.0
-    return np.linalg.solve(reduced.stiffness, force)
 
 
 def _decay_time(reduced: ReducedFrame) -> float:

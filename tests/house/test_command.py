@@ -45,7 +45,9 @@ HEAVY = {
 }
 
 
-@pytest.mark.parametrize("words", [["--help"], ["list"], ["list", "--json"], ["--version"]])
+@pytest.mark.parametrize(
+    "words", [["--help"], ["list"], ["list", "--json"], ["--version"], ["experiment", "list"]]
+)
 def test_what_only_tells_about_the_command_loads_no_heavy_library(words: list[str]) -> None:
     """Also where the folder of records holds motions of the tests, which are known again by their samples."""
     probe = (
@@ -137,6 +139,8 @@ def test_list_as_json() -> None:
         (["shake", "5A", "--record", "elcentro-chopra", "--pga", "-1"], "peak"),
         (["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"], "gap"),
         (["study", "table-3-2"], "table-3-2"),
+        (["experiment", "alone-15b-elcentr"], "did you mean alone-15B-elcentro?"),
+        (["experiment"], "name one experiment"),
     ],
 )
 def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) -> None:

@@ -26,6 +26,7 @@ ROOMS = {
     "experiments": (
         "command",
         "studies",
+        "configurations",
         "console",
         "campaign",
         "separation",

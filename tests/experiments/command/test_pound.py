@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 
 from pounding.experiments.command.app import main
+from pounding.frames.drawing.rendering import cannot_render
 
 RECORD = "elcentro-chopra"
 SHORT = ["pound", "10", "5B", "--gap", "3", "--record", RECORD]
@@ -67,9 +69,22 @@ def test_laws_agree_on_the_first_touch(all_laws: tuple[dict[str, Any], Path]) ->
 def test_pictures_are_written(all_laws: tuple[dict[str, Any], Path]) -> None:
     folder = all_laws[1]
     laws = {f"{run['law']}.nc" for run in all_laws[0]["runs"]}
-    plots = {"forces.png", "loops.png", "pound.json", "collision.png"}
-    assert {path.name for path in folder.iterdir()} - {"collision.png"} == plots - {"collision.png"} | laws
+    others = {"forces.png", "loops.png", "pound.json", "series.pvd", "series"}
+    assert {path.name for path in folder.iterdir()} - {"collision.png"} == others | laws
     assert all(path.stat().st_size > 5_000 for path in folder.glob("*.png"))
+
+
+def test_a_series_lists_files_of_both_frames_around_the_hardest_impact(
+    all_laws: tuple[dict[str, Any], Path],
+) -> None:
+    result, folder = all_laws
+    listed = ElementTree.parse(folder / "series.pvd").getroot().iter("DataSet")
+    files = {entry.get("file", ""): float(entry.get("timestep", "nan")) for entry in listed}
+    assert all((folder / name).is_file() for name in files)
+    assert {name.split("/")[1].split("_")[0] for name in files} == {"10", "5B"}
+    hardest = max(result["runs"][0]["impacts"], key=lambda impact: impact["peak_force_n"])
+    # It is named by its first touch; the largest force may come some milliseconds later.
+    assert min(abs(time - hardest["time_s"]) for time in files.values()) < 0.02
 
 
 def test_tables_for_a_reader(capsys: pytest.CaptureFixture[str]) -> None:
@@ -79,13 +94,24 @@ def test_tables_for_a_reader(capsys: pytest.CaptureFixture[str]) -> None:
     assert "10,000 samples a second" in out
 
 
-def test_a_wide_gap_gives_no_impact_and_no_pictures(
+def test_a_run_that_does_not_touch_leaves_a_picture_of_the_closest_approach_and_a_series(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["pound", "5A", "5B", "--gap", "50", "--record", RECORD, "--json", "--out", str(tmp_path)]
-    out, _ = run(words, capsys)
+    out, err = run(words, capsys)
     assert json.loads(out)["runs"][0]["impacts"] == []
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["linear_viscoelastic.nc", "pound.json"]
+    assert err == ""
+    written = {path.name for path in tmp_path.iterdir()} - {"closest.png"}
+    assert written == {"linear_viscoelastic.nc", "pound.json", "series.pvd", "series"}
+    assert (tmp_path / "closest.png").is_file() == (cannot_render() is None)
+
+
+def test_yielding_is_warned_of_as_shake_warns(capsys: pytest.CaptureFixture[str]) -> None:
+    out, err = run([*SHORT, "--pga", "2", "--solver", "exact", "--json"], capsys)
+    found = json.loads(out)["runs"][0]
+    assert found["max_stress_mpa"]["left"] > 280.0
+    assert any("above the yield stress of 280 MPa" in sentence for sentence in found["warnings"])
+    assert "above the yield stress of 280 MPa" in " ".join(err.split())
 
 
 def test_a_gap_a_floor(capsys: pytest.CaptureFixture[str]) -> None:
