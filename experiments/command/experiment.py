@@ -110,7 +110,8 @@ def _run_one(name: str, record: str | None, records: Path | None, out: Path | No
 
     if out is not None:
         folders.prepare(out, name)
-    with Progress(console=progress_console(), transient=True) as progress:
+    console = progress_console()
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         bar = progress.add_task(name, total=1.0)
 
         def told(what: str, share: float) -> None:
@@ -120,9 +121,8 @@ def _run_one(name: str, record: str | None, records: Path | None, out: Path | No
         result = folders.result_of(outcome)
         if out is not None:
             kept = folders.keep(outcome, out)
-            result |= {"files": kept.files}
-            outcome.warnings.extend(kept.notes)
-    for sentence in outcome.warnings:
+            result |= {"files": kept.files, "warnings": [*outcome.warnings, *kept.notes]}
+    for sentence in result["warnings"]:
         warn(sentence)
     emit(result, as_json=json, show=lambda: _shown(result, out))
 

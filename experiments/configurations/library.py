@@ -9,7 +9,7 @@ from typing import Any
 
 import msgspec
 
-from pounding.experiments.configurations.definition import CHAPTERS, AnyExperiment, Shaken
+from pounding.experiments.configurations.definition import CHAPTERS, AnyExperiment
 from pounding.experiments.errors import ExperimentError
 from pounding.toml_text import shown, tree_of
 
@@ -80,8 +80,3 @@ def _entry(tree: Any, where: str) -> AnyExperiment:
     if not entry.measured or not set(entry.chapters) <= set(CHAPTERS) or not entry.chapters:
         raise ExperimentError(f"{place}: needs chapters between 3 and 6, and rows that were measured")
     return entry
-
-
-def needs_record(entry: AnyExperiment) -> bool:
-    """Return whether a configuration is shaken by a ground motion."""
-    return isinstance(entry, Shaken)

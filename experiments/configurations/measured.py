@@ -83,7 +83,7 @@ def push(experiment: Experiment, stiffness_n_per_m: float) -> list[Row]:
     (reference,) = experiment.measured
     known = printed_row(reference)
     measured, numerical = (
-        1e3 * float(known[source]["stiffness_kn_per_mm"]) for source in ("experiment", "numerical")
+        round(1e3 * float(known[source]["stiffness_kn_per_mm"]), 6) for source in ("experiment", "numerical")
     )
     ours = stiffness_n_per_m / 1e3
     return [Row("roof stiffness", "N/mm", measured, numerical, ours, str(reference))]
@@ -173,9 +173,8 @@ def collision(experiment: Experiment, record: str, runs: Mapping[str, Mapping[st
     return rows
 
 
-def _at_least_one(reference: Printed, _record: str) -> tuple[str, float]:
+def _at_least_one(_reference: Printed, _record: str) -> tuple[str, float]:
     """All gaps of section 5.2.2 were chosen so that the frames collide."""
-    printed_row(reference)
     return "impacts (measured: at least)", 1.0
 
 

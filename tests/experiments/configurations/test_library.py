@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from itertools import product
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -17,6 +18,7 @@ from pounding.experiments.campaign.dissimilarity import counted_impacts
 from pounding.experiments.configurations import measured
 from pounding.experiments.configurations.definition import AnyExperiment, Collision, ContactStiffness, Shaken
 from pounding.experiments.configurations.library import FILES, experiments, find, parse
+from pounding.experiments.configurations.page import markdown
 from pounding.experiments.errors import ExperimentError
 
 GOOD = """
@@ -101,6 +103,13 @@ def test_a_gap_that_is_not_the_printed_one_is_refused() -> None:
     one = find("collision-15B-5B-kobe-17mm")
     with pytest.raises(ExperimentError, match=r"section 6\.3\.2, 15B 5B kobe has another gap"):
         measured.check(msgspec.structs.replace(one, gap_mm=17.5))
+
+
+def test_the_page_has_the_table_as_it_is_printed_now() -> None:
+    page = Path(__file__).parents[3] / "docs" / "experiments.md"
+    assert markdown() in page.read_text(encoding="utf-8"), (
+        "python -m pounding.experiments.configurations.page"
+    )
 
 
 def test_the_files_are_written_as_they_are_read() -> None:
