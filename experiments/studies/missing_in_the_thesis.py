@@ -1,0 +1,265 @@
+"""What is missing in the thesis' own tables? States of the frames, damping, frequencies, gain of the table; held out.
+
+Models with up to three fitted numbers and a state for each frame are fitted to a part of the uncontested peaks of Table 4.1
+and judged on the rest: two records of four in all six splits, three of four, one frame left out. What is fitted to all peaks
+then foretells the gaps of Table 4.2 and the impacts of Table 6.2. Every choice is made on the part that is fitted; models
+whose states were chosen beforehand, with all data seen, stand beside them and are called so. Run it with
+``pounding study missing-in-the-thesis``.
+"""
+
+from __future__ import annotations
+
+import json as jsonlib
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.progress import Progress
+
+from pounding.experiments.console import options
+from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.records import find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.studies import foretold
+from pounding.experiments.studies.frame_states import TWO_STATES, State
+from pounding.experiments.studies.missing_picture import picture
+from pounding.experiments.studies.peak_lattice import Chosen, Freedom, PeakLattice
+from pounding.experiments.studies.table_4_1 import (
+    BLIND,
+    FRAMES,
+    RECORDS,
+    measured,
+    score,
+    table_motion,
+    trusted,
+)
+from pounding.frames.files import write_whole
+
+NUMBERS = tuple(chosen for count in range(4) for chosen in combinations(("damping", "factor", "gain"), count))
+WORDS = {"damping": "one damping ratio", "factor": "a factor on all frequencies", "gain": "gain of the table"}
+BEFOREHAND = "states chosen beforehand"
+
+
+def freedoms() -> dict[str, Freedom]:
+    """Return every model that is tried by its name, the baseline model first."""
+    found = {}
+    for states, words in (
+        ("baseline", ""),
+        ("fitted", "a state for each frame"),
+        (tuple(TWO_STATES.items()), BEFOREHAND),
+    ):
+        for numbers in NUMBERS:
+            name = " + ".join([*([words] if words else []), *(WORDS[one] for one in numbers)])
+            found[name or "baseline"] = Freedom(numbers, states)
+    return found
+
+
+def split_errors(lattice: PeakLattice, freedom: Freedom, count: int, every: bool) -> list[float]:
+    """Return the mean error on the records that were not fitted, for each way to fit `count` of four [-].
+
+    Args:
+        lattice: The errors of all models.
+        freedom: What may be chosen.
+        count: How many records are fitted.
+        every: Whether contested peaks count, too.
+    """
+    found = []
+    for fitted in combinations(range(len(RECORDS)), count):
+        chosen = lattice.fit(freedom, fitted, every=every)
+        rest = [one for one in range(len(RECORDS)) if one not in fitted]
+        found.append(lattice.error(chosen, rest, every=every))
+    return found
+
+
+def frame_errors(lattice: PeakLattice, freedom: Freedom) -> list[float]:
+    """Return the mean error on each frame when the others are fitted; its own state is then the first that it may have.
+
+    Args:
+        lattice: The errors of all models.
+        freedom: What may be chosen.
+    """
+    everything = range(len(RECORDS))
+    found = []
+    for left_out in FRAMES:
+        rest = [name for name in FRAMES if name != left_out]
+        found.append(lattice.error(lattice.fit(freedom, everything, rest), everything, [left_out]))
+    return found
+
+
+def picked_inside(
+    lattice: PeakLattice, models: Sequence[Freedom], every: bool = False
+) -> tuple[float, list[Freedom]]:
+    """Return the held-out error over six splits when the model, too, is picked inside each of them, and those picked.
+
+    The one is picked that, fitted to one of the two records, is nearest on the other, both ways.
+
+    Args:
+        lattice: The errors of all models.
+        models: The models to pick from.
+        every: Whether contested peaks count, too.
+    """
+    errors, picked = [], []
+    for pair in combinations(range(len(RECORDS)), 2):
+        crossed = [
+            np.mean(
+                [
+                    lattice.error(lattice.fit(one, [a], every=every), [b], every=every)
+                    for a, b in (pair, pair[::-1])
+                ]
+            )
+            for one in models
+        ]
+        best = models[int(np.argmin(crossed))]
+        rest = [one for one in range(len(RECORDS)) if one not in pair]
+        errors.append(lattice.error(lattice.fit(best, pair, every=every), rest, every=every))
+        picked.append(best)
+    return float(np.mean(errors)), picked
+
+
+def row(lattice: PeakLattice, name: str, freedom: Freedom) -> dict[str, Any]:
+    """Return how near a model comes to the peaks: fitted to all, and on what it was not fitted to [-]."""
+    chosen = lattice.fit(freedom, range(len(RECORDS)))
+    halves = split_errors(lattice, freedom, 2, False)
+    return {
+        "model": name,
+        "fitted": freedom.fitted,
+        "all_58": chosen.error,
+        "halves_58": float(np.mean(halves)),
+        "halves_by_split": halves,
+        "three_58": float(np.mean(split_errors(lattice, freedom, 3, False))),
+        "frames_58": float(np.mean(frame_errors(lattice, freedom))),
+        "all_64": lattice.fit(freedom, range(len(RECORDS)), every=True).error,
+        "halves_64": float(np.mean(split_errors(lattice, freedom, 2, True))),
+        "setting": asdict(chosen.setting),
+        "states": chosen.states,
+    }
+
+
+def foretold_by(chosen: Chosen, rule: str, records: Path | None) -> dict[str, Any]:
+    """Return what a model says of gaps and impacts: `own` keeps each frame's state, else it follows the configuration.
+
+    Args:
+        chosen: The model as fitted to the peaks.
+        rule: `own` or `configuration`.
+        records: Folder with ground motions; None for the default.
+    """
+    states = foretold.kept(chosen.states) if rule == "own" else foretold.by_configuration
+    motions = {name: table_motion(name, BLIND, records) for name in RECORDS}
+    gaps = foretold.gaps(chosen.setting, states, motions)
+    counts = foretold.counts(chosen.setting, states, records)
+    return {
+        "states": rule,
+        "equation_4_1": foretold.mean_error(gaps, "equation_4_1_mm"),
+        "closing": foretold.mean_error(gaps, "closing_mm"),
+        "impacts": int(counts["ours"].sum()),
+        "counted": int(counts["counted"].sum()),
+        "sum_of_differences": foretold.sum_of_differences(counts),
+    }
+
+
+def main(
+    *, records: options.Records = None, json: options.Json = False, out: options.Out = None
+) -> dict[str, Any]:
+    """Find which states, damping, frequencies and gain explain the thesis' tables, on data that were not fitted."""
+    models = freedoms()
+    with Progress(console=progress_console(), transient=True) as progress:
+        task = progress.add_task("responses of the frames", total=1.0)
+        lattice = PeakLattice(records, lambda share: progress.update(task, completed=share))
+        task = progress.add_task("fitting and judging", total=len(models))
+        rows = []
+        for name, freedom in models.items():
+            rows.append(row(lattice, name, freedom))
+            progress.update(task, advance=1)
+        task = progress.add_task("gaps and impacts", total=len(models))
+        for one, freedom in zip(rows, models.values(), strict=True):
+            chosen = lattice.fit(freedom, range(len(RECORDS)))
+            rules = ("own",) if freedom.states == "baseline" else ("own", "configuration")
+            one["foretold"] = [foretold_by(chosen, rule, records) for rule in rules]
+            progress.update(task, advance=1)
+    honest = [one for one in models.values() if isinstance(one.states, str)]
+    nested, picked = picked_inside(lattice, honest)
+    nested_64, _ = picked_inside(lattice, honest, every=True)
+    names = {freedom: name for name, freedom in models.items()}
+    result = stamp({"baseline": asdict(BLIND)}, [find(name, records) for name in RECORDS])
+    result |= {
+        "models": rows,
+        "picked_inside": {
+            "halves_58": nested,
+            "halves_64": nested_64,
+            "models": [names[one] for one in picked],
+        },
+        "sap2000": {
+            "all_58": score(measured("numerical"), trusted()).mean,
+            "all_64": score(measured("numerical")).mean,
+        },
+    }
+    if out is not None:
+        write_whole(
+            out / "missing_in_the_thesis.json", (jsonlib.dumps(plain(result), indent=2) + "\n").encode()
+        )
+        picture(rows, result["sap2000"]["all_58"], out / "missing-in-the-thesis.png")
+    emit(result, as_json=json, show=lambda: show(result))
+    return result
+
+
+def show(result: dict[str, Any]) -> Iterable[Any]:
+    """Return the study as tables for a reader."""
+    keys = ("all_58", "halves_58", "three_58", "frames_58", "all_64", "halves_64")
+    lines = [
+        [one["model"], str(one["fitted"]), *(f"{100 * one[key]:.1f}" for key in keys), _setting(one)]
+        for one in result["models"]
+    ]
+    yield table(
+        "Table 4.1: mean |ours - measured| / measured [%] of 58 uncontested peaks, and of all 64",
+        [
+            "model",
+            "fitted",
+            "all",
+            "2 of 4 records",
+            "3 of 4",
+            "one frame",
+            "64: all",
+            "64: 2 of 4",
+            "fitted to 58",
+        ],
+        lines,
+    )
+    yield table(
+        "What the model fitted to the 58 peaks foretells",
+        ["model", "states in pairs", "eq. 4.1 [%]", "closing gap [%]", "impacts", "sum of differences"],
+        [
+            [
+                one["model"],
+                "as in Table 4.1" if said["states"] == "own" else "as printed for the pair",
+                f"{100 * said['equation_4_1']:.1f}",
+                f"{100 * said['closing']:.1f}",
+                f"{said['impacts']} of {said['counted']}",
+                str(said["sum_of_differences"]),
+            ]
+            for one in result["models"]
+            for said in one["foretold"]
+        ],
+    )
+    inside, theirs = result["picked_inside"], result["sap2000"]
+    yield (
+        f"With the model itself picked inside each split: {100 * inside['halves_58']:.1f} % of 58 peaks, "
+        f"{100 * inside['halves_64']:.1f} % of 64. SAP2000 as printed: {100 * theirs['all_58']:.1f} and "
+        f"{100 * theirs['all_64']:.1f} %."
+    )
+
+
+def _setting(one: dict[str, Any]) -> str:
+    """Return fitted numbers and states in words."""
+    setting, states = one["setting"], one["states"]
+    damping = "own" if setting["damping"] is None else f"{100 * setting['damping']:.2g} %"
+    short: dict[State, str] = {"free vibration": "f", "sweep": "s", "unequal pair": "u"}
+    letters = " ".join(f"{name} {short[state]}" for name, state in states.items())
+    return f"damping {damping}, f x {setting['factor']:.3g}, gain {setting['gain']:.3g}; {letters}"
+
+
+if __name__ == "__main__":
+    run_script(main)

@@ -1,0 +1,204 @@
+"""Errors of Table 4.1 on a lattice of models: state of each frame, frequency factor, damping ratio and gain of the table.
+
+The first three say how a frame swings and the last scales what it does, so that all models of the lattice follow from the
+responses at each first frequency and damping ratio: between neighbouring frequencies, half a per cent apart, peaks are taken
+as straight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pounding.experiments.records import Record
+from pounding.experiments.studies.frame_states import (
+    STATES,
+    Setting,
+    State,
+    displacements,
+    first_frequency,
+)
+from pounding.experiments.studies.single_changes import extremes
+from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, measured, table_motion, trusted
+
+Real = NDArray[np.float64]
+KEPT_ARIAS = 0.999
+"""Records end at this share of their Arias intensity: frames only ring down after it."""
+STEP_S = 1e-3
+"""The exact response is looked at this often [s]."""
+FREQUENCIES = np.arange(0.85, 1.1301, 0.005)
+"""First frequencies over those of free vibration at which responses are computed."""
+FACTORS = np.concatenate([[1.0], np.arange(0.94, 0.9999, 0.01), np.arange(1.01, 1.0501, 0.01)])
+RATIOS = (
+    None,
+    0.004,
+    0.005,
+    0.006,
+    0.0075,
+    0.009,
+    0.0105,
+    0.012,
+    0.0135,
+    0.015,
+    0.0175,
+    0.02,
+    0.0225,
+    0.025,
+    0.03,
+    0.04,
+)
+GAINS = np.concatenate([[1.0], np.arange(0.75, 0.9999, 0.025), np.arange(1.025, 1.1001, 0.025)])
+"""Values of each number that are tried, first the one that changes nothing; no damping ratio is each frame's own."""
+
+
+@dataclass(frozen=True)
+class Freedom:
+    """What a model may choose, the rest being as in the baseline model.
+
+    Attributes:
+        numbers: Which of `factor`, `damping` and `gain` are fitted.
+        states: `baseline` (free vibration), `fitted` (one of `STATES` for each frame), or a state for each frame that was
+            chosen beforehand.
+    """
+
+    numbers: tuple[str, ...] = ()
+    states: str | tuple[tuple[str, State], ...] = "baseline"
+
+    def allowed(self, frame: str) -> tuple[State, ...]:
+        """Return the states that a frame may be in."""
+        if self.states == "fitted":
+            return STATES
+        return ("free vibration",) if isinstance(self.states, str) else (dict(self.states)[frame],)
+
+    @property
+    def fitted(self) -> int:
+        """How many numbers and choices are fitted."""
+        return len(self.numbers) + (len(FRAMES) if self.states == "fitted" else 0)
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A model of the lattice: numbers for all frames, a state for each, and its mean error where it was fitted [-]."""
+
+    setting: Setting
+    states: dict[str, State]
+    error: float
+
+
+class PeakLattice:
+    """The errors of all models of the lattice at all peaks of Table 4.1.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        told: Called after each frame and record with the share that is done.
+    """
+
+    def __init__(self, records: Path | None = None, told: Callable[[float], None] | None = None) -> None:
+        self.motions = [_motion(name, records) for name in RECORDS]
+        truth, sure = measured(), trusted()
+        self.measured = {name: truth.values[truth.frame.values == name] for name in FRAMES}
+        self.sure = {name: sure.values[truth.frame.values == name] for name in FRAMES}
+        self._floors = {
+            name: [int(one) for one in truth.floor.values[truth.frame.values == name]] for name in FRAMES
+        }
+        self._peaks: dict[str, Real] = {}
+        for number, name in enumerate(FRAMES):
+            self._peaks[name] = self._computed(name)
+            if told is not None:
+                told((number + 1) / len(FRAMES))
+
+    def _computed(self, frame: str) -> Real:
+        """Return the peaks [mm] of a frame, shape (floors, records, sides, frequencies, ratios)."""
+        own, floors = first_frequency(frame, "free vibration"), self._floors[frame]
+        found = np.empty((len(floors), len(RECORDS), 2, len(FREQUENCIES), len(RATIOS)))
+        for column, motion in enumerate(self.motions):
+            for i, relative in enumerate(FREQUENCIES):
+                for j, ratio in enumerate(RATIOS):
+                    moved = displacements(frame, floors, motion, own * relative, ratio)
+                    found[:, column, :, i, j] = 1e3 * extremes(moved)
+        return found
+
+    def peaks(self, frame: str, state: State, factor: float) -> Real:
+        """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios)."""
+        wanted = first_frequency(frame, state) * factor / first_frequency(frame, "free vibration")
+        place = float(np.interp(wanted, FREQUENCIES, np.arange(len(FREQUENCIES))))
+        lower = min(int(place), len(FREQUENCIES) - 2)
+        weight = place - lower
+        table = self._peaks[frame]
+        return np.asarray((1 - weight) * table[..., lower, :] + weight * table[..., lower + 1, :])
+
+    @cached_property
+    def errors(self) -> dict[str, Real]:
+        """abs(ours - measured) / measured of each frame, (states, factors, ratios, gains, floors, records, sides)."""
+        found = {}
+        for name in FRAMES:
+            peaks = np.array([[self.peaks(name, state, float(f)) for f in FACTORS] for state in STATES])
+            peaks = np.moveaxis(peaks, -1, 2)[:, :, :, None]
+            ours = GAINS[:, None, None, None] * peaks
+            found[name] = np.abs(ours / self.measured[name] - 1.0)
+        return found
+
+    def fit(
+        self, freedom: Freedom, records: Sequence[int], frames: Sequence[str] = FRAMES, every: bool = False
+    ) -> Chosen:
+        """Return the model with the smallest mean error at some peaks.
+
+        Args:
+            freedom: What may be chosen.
+            records: Numbers of the records whose peaks are used.
+            frames: Frames whose peaks are used; the others keep the first state that they may be in.
+            every: Whether contested peaks are used, too.
+        """
+        states: dict[str, State] = {}
+        each = {name: self._summed(name, freedom, records, every) for name in frames}
+        total = np.sum([sums.min(axis=0) for sums, _ in each.values()], axis=0)
+        count = sum(counted for _, counted in each.values())
+        factor, ratio, gain = (int(one) for one in np.unravel_index(int(np.argmin(total)), total.shape))
+        for name in FRAMES:
+            choice = int(np.argmin(each[name][0][:, factor, ratio, gain])) if name in each else 0
+            states[name] = freedom.allowed(name)[choice]
+        factors, ratios, gains = self._grids(freedom)
+        setting = Setting(RATIOS[ratios[ratio]], float(FACTORS[factors[factor]]), float(GAINS[gains[gain]]))
+        return Chosen(setting, states, float(total[factor, ratio, gain]) / count)
+
+    def error(
+        self, chosen: Chosen, records: Sequence[int], frames: Sequence[str] = FRAMES, every: bool = False
+    ) -> float:
+        """Return the mean error of a model at some peaks [-]; the arguments are those of `fit`."""
+        ratio, total, count = RATIOS.index(chosen.setting.damping), 0.0, 0
+        for name in frames:
+            peaks = self.peaks(name, chosen.states[name], chosen.setting.factor)[..., ratio]
+            off = np.abs(chosen.setting.gain * peaks / self.measured[name] - 1.0)[
+                self._used(name, records, every)
+            ]
+            total, count = total + float(off.sum()), count + off.size
+        return total / count
+
+    def _summed(self, name: str, freedom: Freedom, records: Sequence[int], every: bool) -> tuple[Real, int]:
+        """Return sums of errors, (allowed states, factors, ratios, gains), and how many peaks they are of."""
+        factors, ratios, gains = self._grids(freedom)
+        chosen = [STATES.index(state) for state in freedom.allowed(name)]
+        used = self._used(name, records, every)
+        part = self.errors[name][np.ix_(chosen, factors, ratios, gains)]
+        return np.asarray(part[..., used, :].sum(axis=(-1, -2))), 2 * int(used.sum())
+
+    def _used(self, name: str, records: Sequence[int], every: bool) -> NDArray[np.bool_]:
+        sure = self.sure[name]
+        wanted = np.isin(np.arange(len(RECORDS)), list(records))
+        return np.asarray((np.ones_like(sure) if every else sure) & wanted)
+
+    @staticmethod
+    def _grids(freedom: Freedom) -> tuple[list[int], list[int], list[int]]:
+        sizes = {"factor": len(FACTORS), "damping": len(RATIOS), "gain": len(GAINS)}
+        found = [list(range(size)) if name in freedom.numbers else [0] for name, size in sizes.items()]
+        return found[0], found[1], found[2]
+
+
+def _motion(name: str, folder: Path | None) -> Record:
+    motion = table_motion(name, BLIND, folder).trimmed(lower=0.0, upper=KEPT_ARIAS)
+    return motion.resampled(motion.step_s / np.ceil(motion.step_s / STEP_S))
