@@ -102,7 +102,7 @@ def with_data_of(
     Args:
         model: The rig, whose table motions are taken for the true ones.
         nuisance: Its nuisance parameters, shape (nuisance,).
-        acting: Effects in the data, each with its SI parameters.
+        acting: Effects in the data, each with its SI parameters, shape (parameters,).
         noise: Standard deviation of the noise over the root mean square of each channel, (channels,), and of the table.
         rng: Random numbers for the noise.
     """

@@ -332,12 +332,22 @@ def _mean(told: Sequence[Parameters], name: str) -> np.ndarray:
 
 
 def slip_drift(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
-    """State friction by the drift at which it would be reached elastically."""
+    """State friction by the drift at which it would be reached elastically.
+
+    Args:
+        told: Parameters of the effect in each storey.
+        stiffness: Stiffness of the storeys [N/m], shape (storeys,).
+    """
     return {"slip_drift": (float(np.mean(_mean(told, "friction_force") / stiffness)) * 1e6, "um")}
 
 
 def yielding(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
-    """State what yields by its drift and its share of the stiffness."""
+    """State what yields by its drift and its share of the stiffness.
+
+    Args:
+        told: Parameters of the effect in each storey.
+        stiffness: Stiffness of the storeys [N/m], shape (storeys,).
+    """
     force, own = _mean(told, "yield_force"), _mean(told, "stiffness")
     return {
         "yield_drift": (float(np.mean(force / own)) * 1e3, "mm"),
@@ -346,12 +356,23 @@ def yielding(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
 
 
 def over_stiffness(name: str, stated: str, unit: str) -> State:
-    """Return what states a parameter of the storeys over their stiffness, as `stated` in `unit`."""
+    """Return what states a parameter of the storeys over their stiffness.
+
+    Args:
+        name: Name of the parameter in a storey.
+        stated: Name of what is stated.
+        unit: Its unit.
+    """
     return lambda told, stiffness: {stated: (float(np.mean(_mean(told, name) / stiffness)), unit)}
 
 
 def loosened(told: Sequence[Parameters], stiffness: np.ndarray) -> Parameters:
-    """State the mean change at the end of a run."""
+    """State the mean change at the end of a run.
+
+    Args:
+        told: Parameters of the effect in each storey.
+        stiffness: Stiffness of the storeys [N/m], shape (storeys,).
+    """
     return {"final_relative_change": (float(np.mean(_mean(told, "final_relative_change"))), "-")}
 
 

@@ -123,7 +123,13 @@ def picked_inside(
 
 
 def row(lattice: PeakLattice, name: str, freedom: Freedom) -> dict[str, Any]:
-    """Return how near a model comes to the peaks: fitted to all, and on what it was not fitted to [-]."""
+    """Return how near a model comes to the peaks: fitted to all, and on what it was not fitted to [-].
+
+    Args:
+        lattice: The errors of all models.
+        name: What the model is called.
+        freedom: What it may choose.
+    """
     chosen = lattice.fit(freedom, range(len(RECORDS)))
     halves = split_errors(lattice, freedom, 2, False)
     return {

@@ -124,7 +124,13 @@ class PeakLattice:
         return found
 
     def peaks(self, frame: str, state: State, factor: float) -> Real:
-        """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios)."""
+        """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios).
+
+        Args:
+            frame: Name of the frame.
+            state: Its state.
+            factor: Factor on its first frequency [-].
+        """
         wanted = first_frequency(frame, state) * factor / first_frequency(frame, "free vibration")
         place = float(np.interp(wanted, FREQUENCIES, np.arange(len(FREQUENCIES))))
         lower = min(int(place), len(FREQUENCIES) - 2)
@@ -169,7 +175,14 @@ class PeakLattice:
     def error(
         self, chosen: Chosen, records: Sequence[int], frames: Sequence[str] = FRAMES, every: bool = False
     ) -> float:
-        """Return the mean error of a model at some peaks [-]; the arguments are those of `fit`."""
+        """Return the mean error of a model at some peaks [-].
+
+        Args:
+            chosen: The model.
+            records: Numbers of the records whose peaks are used.
+            frames: Frames whose peaks are used.
+            every: Whether contested peaks are used, too.
+        """
         ratio, total, count = RATIOS.index(chosen.setting.damping), 0.0, 0
         for name in frames:
             peaks = self.peaks(name, chosen.states[name], chosen.setting.factor)[..., ratio]
