@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,13 +14,16 @@ from pounding.diagnosis.decision.conclusion import parameters
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import thresholds
 from pounding.diagnosis.design.sight import Sight
+from pounding.diagnosis.effects.bases import Departure
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores
 from pounding.diagnosis.inference.findings import Findings
 
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
-"""How often an amplitude that is not yet seen is raised, and at most by which factor."""
+HALVINGS = 4
+"""How often an amplitude that is not yet seen is raised, and at most by which factor; how often the way back is halved."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,23 @@ def threshold(information: np.ndarray, ln_bayes: float) -> np.ndarray:
         return np.asarray(np.sqrt(2 * needed * (1 + information)) / information)
 
 
+def reach_beyond(information: float, own: np.ndarray, reach: float, ln_bayes: float) -> float:
+    """Return the amplitude of a change that nuisance parameters are, too, at which its ln Bayes factor has a value.
+
+    They imitate it as far as they may go (`box_of`), and what is beyond has the evidence of data that know no prior.
+
+    Args:
+        information: Information of the data on the amplitude, with these parameters free.
+        own: Prior standard deviations of these parameters in that of the amplitude, shape (parameters,).
+        reach: How far they may go [prior standard deviations].
+        ln_bayes: The ln Bayes factor.
+    """
+    variance = 1.0 / information - float(np.sum(own**2))
+    if variance <= 0:
+        return float("inf")
+    return reach * float(np.sum(own)) + float(threshold(np.array(1.0 / variance), ln_bayes))
+
+
 def _scores(found: Findings, decision: Decision) -> list[tuple[Score, Scores]]:
     """Return every candidate's score about the model of the verdict, or about the null model where that is all."""
     about = [(one, found.scores) for one in found.scores.ranked]
@@ -107,21 +128,70 @@ def _least(found: Findings, one: Score, scores: Scores, sight: Sight) -> Smalles
     first = one.column - next(i for i, shape in enumerate(shapes) if shape == one.shape)
     information = np.diag(scores.projected)[first : first + len(shapes)]
     widths = np.array([effect.size(model, found.sizes, shape) for shape in shapes])
-    amplitudes = threshold(np.maximum(information, 1e-12), ln_bayes) * widths
+    information = np.maximum(information, 1e-12)
+    amplitudes = threshold(information, ln_bayes) * widths
+    own = _own(effect, found)
+    if own.size:
+        reach = box_of(len(model.std))
+        further = [
+            reach_beyond(i, own / w, reach, ln_bayes) * w for i, w in zip(information, widths, strict=True)
+        ]
+        amplitudes = np.minimum(amplitudes, further)
     best = int(np.argmin(amplitudes / widths))
     sign = effect.sign or 1
-    amplitude = float(amplitudes[best])
-    for _ in range(ROUNDS):
-        if not (np.isfinite(amplitude) and amplitude <= effect.largest(model)):
-            return None
-        seen = sight.of_effect(effect, effect.values(sign * amplitude, shapes[best]))
-        if seen >= size:
-            break
-        amplitude *= min(1.02 * size / max(seen, 1e-9), LARGEST_STRIDE)
-    else:
+    amplitude = _raised(
+        float(amplitudes[best]),
+        effect.largest(model),
+        size,
+        lambda tried: sight.of_effect(effect, effect.values(sign * tried, shapes[best])),
+    )
+    if amplitude is None:
         return None
     compared = amplitude / widths[best] if effect.where in ("channel", "logger") else amplitude
     return Smallest(effect, effect.values(sign * amplitude, shapes[best]), float(compared))
+
+
+def _raised(amplitude: float, largest: float, size: float, seen: Callable[[float], float]) -> float | None:
+    """Return an amplitude raised until it is seen, by no more than is needed; None where no possible one is.
+
+    Args:
+        amplitude: The amplitude that has enough evidence.
+        largest: The largest that is possible.
+        size: What must be seen [noise of a channel].
+        seen: From an amplitude to what is seen of it.
+    """
+    below = 0.0
+    for _ in range(ROUNDS):
+        if not (np.isfinite(amplitude) and amplitude <= largest):
+            return None
+        shown = seen(amplitude)
+        if shown >= size:
+            break
+        below = amplitude
+        amplitude *= min(1.02 * size / max(shown, 1e-9), LARGEST_STRIDE)
+    else:
+        return None
+    # What nuisance parameters imitate up to a bound is not seen in proportion: the stride may have been far too long.
+    for _ in range(HALVINGS if below else 0):
+        middle = float(np.sqrt(below * amplitude))
+        below, amplitude = (below, middle) if seen(middle) >= size else (middle, amplitude)
+    return amplitude
+
+
+def _own(effect: Effect, found: Findings) -> np.ndarray:
+    """Return the prior standard deviations [SI] of the nuisance parameters that are the same change, shape (parameters,).
+
+    None beside reference runs, in which they act and the effect does not.
+    """
+    if not isinstance(effect, Departure) or len(effect.places) != 1 or found.reference:
+        return np.zeros(0)
+    kinds = (
+        (effect.parameter, "base_stiffness")
+        if effect.parameter == "storey_stiffness"
+        else (effect.parameter,)
+    )
+    each = zip(found.model.parameters, found.model.std, strict=True)
+    return np.array([std for one, std in each if one.kind in kinds and one.place == effect.places[0]])
 
 
 def _entry(case: Case, found: Findings, name: str, places: list[Smallest | None]) -> Detectability:

@@ -46,6 +46,7 @@ NO_THRESHOLDS = {
         "impacts.SLOWEST",
         "pairs.MEMORY_S",
         "sight.PROBE",
+        "detectability.HALVINGS",
         "detectability.ROUNDS",
         "detectability.LARGEST_STRIDE",
     },
