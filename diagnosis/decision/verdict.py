@@ -8,7 +8,7 @@ from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
 from pounding.diagnosis.decision.impulses import impulses
-from pounding.diagnosis.effects.whole_frame import EVERY
+from pounding.diagnosis.effects.whole_frame import EVERY, same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
 from pounding.diagnosis.inference.model_checks import model_checks, strained
@@ -40,7 +40,7 @@ def decide(found: Findings) -> Decision:
         if len(chosen.effects) == 1
         and other is not chosen
         and not other.effects[0].rival
-        and other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike
+        and (other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike or _one_motion(found, chosen, other))
     )
     return Decision("effect_class" if alike else "effect_named", chosen, alike, objections)
 
@@ -183,6 +183,11 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     which = 1 if found.held_out else 0
     left = [np.nansum(np.maximum(_over(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
     return bool(left[1] < (1 - needs.same_storey) * left[0])
+
+
+def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:
+    """Return whether two single effects move a shaken frame alike whatever their size; contact forces would part them."""
+    return found.pair is None and same_motion(one.effects[0]) == other.effects[0]
 
 
 def _together(judged: Judged) -> bool:

@@ -15,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from pounding.diagnosis.effects.bases import Departure, FrameEffect, LawEffect
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
 from pounding.diagnosis.effects.storey import (
     LARGEST_LOSS,
@@ -332,3 +332,19 @@ class AllAddedMass(FrameEffect):
         """Scale the mass."""
         span = self.span(model)
         assembly.mass[span, span] += max(float(values[0]), -LARGEST_LOSS) * self.storeys(model).mass
+
+
+def same_motion(effect: Effect) -> Effect | None:
+    """Return the effect of a whole frame whose every size moves it as one of this one does; None where there is none.
+
+    A shaken table knows the ratio of stiffness and mass only: stiffness times (1 + x) is mass over (1 + x).
+
+    Args:
+        effect: The effect.
+    """
+    kinds: dict[type[Effect], type[Effect]] = {
+        AllStiffnessChange: AllAddedMass,
+        AllAddedMass: AllStiffnessChange,
+    }
+    kind = kinds.get(type(effect))
+    return None if kind is None else kind(index=effect.index, frame=effect.frame)

@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.effects.frame import BaseRocking, TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
-from pounding.diagnosis.effects.whole_frame import EveryStorey
+from pounding.diagnosis.effects.whole_frame import EveryStorey, same_motion
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
@@ -107,6 +107,7 @@ def _refined_best(
             _keep(found, fit)
     _turned(found, effects)
     _ticked(found)
+    _weighed(found)
     if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
         progress("trying larger effects", 0.65)
         _rescue(found, effects)
@@ -266,6 +267,20 @@ def _ticked(found: Findings) -> None:
         _keep(found, fit)
 
 
+def _weighed(found: Findings) -> None:
+    """Refine the mass of a whole frame from where its stiffness led, or the other way round: a table tells only their ratio.
+
+    Contact forces would tell them apart.
+    """
+    leading, model = best(found), found.model
+    other = same_motion(leading.effects[0]) if len(leading.effects) == 1 else None
+    if other is None or model.observed.contact_floors:
+        return
+    fit = leading.fit
+    values = 1.0 / (1.0 + fit.values[0]) - 1.0
+    _keep(found, refine(model, fit.filtered, (other,), (values,), nuisance=fit.filtered.values))
+
+
 def _faded(found: Findings) -> None:
     """Refine friction that has faded by half or more at the usual rate, from where plain friction led.
 
@@ -384,7 +399,8 @@ def _second(found: Findings, effects: Sequence[Effect]) -> None:
     if not fit.effects:
         return
     model = found.model
-    others = [effect for effect in effects if effect not in fit.effects]
+    told = {*fit.effects, *map(same_motion, fit.effects)}
+    others = [effect for effect in effects if effect not in told]
     found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
     if found.later.ranked[0].ln_bayes < SETTINGS.search.second:
         return

@@ -89,7 +89,7 @@ class Model:
             for run in observed.runs
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
-        self._last_table: dict[int, tuple[tuple[float, float], np.ndarray]] = {}
+        self._last_table: dict[int, tuple[tuple[float, float, int], np.ndarray]] = {}
         self._last_plain: tuple[bytes, Assembly] | None = None
         self._own: np.ndarray | None = None
 
@@ -352,7 +352,7 @@ class Model:
 
     def _table_between(self, assembly: Assembly, number: int, middle: np.ndarray) -> np.ndarray:
         """Return `table_at` at the midpoints of a run; what was asked for last is kept."""
-        key = (assembly.table_delay_s, assembly.table_clock)
+        key = (assembly.table_delay_s, assembly.table_clock, middle.size)
         last = self._last_table.get(number)
         if last is None or last[0] != key:
             plain = self.table_at(replace(assembly, table_gain=0.0), number, middle)

@@ -172,6 +172,7 @@ def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path, monkeypatch: 
     assert "none could be held out" in page
     assert {path.name for path in tmp_path.iterdir()} == {
         "report.json", "report.html", "before_after.png", "where.png", "residual_force.png", "evidence.png",
+        "transmissibility.png", "on_the_frame.png", "before", "before.pvd",
     }  # fmt: skip
     assert any("second run" in str(item) for item in [page])
     assert list(tables(report))
@@ -235,6 +236,20 @@ def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:
         diagnosed(with_values(plain, lambda n, v: np.zeros_like(v)))
 
 
-def test_another_frame_than_believed_is_no_name_of_the_catalogue(plain: Case) -> None:
+def test_another_frame_than_believed_is_a_softer_or_a_heavier_one(plain: Case) -> None:
+    """Whose stiffness over mass is (6.806 / 12)^2 of the believed one's: which of the two, a shaken table cannot tell."""
     other = replace(FRAME, frequency_hz=(12.0,))
-    assert diagnosed(replace(plain, frames=(other,))).verdict == "unknown_effect"
+    concluded = diagnosed(replace(plain, frames=(other,)))
+    assert concluded.verdict == "effect_class"
+    (claim,) = concluded.effects
+    assert {one.effect for one in claim.members} == {"all_stiffness_change", "all_added_mass"}
+    sizes = {one.name: one.value for one in claim.parameters}
+    assert sizes["relative_change"] == pytest.approx((6.806 / 12) ** 2 - 1, abs=0.02)
+    assert any("6.7" in warning and "12.00 Hz" in warning for warning in concluded.warnings)
+
+
+def test_a_frame_a_little_beyond_its_priors_is_no_name(plain: Case) -> None:
+    other = replace(FRAME, frequency_hz=(8.5,))
+    concluded = diagnosed(replace(plain, frames=(other,)))
+    assert concluded.verdict == "unknown_effect"
+    assert any("is this the frame that case.toml names?" in warning for warning in concluded.warnings)

@@ -68,7 +68,7 @@ def test_a_force_cell_is_not_judged_by_a_sensor_that_is_wrong_itself(monkeypatch
 
     named: list[str | None] = ["tall_a3"]
 
-    def findings(case: Case, progress: Any, own: Any, against_motion: bool = True) -> Any:
+    def findings(case: Case, progress: Any, own: Any, rate: float, against_motion: bool = True) -> Any:
         asked.append(against_motion)
         effect = SimpleNamespace(channel=named[-1])
         decision = Decision("effect_named", cast(Any, SimpleNamespace(effects=(effect,))))
