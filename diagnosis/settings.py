@@ -576,6 +576,11 @@ class Report:
     """[median misfit] The misfit of the worst channel is stated too if it is larger. Origin: chosen."""
     moved: float = 1.0
     """[prior standard deviations] A nuisance parameter that the calibration moved further is listed. Origin: chosen."""
+    in_step: float = 0.005
+    """[-] Frequencies of a frame that are all off alike by more are said to be so, as a wrong clock does that. Origin:
+    chosen."""
+    in_step_spread: float = 0.2
+    """[mean difference] Frequencies are off alike if their relative differences vary by less. Origin: chosen."""
     linear: float = 0.5
     """[share of the power above the noise] What remains is called linear if other stiffness, mass and damping would take
     away more of it. Origin: theory: the larger part."""

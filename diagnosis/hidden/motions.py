@@ -11,7 +11,7 @@ from scipy.signal.windows import tukey
 
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import find
+from pounding.experiments.records import find, records_folder
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")
@@ -43,7 +43,12 @@ def _integral(values: np.ndarray, step_s: float) -> np.ndarray:
 
 
 def available() -> list[str]:
-    """Return which of the four records can be found."""
+    """Return which of the four records can be found.
+
+    Raises:
+        ExperimentError: POUNDING_RECORDS names a folder that is not there.
+    """
+    records_folder()
     found = []
     for name in RECORDS:
         try:

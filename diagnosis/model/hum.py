@@ -9,6 +9,8 @@ from pounding.diagnosis.settings import SETTINGS
 
 MAINS_HZ = (50.0, 60.0)
 MULTIPLES = 5
+RECTIFIED = 2
+"""A rectifier doubles the frequency: the lowest multiple in the hum is this one at most."""
 NEAR = 0.002
 """[-] A mains frequency is so near to its nominal value."""
 FINER = 4
@@ -36,12 +38,15 @@ def hum_of(series: np.ndarray, step_s: float) -> tuple[np.ndarray, list[float]]:
     spectrum = np.abs(np.fft.rfft(left * np.hanning(len(left)), length))
     bin_hz = 1.0 / (length * step_s)
     for mains in MAINS_HZ:
+        lowest = True
         for multiple in range(1, MULTIPLES + 1):
-            if multiple * mains < 0.45 / step_s:
+            # Mains that are bent or rectified have higher multiples beside a lower one, never alone.
+            if multiple * mains < 0.45 / step_s and (multiple <= RECTIFIED or not lowest):
                 hertz = _peak_hz(spectrum, bin_hz, multiple * mains)
                 line = None if hertz is None else _line(left, good, step_s, hertz)
                 if hertz is not None and line is not None:
                     found += line
+                    lowest = False
                     frequencies.append(hertz)
     return found, frequencies
 

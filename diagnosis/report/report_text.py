@@ -87,8 +87,29 @@ def beside_the_verdict(report: Report) -> list[str]:
     """Return what stands under the verdict in its box: the law's shape, what remains, the least change that would show."""
     said = [report.shape.statement] if report.shape else []
     said += [f"what remains: {report.remainder.statement}"] if report.remainder else []
+    said += frequencies_in_step(report)
     said += least_change(report)
     return [f"{one[0].upper()}{one[1:]}." for one in said]
+
+
+def frequencies_in_step(report: Report) -> list[str]:
+    """Return a sentence for each frame whose frequencies are all off alike, as they are when seconds are no seconds."""
+    ratios: dict[str | None, list[float]] = {}
+    for one in report.calibration or ():
+        if one.parameter == "frequency_hz":
+            ratios.setdefault(one.frame, []).append(one.calibrated / one.baseline)
+    ours, said = SETTINGS.report, []
+    for frame, each in ratios.items():
+        off = sum(each) / len(each) - 1.0
+        alike = max(each) - min(each) < ours.in_step_spread * abs(off)
+        if len(each) > 1 and alike and abs(off) > ours.in_step:
+            seconds = "long" if off < 0.0 else "short"
+            said.append(
+                f"all frequencies of {frame} are {100 * abs(off):.1f} % {'lower' if off < 0.0 else 'higher'} than in the "
+                f"baseline model; if the logger's clock may be off, seconds that are {100 * abs(off):.1f} % too {seconds} "
+                "would look the same"
+            )
+    return said
 
 
 def least_change(report: Report) -> list[str]:

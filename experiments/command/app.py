@@ -64,6 +64,7 @@ STUDIES = {
     "exact-convergence": "pounding.experiments.studies.exact_convergence:main",
     "modal-diagnosis": "pounding.diagnosis.studies.modal_diagnosis:main",
     "peak-diagnosis": "pounding.diagnosis.studies.peak_diagnosis:main",
+    "real-oscillator": "pounding.diagnosis.studies.real_oscillator:main",
 }
 """The studies by name; `python -m` and the tests call the same functions."""
 

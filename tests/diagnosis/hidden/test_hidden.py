@@ -28,6 +28,7 @@ from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
+from pounding.experiments.errors import ExperimentError
 
 HIDDEN = Path(__file__).parents[3] / "diagnosis" / "hidden"
 
@@ -286,6 +287,12 @@ def test_bad_wishes(effects: list[str], options: dict, said: str) -> None:
     options = {"source": "artificial", **options}
     with pytest.raises((CaseError, frames.FrameError), match=said):
         hide(effects, **options)
+
+
+def test_a_folder_of_records_that_is_not_there_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("POUNDING_RECORDS", "/nowhere")
+    with pytest.raises(ExperimentError, match="POUNDING_RECORDS"):
+        hide([], source="records")
 
 
 def restitution(event: Touch, speed: float, mass: float) -> float:

@@ -30,7 +30,7 @@ def resonant(hertz: float, damping: float, seed: int) -> np.ndarray:
     return np.asarray(series / series.std())
 
 
-@pytest.mark.parametrize("hertz", [50.0, 49.95, 60.03, 150.1])
+@pytest.mark.parametrize("hertz", [50.0, 49.95, 60.03, 100.06])
 @pytest.mark.parametrize("size", [0.05, 1.0])
 def test_hum_is_found_and_what_is_below_it_is_kept(hertz: float, size: float) -> None:
     plain = shaking(SAMPLES, 1) + 0.02 * np.random.default_rng(2).standard_normal(SAMPLES)
@@ -39,6 +39,15 @@ def test_hum_is_found_and_what_is_below_it_is_kept(hertz: float, size: float) ->
     found, lines = hum_of(series, STEP_S)
     assert lines == pytest.approx([hertz], abs=0.05)
     assert (found - sine(hertz, size)).std() < 0.1 * size
+
+
+def test_a_higher_multiple_is_hum_only_beside_a_lower_one() -> None:
+    plain = shaking(SAMPLES, 1) + 0.02 * np.random.default_rng(2).standard_normal(SAMPLES)
+    for alone in (150.1, 180.0):
+        assert hum_of(plain + sine(alone, 1.0), STEP_S)[1] == []
+    assert hum_of(plain + sine(50.03, 0.5) + sine(150.1, 1.0), STEP_S)[1] == pytest.approx(
+        [50.03, 150.1], abs=0.05
+    )
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -16,7 +16,7 @@ from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.report import CalibratedParameter
-from pounding.diagnosis.report.report_text import storeys_that_moved
+from pounding.diagnosis.report.report_text import beside_the_verdict, storeys_that_moved
 from tests.diagnosis.models import measured
 from tests.diagnosis.report.test_report import of_runs
 
@@ -100,3 +100,27 @@ def test_what_a_linear_frame_cannot_be_is_no_model_error(power: int) -> None:
     runs = tuple(changed if one is run else one for one in found.model.observed.runs)
     sight = replace(sight, model=found.model.seeing(replace(found.model.observed, runs=runs)))
     assert (sight.linear_share() > 0.5) == (power == 1)
+
+
+def frequencies(ratios: list[float]) -> tuple[CalibratedParameter, ...]:
+    return tuple(
+        CalibratedParameter(
+            parameter="frequency_hz", frame="5B", mode=mode, baseline=6.0 * mode, calibrated=6.0 * mode * ratio,
+            std=None, prior_std=None,
+        )
+        for mode, ratio in enumerate(ratios, 1)
+    )  # fmt: skip
+
+
+def test_frequencies_that_are_all_off_alike_may_be_a_clock() -> None:
+    def said(ratios: list[float]) -> list[str]:
+        return beside_the_verdict(structs.replace(of_runs(), calibration=frequencies(ratios)))
+
+    assert said([0.990, 0.9905, 0.9895]) == [
+        "All frequencies of 5B are 1.0 % lower than in the baseline model; if the logger's clock may be off, seconds that "
+        "are 1.0 % too long would look the same."
+    ]
+    assert "1.2 % higher" in said([1.012, 1.012])[0]
+    assert not said([0.990, 0.999, 0.985])
+    assert not said([0.998, 0.998])
+    assert not said([0.98])
