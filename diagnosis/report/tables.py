@@ -58,8 +58,8 @@ def _of_runs(report: Report) -> Iterator[RenderableType]:
         yield _effects(report)
     if report.remainder is not None:
         yield Text(f"What remains: {report.remainder.statement}.")
-    for said in frequencies_in_step(report):
-        yield Text(f"{said[0].upper()}{said[1:]}.")
+    for alike in frequencies_in_step(report):
+        yield Text(f"{alike[0].upper()}{alike[1:]}.")
     if report.where:
         title = "Where the baseline model disagrees most"
         spots = Table("channel", "run", "window [s]", "band [Hz]", "misfit", title=title)
