@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
+from functools import cache
 from pathlib import Path
+from typing import Any
 
-from pounding.diagnosis.benchmark.drawing import draw_set
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 
-SEED = 20261122
-SINGLES, PAIRS = 32, 12
-
+DRAWN = Path(__file__).with_name("drawn.json")
+"""12 pairs and 32 single frames as `draw_set` of seed 20261122 drew them at 5d638ea; other effects to draw from, other draws."""
 
 SHARED = Path(__file__).parents[3] / "shared"
 
@@ -27,7 +28,13 @@ def find_folders() -> None:
 
 def drawn_names() -> list[str]:
     """Return the names of the drawn cases."""
-    return [f"pair-{i:02d}" for i in range(PAIRS)] + [f"single-{i:02d}" for i in range(SINGLES)]
+    return list(_drawn())
+
+
+@cache
+def _drawn() -> dict[str, dict[str, Any]]:
+    """Return what is hidden in each drawn case, on which frames, and its seed."""
+    return dict(json.loads(DRAWN.read_text(encoding="utf-8")))
 
 
 def open_folders() -> dict[str, Path]:
@@ -40,8 +47,7 @@ def make(name: str, folder: Path) -> None:
     """Write a drawn case into a folder, unless it is there; its motions need the records of POUNDING_RECORDS."""
     if (folder / "case.toml").is_file():
         return
-    kind, number = name.split("-")
-    pairs = kind == "pair"
-    drawn = draw_set(PAIRS if pairs else SINGLES, SEED, pairs=pairs)[int(number)]
-    hidden = hide(drawn.effects, drawn.frames, seed=drawn.seed, source="mixed", title=f"case {int(number)}")
+    drawn = _drawn()[name]
+    title = f"case {int(name.split('-')[1])}"
+    hidden = hide(drawn["effects"], drawn["frames"], seed=drawn["seed"], source="mixed", title=title)
     write_hidden(hidden, folder)

@@ -166,7 +166,11 @@ def test_another_frame_is_said_by_its_first_frequency(
     reword(folder, "frequency_hz = [6.806]", "frequency_hz = [12.0]")
     report = diagnose(folder, capsys)
     assert any("check that this is the frame" in warning for warning in report["warnings"])
-    assert report["verdict"] == "unknown_effect"
+    assert report["verdict"] == "effect_class"
+    assert {one["effect"] for one in report["effects"][0]["class"]} == {
+        "all_stiffness_change",
+        "all_added_mass",
+    }
 
 
 def test_columns_that_no_channel_names_are_all_listed(

@@ -34,6 +34,7 @@ WORDS = {
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],
+    "experiment": ["experiment", "collision-10-5B-elcentro-6mm", "--out", "OUT"],
     "gap": ["gap", "10", "5B", *ELCENTRO, "--report", "OUT/gap.html"],
     "design": ["design", "--tall", "30", "--short", "15", "--pga", "0.3", "--report", "OUT/design.html"],
     "diagnose": ["diagnose", "CASE", "--out", "OUT"],
