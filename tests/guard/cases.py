@@ -13,7 +13,10 @@ from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 
 DRAWN = Path(__file__).with_name("drawn.json")
-"""12 pairs and 32 single frames as `draw_set` of seed 20261122 drew them at 5d638ea; other effects to draw from, other draws."""
+"""12 pairs and 32 single frames, as `draw_set` drew them of seed 20261122 at 5d638ea.
+
+It would draw others today: what is drawn depends on how many effects there are.
+"""
 
 SHARED = Path(__file__).parents[3] / "shared"
 
