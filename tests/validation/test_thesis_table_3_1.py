@@ -1,4 +1,4 @@
-"""Table 3.1 of Hesham Mohamed's frames: what the thesis measured, its SAP2000 model, and ours.
+"""Table 3.1 of Yazan Jaradat's frames: what the thesis measured, its SAP2000 model, and ours.
 
 The tolerances are the bars set before the comparison: 4 % in the mean of the ten f2 and f3, 10 % for any roof
 stiffness. The OpenSees figures (ShellDKGQ, mesh-converged, bare plates on rigid joints) are an independent
