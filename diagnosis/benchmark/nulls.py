@@ -154,7 +154,7 @@ def make(numbers: Sequence[int], seed: int, out: Path, workers: int) -> None:
         out.write_text(",".join(names) + "\n", encoding="utf-8")
     missing = [number for number in numbers if number not in known]
     tasks = (joblib.delayed(null)(number, seed) for number in missing)
-    for row in joblib.Parallel(n_jobs=workers, return_as="generator_unordered")(tasks):
+    for row in joblib.Parallel(n_jobs=workers, return_as="generator")(tasks):
         with out.open("a", encoding="utf-8", newline="") as file:
             csv.writer(file, lineterminator="\n").writerow(_shortly(row[name]) for name in names)
 
@@ -180,7 +180,12 @@ def judged(path: Path) -> list[str]:
         named += max(float(row["ordinary"]), float(row["absorbing"])) >= alarms.needed
         remaining += alarms.too_much(float(row["left"]))
     told = []
-    for what, count in (("enough evidence for an effect", named), ("more remains than noise", remaining)):
+    alarms_said = sum(row["verdict"] != "nothing_missing" for row in rows)
+    for what, count in (
+        ("enough evidence for an effect", named),
+        ("more remains than noise", remaining),
+        ("verdict other than nothing missing, by the thresholds when it was made", alarms_said),
+    ):
         low, high = binomtest(count, len(rows)).proportion_ci(0.95, method="wilson")
         told.append(f"{what}: {count} of {len(rows)} nulls, {100 * low:.0f} to {100 * high:.0f} %")
     return told

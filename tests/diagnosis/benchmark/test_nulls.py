@@ -44,6 +44,7 @@ def test_a_file_is_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     rows, said = read_nulls(out)
     assert [row["number"] for row in rows] == ["0", "1", "2", "3"]
     assert said == ""
-    named, left = nulls.judged(out)
+    named, left, told = nulls.judged(out)
     assert named.startswith("enough evidence for an effect: 4 of 4 nulls, 51 to 100 %")
     assert left.startswith("more remains than noise: 0 of 4")
+    assert ": 4 of 4 nulls" in told
