@@ -88,7 +88,7 @@ def _apart(diagnosis: Diagnosis, built: Sequence[frames.ReducedFrame], body: Fra
     """Return the motion of all frames as one body as that of each frame of its own."""
     moved = []
     for number, reduced in enumerate(built):
-        span, shape = diagnosis.found.model.structure.span(number), _shape(reduced)
+        span, shape = diagnosis.found.model.structure.span(number), reduced.floor_shapes
         place, rate, change = (
             one[:, span] @ shape.T for one in (body.displacement_m, body.velocity_m_s, body.acceleration_m_s2)
         )
@@ -96,17 +96,6 @@ def _apart(diagnosis: Diagnosis, built: Sequence[frames.ReducedFrame], body: Fra
     nothing = np.zeros(len(body.time_s))
     energy = EnergyBalance(body.time_s, nothing, nothing, nothing, nothing, nothing, nothing)
     return Motion(tuple(moved), (), energy, 0.0, 0.0, len(body.time_s))
-
-
-def _shape(reduced: frames.ReducedFrame) -> np.ndarray:
-    """Return a frame's coordinates for a unit displacement of each floor, shape (n, floors): its static shape."""
-    others = np.setdiff1d(np.arange(reduced.size), reduced.floor_x)
-    shape = np.zeros((reduced.size, reduced.storeys))
-    shape[reduced.floor_x, np.arange(reduced.storeys)] = 1.0
-    if len(others):
-        inner = reduced.stiffness[np.ix_(others, others)]
-        shape[others] = -np.linalg.solve(inner, reduced.stiffness[np.ix_(others, reduced.floor_x)])
-    return shape
 
 
 def _moment(shown: OnTheFrame) -> float:

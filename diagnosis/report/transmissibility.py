@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,14 +28,15 @@ DRIVEN = 1e-4
 
 @dataclass(frozen=True)
 class Answers:
-    """The answer of one channel to the table's acceleration, in all runs together.
+    """The answer of one channel to the table's acceleration, in all runs of one sampling rate together.
 
     Attributes:
-        frame: The frame. channel: The channel's name. unit: Unit of the answer.
+        runs: Names of the runs. frame: The frame. channel: The channel's name. unit: Unit of the answer.
         hertz: Frequencies [Hz], shape (n,).
         sizes: Size of the answer in that unit, by what gives it, each (n,); NaN where the table hardly moved.
     """
 
+    runs: tuple[str, ...]
     frame: str
     channel: str
     unit: str
@@ -53,7 +55,7 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
         outputs: The runs as the engine gave them with the effects in them, by number; may be empty.
     """
     found = diagnosis.found
-    model, runs = found.model, [*found.training, *found.held_out]
+    model, runs = found.model, _alike(found.model, [*found.training, *found.held_out])
     calibrated = found.null.fit.filtered
     series = {
         "measured": [model.observed.runs[run].measured for run in runs],
@@ -70,6 +72,12 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
     ]
 
 
+def _alike(model: Model, runs: Sequence[int]) -> list[int]:
+    """Return the runs of the first one's sampling rate: spectra of others have other frequencies."""
+    data = model.observed.runs
+    return [run for run in runs if np.isclose(data[run].step_s, data[runs[0]].step_s)]
+
+
 def _highest(model: Model, frame: int) -> int | None:
     """Return the channel on a frame's highest measured floor, an acceleration before others; None without any."""
     observed = model.observed
@@ -82,8 +90,7 @@ def _highest(model: Model, frame: int) -> int | None:
 def _answers(diagnosis: Diagnosis, frame: int, channel: int, series: dict[str, list[np.ndarray]]) -> Answers:
     found, case = diagnosis.found, diagnosis.case
     model, observed = found.model, found.model.observed
-    runs = [*found.training, *found.held_out]
-    data = [observed.runs[run] for run in runs]
+    data = [observed.runs[run] for run in _alike(model, [*found.training, *found.held_out])]
     samples = max(16, int(SEGMENT * min(len(one.table) for one in data)))
     step_s = data[0].step_s
     tables = [one.table for one in data]
@@ -106,7 +113,10 @@ def _answers(diagnosis: Diagnosis, frame: int, channel: int, series: dict[str, l
             for table, one in zip(tables, given, strict=True)
         )
         sizes[name] = np.where(driven, np.abs(crossed[inside]) / power[inside] / scale, np.nan)
-    return Answers(model.structure.frames[frame].name, observed.names[channel], unit, hertz[inside], sizes)
+    names = tuple(one.name for one in data)
+    return Answers(
+        names, model.structure.frames[frame].name, observed.names[channel], unit, hertz[inside], sizes
+    )
 
 
 def _filled(series: np.ndarray) -> np.ndarray:
@@ -145,7 +155,8 @@ def transmissibility_figure(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
         axes.set_xlim(one.hertz[0], one.hertz[-1])
         axes.set_ylabel(f"|{one.channel} / table| [{one.unit}]")
         axes.set_title(
-            f"{one.frame}: the highest channel over the table's acceleration, all runs", fontsize=10
+            f"{one.frame}: the highest channel over the table's acceleration in {', '.join(one.runs)}",
+            fontsize=10,
         )
         axes.grid(alpha=0.25, which="both")
     panels[-1].set_xlabel("frequency [Hz]")

@@ -107,13 +107,19 @@ class ReducedFrame:
         The stiffness is exact for forces on floors; mass and damping are Guyan's.
         """
         mass, stiffness = condense(self.stiffness, self.mass, self.floor_x)
+        basis = self.floor_shapes
+        return mass, stiffness, basis.T @ self.damping @ basis
+
+    @property
+    def floor_shapes(self) -> Real:
+        """Static displacement of all coordinates when one floor moves by one along x and no other does (n, storeys)."""
         others = np.setdiff1d(np.arange(self.size), self.floor_x)
         basis = np.zeros((self.size, self.storeys))
         basis[self.floor_x, np.arange(self.storeys)] = 1.0
         if len(others):
             inner = self.stiffness[np.ix_(others, others)]
             basis[others] = -np.linalg.solve(inner, self.stiffness[np.ix_(others, self.floor_x)])
-        return mass, stiffness, basis.T @ self.damping @ basis
+        return basis
 
     @property
     def is_mesh(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
@@ -151,6 +152,26 @@ def test_the_answer_to_the_table_is_the_corrected_models_more_than_the_baselines
     assert off["corrected"] < off["calibrated"]
     (without,) = answers(rounded(), {})
     assert "corrected" not in without.sizes
+
+
+def test_runs_of_another_rate_are_left_out_of_the_answers_to_the_table() -> None:
+    whole = rounded()
+    first, second = whole.found.model.observed.runs
+    slower = replace(
+        second,
+        step_s=2 * second.step_s,
+        time_s=second.time_s[::2],
+        table=second.table[::2],
+        measured=second.measured[::2],
+        contact=second.contact[::2],
+    )
+    model = whole.found.model.seeing(replace(whole.found.model.observed, runs=(first, slower)))
+    (one,) = answers(replace(whole, found=replace(whole.found, model=model)), {})
+    assert one.runs == (first.name,)
+    assert answers(whole, {})[0].runs == (first.name, second.name)
+    # Measured and calibrated agree, which spectra of two rates added up would not.
+    near = np.nanmedian(np.abs(np.log(one.sizes["calibrated"] / one.sizes["measured"])))
+    assert near < 0.2
 
 
 def test_the_run_on_the_frame_is_that_of_the_report() -> None:
