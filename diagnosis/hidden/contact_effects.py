@@ -8,8 +8,8 @@ import numpy as np
 
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.contacts import DAMPED, STIFFNESS, Touch
-from pounding.diagnosis.hidden.effects import Effect, Parameters, Setting
 from pounding.diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.hidden.setting import Effect, Parameters, Setting
 
 
 def _stated(setting: Setting) -> Touch:

@@ -14,12 +14,12 @@ from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden import motions
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import Touch
-from pounding.diagnosis.hidden.effects import Parameters, Setting
 from pounding.diagnosis.hidden.instruments import recorded
 from pounding.diagnosis.hidden.places import Place, Wanted, locate, wanted
 from pounding.diagnosis.hidden.reference import typical
 from pounding.diagnosis.hidden.rigging import RUNS, Rig, approach, draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.hidden.setting import Parameters, Setting
 from pounding.diagnosis.hidden.visibility import LEAST, Eye
 from pounding.diagnosis.hidden.worlds import world_of
 

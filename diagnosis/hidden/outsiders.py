@@ -8,8 +8,8 @@ import numpy as np
 
 from pounding.diagnosis.hidden import laws
 from pounding.diagnosis.hidden.beams import Appendage
-from pounding.diagnosis.hidden.effects import Effect, Parameters, Setting
 from pounding.diagnosis.hidden.scenario import Load, Scenario, Spring
+from pounding.diagnosis.hidden.setting import Effect, Parameters, Setting
 
 
 def hidden_appendage(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:

@@ -12,8 +12,9 @@ from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.contact_effects import CONTACT
-from pounding.diagnosis.hidden.effects import ASKED_FOR, CATALOGUE, Effect
+from pounding.diagnosis.hidden.effects import ASKED_FOR, CATALOGUE
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
+from pounding.diagnosis.hidden.setting import Effect
 
 EFFECTS: dict[str, Effect] = {**CATALOGUE, **ASKED_FOR, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""

@@ -10,9 +10,9 @@ import numpy as np
 
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.hidden.beams import Beams
-from pounding.diagnosis.hidden.effects import Effect
 from pounding.diagnosis.hidden.motions import Motion
 from pounding.diagnosis.hidden.scenario import Happened, Scenario
+from pounding.diagnosis.hidden.setting import Effect
 
 Happen = Callable[[Scenario, Motion, int], Happened]
 

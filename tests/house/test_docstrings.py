@@ -31,7 +31,7 @@ SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w'*+ ]+
 """`[m]`, `shape (n, 3)`, `(m,)`, `(..., 3)`, `(6 nodes, 6 nodes)`; a single word in brackets is no shape."""
 
 SHARED_SIGNATURES = {
-    ("setting", "size", "rng"): ("diagnosis/hidden/effects.py", "Effect"),
+    ("setting", "size", "rng"): ("diagnosis/hidden/setting.py", "Effect"),
     ("p", "state", "d", "v", "t", "new"): ("diagnosis/model/laws.py", "Law"),
 }
 """Arguments of functions that stand in a table, and the class whose docstring describes them once."""

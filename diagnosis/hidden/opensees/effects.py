@@ -10,11 +10,12 @@ import numpy as np
 
 from pounding.diagnosis.hidden import effects, outsiders
 from pounding.diagnosis.hidden.contact_effects import CONTACT as OWN_CONTACT
-from pounding.diagnosis.hidden.effects import Effect, Parameters, Setting
 from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
 from pounding.diagnosis.hidden.opensees import materials
 from pounding.diagnosis.hidden.opensees.shaking import Link, PlaneScenario, Rider
 from pounding.diagnosis.hidden.scenario import Scenario
+from pounding.diagnosis.hidden.setting import Effect, Parameters, Put, Setting
+from pounding.diagnosis.hidden.whole_frame import STATES, in_all_storeys
 
 
 def _with_links(setting: Setting, *makes: Callable[[float], Link]) -> Scenario:
@@ -186,7 +187,7 @@ def rattling_mass(setting: Setting, size: float, rng: np.random.Generator) -> tu
     return whole, {"mass": (mass, "kg"), "play": (play * 1e3, "mm")}
 
 
-_LAWS: dict[str, effects.Put] = {
+_LAWS: dict[str, Put] = {
     "coulomb_friction": coulomb_friction,
     "air_drag": air_drag,
     "cubic_stiffness": cubic_stiffness,
@@ -198,7 +199,7 @@ _LAWS: dict[str, effects.Put] = {
     "weakening_friction": weakening_friction,
     "slack_tie": slack_tie,
 }
-_IN_ONE: dict[str, effects.Put] = {
+_IN_ONE: dict[str, Put] = {
     "all_coulomb_friction": coulomb_friction,
     "all_hysteresis": hysteresis,
     "all_cubic_stiffness": cubic_stiffness,
@@ -206,7 +207,7 @@ _IN_ONE: dict[str, effects.Put] = {
     "all_quadratic_damping": quadratic_damping,
 }
 """What is put into each storey for an effect of all of them."""
-_LAWS |= {name: effects.in_all_storeys(put, effects.STATES[name]) for name, put in _IN_ONE.items()}
+_LAWS |= {name: in_all_storeys(put, STATES[name]) for name, put in _IN_ONE.items()}
 
 _PLANE_CANNOT = ("torsional_eccentricity",)
 

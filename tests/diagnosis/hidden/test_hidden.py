@@ -18,7 +18,7 @@ from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.beams import Appendage
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
-from pounding.diagnosis.hidden.effects import CATALOGUE, Setting, hysteresis, in_all_storeys, yielding
+from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis
 from pounding.diagnosis.hidden.hide import VISIBILITY, hide
 from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
 from pounding.diagnosis.hidden.motions import Motion, draw
@@ -26,6 +26,8 @@ from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.reference import Typical
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
+from pounding.diagnosis.hidden.setting import Setting
+from pounding.diagnosis.hidden.whole_frame import in_all_storeys, yielding
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.experiments.errors import ExperimentError
