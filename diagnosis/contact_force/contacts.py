@@ -7,7 +7,7 @@ velocity. All have Gaussian priors; descent and evidence are those of every kind
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -191,14 +191,40 @@ def _robust(residual: np.ndarray) -> np.ndarray:
 
 
 def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
-    impact = bodies.impacts[number]
+    difference = _difference(bodies.impacts[number], bodies, law, common, error)
+    # A law that makes no force at all is as wrong as can be, not infinitely so.
+    return np.asarray(bodies.impacts[number].whiten @ np.clip(difference, -4.0, 4.0))
+
+
+def _difference(
+    impact: Impact, bodies: Bodies, law: Law, common: np.ndarray, error: np.ndarray
+) -> np.ndarray:
+    """Return the logarithmic spectrum of an impact as a law and the filter make it less the one seen, shape (7,)."""
     made = compare(bodies, impact, law, error) + TERMS @ common[:FILTER]
     difference = made - impact.seen
     hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
     difference[4:] -= hertz * DELAY_S * common[1]
     difference[4:] = (difference[4:] + np.pi) % (2 * np.pi) - np.pi
-    # A law that makes no force at all is as wrong as can be, not infinitely so.
-    return np.asarray(impact.whiten @ np.clip(difference, -4.0, 4.0))
+    return np.asarray(difference)
+
+
+def as_fitted(bodies: Bodies, fitted: Fitted) -> Bodies:
+    """Return impacts as a fit makes them, with the errors that the measured ones have.
+
+    Args:
+        bodies: The two floors and their impacts.
+        fitted: The fit.
+    """
+    x = fitted.unknowns
+    made = [
+        replace(
+            impact,
+            seen=impact.seen
+            + _difference(impact, bodies, fitted.law, x, x[COMMON + 2 * i : COMMON + 2 * i + 2]),
+        )
+        for i, impact in enumerate(bodies.impacts)
+    ]
+    return replace(bodies, impacts=tuple(made))
 
 
 TERMS = _filter_terms()

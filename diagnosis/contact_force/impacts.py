@@ -124,7 +124,7 @@ class Impact:
         turn: exp(-i omega t) times the step on the fine grid, shape (frequencies, steps).
         seen: Logarithmic spectrum: magnitudes, then phases but the first, shape (7,).
         whiten: Inverse Cholesky factor of its covariance; rows of what is too faint are zero, shape (7, 7).
-        onset: Index of the first plain sample on the fine grid. impulse: [N s]. share: Frequencies over the sampling rate.
+        onset: Index of the first plain sample on the fine grid. impulse: [N s].
     """
 
     free: np.ndarray
@@ -139,12 +139,16 @@ class Impact:
 
 @dataclass(frozen=True)
 class Bodies:
-    """The two floors that meet: what a step of force does to their distance, and the impacts between them."""
+    """The two floors that meet: what a step of force does to their distance, and the impacts between them.
+
+    `sharpness` is the share of the errors expected of the impacts' spectra that they have here.
+    """
 
     held: np.ndarray
     held_rate: np.ndarray
     mass: float
     impacts: tuple[Impact, ...]
+    sharpness: float = 1.0
 
 
 def spectrum(force: np.ndarray, turn: np.ndarray) -> np.ndarray:
@@ -252,7 +256,8 @@ def bodies(
 
 def sharper(met: Bodies, share: float) -> Bodies:
     """Return impacts with a share of the errors of their spectra; the states before them are known as before."""
-    return replace(met, impacts=tuple(replace(one, whiten=one.whiten / share) for one in met.impacts))
+    found = tuple(replace(one, whiten=one.whiten / share) for one in met.impacts)
+    return replace(met, impacts=found, sharpness=met.sharpness * share)
 
 
 def _impact(

@@ -31,7 +31,10 @@ from pounding.diagnosis.settings import SETTINGS
 
 @dataclass(frozen=True)
 class ContactFindings:
-    """What the impacts say: the baseline contact, and each other with its ln Bayes factor against it, best first."""
+    """What the impacts say: the baseline contact, and each other with its ln Bayes factor against it, best first.
+
+    `error` is the scatter of the impacts about the best of them over what was expected.
+    """
 
     null: Fitted | None
     ranked: tuple[tuple[float, Fitted], ...] = ()
@@ -40,24 +43,7 @@ class ContactFindings:
     nearest_m: float = float("nan")
     spread_m: float = float("nan")
     bodies: Bodies | None = None
-
-
-@dataclass(frozen=True)
-class Foretold:
-    """How well held-out impacts are foretold, root mean square in standard deviations of the forces: 1 is as it should be.
-
-    Attributes:
-        impacts: How many impacts.
-        model: With the contact of the baseline model.
-        likeliest: With the likeliest other contact, as fitted to the training runs.
-        gained: Gain of log likelihood of the likeliest over the contact of the baseline model with its scatter, as fitted to
-            the training runs too.
-    """
-
-    impacts: int
-    model: float
-    likeliest: float
-    gained: float
+    error: float = 1.0
 
 
 def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
@@ -230,11 +216,17 @@ def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
         verdict: The verdict on the frames.
     """
     assert found.pair is not None
-    filtered = _frames(found, verdict)
+    filtered = frames(found, verdict)
     return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
 
 
-def _frames(found: Findings, verdict: str) -> Filtered:
+def frames(found: Findings, verdict: str) -> Filtered:
+    """Return the frames as a verdict has them.
+
+    Args:
+        found: What the search found.
+        verdict: The verdict on the frames.
+    """
     named = verdict != "nothing_missing" and bool(found.judged)
     return (found.judged[0] if named else found.null).fit.filtered
 
@@ -255,7 +247,7 @@ def contact_findings(
         effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
     """
-    full, start, met = _met(pair, values, effects, runs)
+    full, start, met = met_in(pair, values, effects, runs)
     left, right = full.observed.contact_floors[pair.column]
     nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
     second = None
@@ -266,10 +258,9 @@ def contact_findings(
     law = baseline_law(case.contacts[0], met.mass)
     speed = float(np.median([abs(one.free_rate[min(one.onset, len(one.free) - 1)]) for one in met.impacts]))
     met, temper, (model, *fits) = _fitted(met, law, max(speed, 1e-2))
-    against = [(one.log_evidence - model.log_evidence) / temper for one in fits]
-    return ContactFindings(
-        model, contacts.ranked(against, fits), second, len(met.impacts), nearest, spread, met
-    )
+    ranked = contacts.ranked([(one.log_evidence - model.log_evidence) / temper for one in fits], fits)
+    error = met.sharpness * float(np.sqrt(temper))
+    return ContactFindings(model, ranked, second, len(met.impacts), nearest, spread, met, error)
 
 
 def _fitted(met: Bodies, law: Law, speed: float) -> tuple[Bodies, float, list[Fitted]]:
@@ -293,10 +284,17 @@ def _level(met: Bodies, fits: Sequence[Fitted]) -> float:
     return 2 * cost / max(freedom - 3 * len(met.impacts), 1)
 
 
-def _met(
+def met_in(
     pair: Pair, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]], runs: Sequence[int]
 ) -> tuple[Model, Filtered, Bodies]:
-    """Return the model at the logger's rate, its filter with the contact's force, and the impacts of `runs`."""
+    """Return the model at the logger's rate, its filter with the contact's force, and the impacts of some runs.
+
+    Args:
+        pair: The pair.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+        runs: Numbers of the runs.
+    """
     full, noise = pair.full, [pair.noise[run] for run in runs]
     # At the logger's rate forces are as measured: their sizes, the last parameters, are what is asked here.
     values = values[: len(full.std)]
@@ -308,32 +306,6 @@ def _met(
     mass = np.concatenate([frame.floor_mass for frame in full.structure.frames])
     reduced = reduced_mass(float(mass[left]), float(mass[right]))
     return full, start, impacts.bodies(full, start, pair.column, noise, reduced)
-
-
-def foretold(case: Case, found: Findings, verdict: str, contact_findings: ContactFindings) -> Foretold | None:
-    """Return how well the contact of the baseline model and the likeliest one predict held-out impacts; None without any.
-
-    Each impact is predicted from the measured motion before it: a run through several impacts departs from the measured
-    one after the first few whatever the contact.
-
-    Args:
-        case: The case.
-        found: What the search found.
-        verdict: The verdict on the frames.
-        contact_findings: What the impacts of the training runs say of the contact.
-    """
-    if found.pair is None or contact_findings.null is None or not found.held_out:
-        return None
-    filtered = _frames(found, verdict)
-    _, _, met = _met(found.pair, filtered.values, filtered.effects, found.held_out)
-    if len(met.impacts) < SETTINGS.impacts.least:
-        return None
-    model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
-    nuisance, likeliest = (
-        contacts.held(met, one.law) for one in (contact_findings.null, contact_findings.ranked[0][1])
-    )
-    gained = nuisance.cost - likeliest.cost
-    return Foretold(len(met.impacts), model.misfit, likeliest.misfit, gained)
 
 
 def _nearest(full: Model, filtered: Filtered, left: int, right: int, gap: float) -> tuple[float, float]:

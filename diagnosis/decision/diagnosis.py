@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.contact_force.pair import ContactFindings, foretold, judge_contact
+from pounding.diagnosis.contact_force.foretelling import foretold
+from pounding.diagnosis.contact_force.pair import ContactFindings, judge_contact
 from pounding.diagnosis.decision.conclusion import Conclusion, of_frames
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.pair_decision import claims_of, joined

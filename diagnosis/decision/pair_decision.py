@@ -10,7 +10,8 @@ import numpy as np
 from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold
+from pounding.diagnosis.contact_force.foretelling import Foretold
+from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.decision.claims import Claim, Parameter, Place, candidate, claim, finite, parameter
 from pounding.diagnosis.decision.conclusion import Conclusion, ContactMisfit
 from pounding.diagnosis.decision.confidence import CONTACT, Features, confidence
@@ -130,13 +131,11 @@ def _holds(
     Without any of them a force cell's word is taken, and that of forces which the motion asks for if it says much more than
     is needed.
     """
-    ours = SETTINGS.pair_decision
     if not contact_findings.ranked or best.effect != contact_findings.ranked[0][1].hypothesis.effect:
         return True
     if foretold is None:
-        return pair.cell is not None or best.log_evidence > ours.unmeasured_factor * needed
-    asked = ours.foretold_share * best.log_evidence * foretold.impacts / contact_findings.impacts
-    return foretold.gained > min(asked, ours.foretold_most) - ours.foretold_chance
+        return pair.cell is not None or best.log_evidence > SETTINGS.pair_decision.unmeasured_factor * needed
+    return foretold.supports
 
 
 def _contact_misfit(foretold: Foretold, claims: list[Claim]) -> ContactMisfit:

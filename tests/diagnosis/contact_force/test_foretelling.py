@@ -1,0 +1,66 @@
+"""Held-out impacts: what they say of a contact that was fitted to others, and what they could have said at best."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.contact_force import contacts
+from pounding.diagnosis.contact_force.foretelling import Foretold, gains
+from pounding.diagnosis.contact_force.hypotheses import baseline_law
+from pounding.diagnosis.contact_force.impacts import Bodies, sharper
+from pounding.diagnosis.contact_force.pair import met_in, prepare
+from tests.diagnosis.pair_models import CONTACT, colliding, model_of
+
+TRUE = replace(CONTACT, restitution=0.55)
+
+
+@cache
+def met() -> Bodies:
+    case = colliding(TRUE, runs=1)
+    model = model_of(case)
+    return met_in(prepare(case, model), np.zeros(len(model.std)), (), (0,))[2]
+
+
+def told(gained: float, expected: float) -> Foretold:
+    return Foretold(10, 1.0, 1.0, gained, expected)
+
+
+def test_impacts_as_a_fit_makes_them_leave_that_fit_nothing() -> None:
+    bodies = met()
+    law = baseline_law(TRUE, bodies.mass)
+    fitted = contacts.held(bodies, law)
+    made = contacts.held(contacts.as_fitted(bodies, fitted), law)
+    # What is left is the prior of the filter and of the states, and some of the impacts that did not fit.
+    assert made.cost < 0.5 * float(fitted.unknowns @ fitted.unknowns) + 1e-3
+    assert made.cost < fitted.cost
+
+
+def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact() -> None:
+    bodies = met()
+    true = baseline_law(TRUE, bodies.mass)
+    other = replace(true, restitution=true.restitution + 0.03)
+    gained, expected = gains(bodies, other, true)
+    assert expected > 0.0
+    # A normal likelihood ratio has its mean twice as a variance; four standard deviations hold whatever the noise.
+    assert abs(gained - expected) < 4.0 * np.sqrt(2.0 * expected) + 1.0
+    # Impacts that are known half as well tell a quarter.
+    assert gains(sharper(bodies, 2.0), other, true)[1] < 0.6 * expected
+    assert gains(bodies, true, true)[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_impacts_without_an_opinion_veto_nothing_and_those_with_one_do() -> None:
+    assert told(0.0, 0.5).supports
+    assert told(1.7, 1.7).supports
+    assert not told(0.0, 12.0).supports
+    assert told(11.0, 200.0).supports
+    assert not told(-5.0, 2.0).supports
+
+
+def test_more_gain_never_takes_the_support_away() -> None:
+    for expected in (0.0, 1.0, 5.0, 40.0):
+        answers = [told(float(gained), expected).supports for gained in np.linspace(-30.0, 60.0, 91)]
+        assert answers == sorted(answers)
