@@ -252,3 +252,21 @@ def test_frames_far_from_the_priors_are_unknown_however_well_they_fit() -> None:
         decision = decide(findings(PROBLEMS[name], DATA["quiet"], other))
         assert decision.verdict == "unknown_effect"
         assert decision.model_checks
+
+
+@pytest.mark.parametrize(
+    ("also", "named"), [(0.0, 2), (5.0, 0)], ids=["with the second itself", "with both another frame"]
+)
+def test_a_frame_that_one_effect_makes_another_one_may_be_itself_with_two(also: float, named: int) -> None:
+    """Little evidence is enough for the second: what the first left of it went into stiffness and mass, without misfit."""
+    model, usual = bench()
+    kinds = [parameter.kind for parameter in model.parameters]
+    far = np.array([kind == "storey_stiffness" for kind in kinds]) * model.std
+    found = findings(PROBLEMS["a second effect that adds little"], DATA["quiet"])
+    for one in found.judged:
+        fit: Any = one.fit
+        shift = also if len(one.effects) == 2 else 5.0
+        fit.filtered = cast(Filtered, replace(usual, values=shift * far))
+    decision = decide(found)
+    assert decision.named == bool(named)
+    assert len(decision.judged.effects) == (named or 1)
