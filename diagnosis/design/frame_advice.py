@@ -24,7 +24,7 @@ from pounding.diagnosis.inference.filtering import (
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.refine import Fit
-from pounding.diagnosis.inference.search import widths
+from pounding.diagnosis.inference.refining import widths
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square

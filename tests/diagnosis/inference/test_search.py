@@ -8,8 +8,9 @@ import pytest
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.findings import Findings, judge
+from pounding.diagnosis.inference.other_starts import softer
 from pounding.diagnosis.inference.refine import refine
-from pounding.diagnosis.inference.search import search, softer
+from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured

@@ -1,0 +1,138 @@
+"""Scored candidates refined side by side, and the better fit of each kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from pounding.diagnosis.effects.catalogue import Effect, Scales
+from pounding.diagnosis.inference.coordinates import box_of
+from pounding.diagnosis.inference.evidence import Score
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
+from pounding.diagnosis.inference.findings import Findings, judge
+from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
+from pounding.diagnosis.settings import SETTINGS
+
+
+def each(
+    found: Findings,
+    function: Callable[[T], R],
+    pieces: Sequence[T],
+    told: Callable[[T], None] | None = None,
+) -> list[R]:
+    """Return what is refined for each piece, side by side where there is memory for it.
+
+    Args:
+        found: The findings, whose data say how much memory a refinement takes.
+        function: What refines a piece.
+        pieces: The pieces.
+        told: Called with each piece before it is refined.
+    """
+    observed = found.model.observed
+    samples = sum(observed.runs[run].measured.size for run in found.training)
+    if samples * len(found.model.std) < SETTINGS.search.side_by_side:
+        return side_by_side(function, pieces, told)
+    return in_turn(function, pieces, told)
+
+
+def keep(found: Findings, fit: Fit) -> None:
+    """Add a fit to what was judged, the better one only where two starts led to the same effects.
+
+    Args:
+        found: The findings.
+        fit: The fit.
+    """
+    judged = judge(found.model, fit, found.null.fit, found.training, found.held_out)
+    if np.isfinite(judged.ln_bayes):
+        found.judged.append(judged)
+    ranked = sorted(found.judged, key=lambda one: -one.ln_bayes)
+    best_of = {one.effects: one for one in reversed(ranked)}
+    found.judged = [one for one in ranked if best_of[one.effects] is one]
+
+
+def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:
+    """Return prior standard deviations of an effect's parameters [SI], (parameters,); those of logarithms are not used.
+
+    Args:
+        model: The baseline model.
+        effect: The effect.
+        sizes: Typical sizes of the motion.
+        shape: Values of what is not an amplitude, one of the effect's `grid`.
+    """
+    size = effect.size(model, sizes, shape)
+    start = effect.values(size, shape)
+    return np.asarray(np.maximum(np.abs(start), 1e-12))
+
+
+def refined(
+    found: Findings,
+    filtered: Filtered,
+    one: Score,
+    with_fit: Fit | None = None,
+    start: Fit | None = None,
+    thorough: bool = True,
+) -> Fit:
+    """Return a scored candidate refined.
+
+    Args:
+        found: The findings.
+        filtered: The model about which it was scored, filtered.
+        one: The candidate's score.
+        with_fit: A fit whose effects act beside it; when None it acts alone.
+        start: A fit of it that was ended early; when None it is refined from its score.
+        thorough: Whether to refine to the end.
+    """
+    model, effect = found.model, one.effect
+    values = effect.values(one.amplitude, one.shape)
+    width = widths(model, effect, found.sizes, one.shape)
+    if with_fit is not None:
+        before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
+        limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
+        moved = np.clip(filtered.values + one.nuisance, -limit, limit)
+        return refine(
+            model,
+            filtered,
+            (*with_fit.effects, effect),
+            (*with_fit.values, values),
+            (*before, width),
+            nuisance=moved,
+        )
+    if start is not None:
+        return refine(model, start.filtered, (effect,), (start.values[0],), (width,), thorough=thorough)
+    values, nuisance = _better_start(found, filtered, one)
+    return refine(model, filtered, (effect,), (values,), (width,), thorough=thorough, nuisance=nuisance)
+
+
+def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.ndarray, np.ndarray]:
+    """Return effect and nuisance parameters from which to refine: as scored, or a shape or size that predicts better.
+
+    The score is linear in the amplitude and knows the shape on a coarse grid only.
+    """
+    model, effect = found.model, one.effect
+    shapes = effect.grid(found.sizes)
+    tried = [(one.shape, factor) for factor in (1.0, *SETTINGS.search.start_factors)]
+    if len(shapes) > 1:
+        nearest = sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))
+        tried += [(shape, 1.0) for shape in nearest[1 : 1 + SETTINGS.search.start_shapes]]
+    scanned = effect.near(one.shape)
+    tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
+    limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
+    starts: list[tuple[np.ndarray, np.ndarray]] = []
+    for shape, factor in tried:
+        values = effect.values(factor * one.amplitude, shape)
+        moved = np.clip(filtered.values + factor * one.nuisance, -limit, limit)
+        # A scan over what is tuned is long enough with what the nuisance parameters give back.
+        starts += [(values, moved)] if shape in scanned else [(values, moved), (values, filtered.values)]
+
+    def likely(start: tuple[np.ndarray, np.ndarray]) -> float:
+        values, nuisance = start
+        with np.errstate(over="ignore", invalid="ignore"):
+            found_there = run_filter(
+                model, nuisance, filtered.noise, filtered.runs, [(effect, values)]
+            ).log_likelihood
+        return found_there if np.isfinite(found_there) else -np.inf
+
+    return max(starts, key=likely)
