@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from pounding.experiments.command.app import STUDIES, VERBS
 
 HOUSE = Path(__file__).parents[2]
-PAGES = [HOUSE / "README.md", *sorted((HOUSE / "docs").rglob("*.md"))]
+PAGES = [*sorted(HOUSE.glob("*.md")), *sorted((HOUSE / "docs").rglob("*.md"))]
 
 FOLDERS = "frames|contact|experiments|diagnosis|tests|docs|pounding"
 A_PATH = re.compile(rf"(?<![\w/.~-])((?:{FOLDERS})/[\w./*-]*[\w*/])(?:::(\w+))?")
@@ -98,3 +99,10 @@ def test_the_page_on_the_house_names_every_room(package: str) -> None:
     page = (HOUSE / "docs/house.md").read_text(encoding="utf-8")
     rooms = [path.parent.name for path in (HOUSE / package).glob("*/__init__.py")]
     assert not [room for room in rooms if f"| `{package}/{room}/` |" not in page]
+
+
+def test_what_is_to_be_cited_is_the_version_that_is_built() -> None:
+    built = tomllib.loads((HOUSE / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    cited = re.search(r"^version: (\S+)$", (HOUSE / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE)
+    assert cited is not None
+    assert cited[1] == built
