@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
-from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law, spectrum, strike
+from pounding.diagnosis.contact_force.impacts import Bodies, Law
+from pounding.diagnosis.contact_force.striking import differences
 from pounding.diagnosis.inference.posterior import Likelihood, Marquardt, Posterior, descend
 from pounding.diagnosis.settings import SETTINGS
 
@@ -22,7 +23,7 @@ BEND, UNEVEN, CURVE = 0.1, (0.02, 0.04), 0.3
 phase that grows with the cube [rad], at the highest frequency."""
 REACH = 30.0
 """Prior standard deviations that an unknown may move in one step."""
-REGAINED = [(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)]
+REGAINED = np.array([(moved, faster) for moved in np.linspace(-5.0, 5.0, 41) for faster in (-1.5, 0.0, 1.5)])
 """Errors of displacement and velocity, in prior standard deviations, with which lost impacts are looked for."""
 
 
@@ -59,22 +60,6 @@ def _filter_terms() -> np.ndarray:
     terms[2, 3], terms[3, 4] = UNEVEN
     terms[4:, 5] = CURVE * share[1:] ** 3
     return terms
-
-
-def compare(bodies: Bodies, impact: Impact, law: Law, error: np.ndarray) -> np.ndarray:
-    """Return the logarithmic spectrum of an impact as a law makes it, shape (7,).
-
-    Args:
-        bodies: The two floors and their impacts.
-        impact: The impact.
-        law: The contact law.
-        error: Errors of displacement and velocity before the impact [prior standard deviations], shape (2,).
-    """
-    steps = np.arange(len(impact.free)) * STEP_S
-    free = impact.free + impact.prior[0] * error[0] + impact.prior[1] * error[1] * steps
-    rate = impact.free_rate + impact.prior[1] * error[1]
-    force = strike(free, rate, bodies.held, bodies.held_rate, *law.numbers())
-    return spectrum(force, impact.turn)
 
 
 def fit(
@@ -175,10 +160,10 @@ def _regained(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> np.ndarr
     size = np.sqrt(np.sum(_residuals(bodies, hypothesis, x)[0] ** 2, axis=1))
     for i in np.flatnonzero(size > SETTINGS.impacts.off):
         own = slice(COMMON + 2 * i, COMMON + 2 * i + 2)
-        tried = [np.array(errors) for errors in REGAINED]
-        left = [float(np.sum(_residual(bodies, int(i), law, x, one) ** 2)) for one in tried]
-        if min(left) < size[i] ** 2:
-            found[own] = tried[int(np.argmin(left))]
+        tried = _whitened(bodies, law, x, REGAINED, np.full(len(REGAINED), i))
+        left = np.sum(tried**2, axis=1)
+        if left.min() < size[i] ** 2:
+            found[own] = REGAINED[left.argmin()]
     return None if np.array_equal(found, x) else found
 
 
@@ -190,22 +175,41 @@ def _robust(residual: np.ndarray) -> np.ndarray:
     return np.asarray(np.where(size <= off, 0.5 * square, off * size - 0.5 * off**2))
 
 
-def _residual(bodies: Bodies, number: int, law: Law, common: np.ndarray, error: np.ndarray) -> np.ndarray:
-    difference = _difference(bodies.impacts[number], bodies, law, common, error)
-    # A law that makes no force at all is as wrong as can be, not infinitely so.
-    return np.asarray(bodies.impacts[number].whiten @ np.clip(difference, -4.0, 4.0))
-
-
-def _difference(
-    impact: Impact, bodies: Bodies, law: Law, common: np.ndarray, error: np.ndarray
+def _made(
+    bodies: Bodies, law: Law, x: np.ndarray, errors: np.ndarray, which: np.ndarray | None = None
 ) -> np.ndarray:
-    """Return the logarithmic spectrum of an impact as a law and the filter make it less the one seen, shape (7,)."""
-    made = compare(bodies, impact, law, error) + TERMS @ common[:FILTER]
-    difference = made - impact.seen
-    hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
-    difference[4:] -= hertz * DELAY_S * common[1]
-    difference[4:] = (difference[4:] + np.pi) % (2 * np.pi) - np.pi
-    return np.asarray(difference)
+    """Return logarithmic spectra as a law and the filter make them less those seen, of all impacts or some, (rows, 7)."""
+    filtered = TERMS @ x[:FILTER]
+    asked = np.arange(len(bodies.impacts)) if which is None else which
+    return np.asarray(
+        differences(*bodies.packed, law.numbers(), filtered, float(DELAY_S * x[1]), asked, errors)
+    )
+
+
+def _whitened(
+    bodies: Bodies, law: Law, x: np.ndarray, errors: np.ndarray, which: np.ndarray | None = None
+) -> np.ndarray:
+    # A law that makes no force at all is as wrong as can be, not infinitely so.
+    made = np.clip(_made(bodies, law, x, errors, which), -4.0, 4.0)
+    whiten = bodies.whiten if which is None else bodies.whiten[which]
+    return np.asarray((whiten @ made[:, :, None])[:, :, 0])
+
+
+def _errors(x: np.ndarray) -> np.ndarray:
+    """Return the errors of displacement and velocity before each impact, shape (impacts, 2)."""
+    return x[COMMON:].reshape(-1, 2)
+
+
+def spectra(bodies: Bodies, law: Law) -> np.ndarray:
+    """Return the logarithmic spectra of impacts as a law makes them, shape (impacts, 7).
+
+    Args:
+        bodies: The two floors and their impacts.
+        law: The contact law.
+    """
+    blank = tuple(replace(one, seen=np.zeros(7)) for one in bodies.impacts)
+    still = np.zeros((len(blank), 2))
+    return _made(replace(bodies, impacts=blank), law, np.zeros(FILTER), still)
 
 
 def as_fitted(bodies: Bodies, fitted: Fitted) -> Bodies:
@@ -216,28 +220,16 @@ def as_fitted(bodies: Bodies, fitted: Fitted) -> Bodies:
         fitted: The fit.
     """
     x = fitted.unknowns
-    made = [
-        replace(
-            impact,
-            seen=impact.seen
-            + _difference(impact, bodies, fitted.law, x, x[COMMON + 2 * i : COMMON + 2 * i + 2]),
-        )
-        for i, impact in enumerate(bodies.impacts)
-    ]
-    return replace(bodies, impacts=tuple(made))
+    made = _made(bodies, fitted.law, x, _errors(x))
+    each = zip(bodies.impacts, made, strict=True)
+    return replace(bodies, impacts=tuple(replace(impact, seen=impact.seen + more) for impact, more in each))
 
 
 TERMS = _filter_terms()
 
 
 def _residuals(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    law = at(hypothesis, x[FILTER:COMMON])
-    found = np.array(
-        [
-            _residual(bodies, i, law, x, x[COMMON + 2 * i : COMMON + 2 * i + 2])
-            for i in range(len(bodies.impacts))
-        ]
-    ).reshape(-1, 7)
+    found = _whitened(bodies, at(hypothesis, x[FILTER:COMMON]), x, _errors(x))
     size = np.sqrt(np.sum(found**2, axis=1))
     off = SETTINGS.impacts.off
     return found, np.where(size > off, off / np.maximum(size, off), 1.0)
@@ -245,32 +237,30 @@ def _residuals(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray) -> tuple[n
 
 def _slopes(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, residual: np.ndarray) -> np.ndarray:
     """Return the derivative of all residuals, (7 impacts, unknowns)."""
-    count = len(bodies.impacts)
-    slope = np.zeros((7 * count, len(x)))
+    count, errors = len(bodies.impacts), _errors(x)
+    slope = np.zeros((count, 7, len(x)))
     shared = x[FILTER:COMMON]
     law = at(hypothesis, shared)
-    spreads = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
-    moved = [at(hypothesis, shared + delta) for delta in np.diag([0.0, *(_small(s) for s in spreads[1:])])]
-    for i, impact in enumerate(bodies.impacts):
-        rows = slice(7 * i, 7 * i + 7)
-        error = x[COMMON + 2 * i : COMMON + 2 * i + 2]
-        here = residual[i]
-        for j in range(2):
-            small = (1e-7 / impact.prior[0], 1e-5 / impact.prior[1])[j]
-            nudged = error.copy()
-            nudged[j] += small
-            slope[rows, COMMON + 2 * i + j] = (_residual(bodies, i, law, x, nudged) - here) / small
-        # A wider gap is a smaller displacement.
-        slope[rows, FILTER] = -slope[rows, COMMON + 2 * i] * hypothesis.gap / impact.prior[0]
-        for j in (1, 2):
-            if spreads[j] > 0:
-                slope[rows, FILTER + j] = (_residual(bodies, i, moved[j], x, error) - here) / _small(
-                    spreads[j]
-                )
-        slope[rows, :FILTER] = impact.whiten @ TERMS
-        hertz = -np.angle(impact.turn[1:, 1] / impact.turn[1:, 0]) / STEP_S
-        slope[rows, 1] = impact.whiten[:, 4:] @ (-hertz * DELAY_S)
-    return slope
+    prior, hertz = bodies.packed[3], bodies.packed[6]
+    each = np.arange(count)
+    for j, step in enumerate((1e-7, 1e-5)):
+        small = step / prior[:, j]
+        nudged = errors.copy()
+        nudged[:, j] += small
+        own = (_whitened(bodies, law, x, nudged) - residual) / small[:, None]
+        slope[each, :, COMMON + 2 * each + j] = own
+        if j == 0:
+            # A wider gap is a smaller displacement.
+            slope[:, :, FILTER] = -own * (hypothesis.gap / prior[:, :1])
+    for j, spread in ((1, hypothesis.stiffness), (2, hypothesis.loss)):
+        if spread > 0:
+            moved = shared.copy()
+            moved[j] += _small(spread)
+            changed = _whitened(bodies, at(hypothesis, moved), x, errors)
+            slope[:, :, FILTER + j] = (changed - residual) / _small(spread)
+    slope[:, :, :FILTER] = bodies.whiten @ TERMS
+    slope[:, :, 1] = (bodies.whiten[:, :, 4:] @ (-hertz * DELAY_S)[:, :, None])[:, :, 0]
+    return slope.reshape(-1, len(x))
 
 
 def _small(spread: float) -> float:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numba import njit
 
 from pounding.constants import STD_PER_MAD
 from pounding.contact.damping import hertz_damp_ratio, linear_damping_ratio, nonlinear_damping_ratio
 from pounding.contact.laws import BUILT_IN, DAMPED
+from pounding.diagnosis.contact_force.striking import STEP_S
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
@@ -24,10 +25,6 @@ from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.settings import SETTINGS
 
 LAWS = BUILT_IN
-STEP_S = 2e-5
-"""Step of a simulated impact, of second order: a fiftieth of a short one."""
-SLOWEST = 1e-3
-"""[m/s] Least velocity at first touch to which Hertz-damp's dashpot refers."""
 
 
 @dataclass(frozen=True)
@@ -58,62 +55,6 @@ class Law:
         return kind, self.gap_m, self.stiffness, float(damper), float(ratio), self.mass
 
 
-@njit(cache=True)
-def strike(
-    free: np.ndarray,
-    free_rate: np.ndarray,
-    held: np.ndarray,
-    held_rate: np.ndarray,
-    kind: int,
-    gap: float,
-    stiffness: float,
-    damper: float,
-    ratio: float,
-    mass: float,
-) -> np.ndarray:
-    """Return the force [N] of each step of an impact.
-
-    Args:
-        free, free_rate: Relative displacement [m] and velocity [m/s] without the force, shape (steps,).
-        held, held_rate: What a unit force over one step takes from them n steps later, shape (steps,).
-        kind, gap, stiffness, damper, ratio, mass: The law (see `Law.numbers`).
-    """
-    steps = free.size
-    force = np.zeros(steps)
-    pressed = np.zeros(steps, np.int64)
-    count = 0
-    speed = 0.0
-    for i in range(steps):
-        d = free[i] - gap
-        v = free_rate[i]
-        for j in range(count):
-            at = pressed[j]
-            d -= force[at] * held[i - at]
-            v -= force[at] * held_rate[i - at]
-        # The force is held over the step, so it is that of its middle.
-        d += 0.5 * STEP_S * v
-        if d <= 0.0:
-            speed = 0.0
-            continue
-        if speed == 0.0:
-            speed = max(v, SLOWEST)
-        if kind <= 1:
-            push = stiffness * d + damper * v
-        else:
-            push = stiffness * d * np.sqrt(d)
-            if kind == 4:
-                push *= 1.0 + ratio * v / speed
-            elif kind == 3 and v > 0.0:
-                push += v * (
-                    damper if damper >= 0.0 else 2.0 * ratio * np.sqrt(stiffness * np.sqrt(d) * mass)
-                )
-        if push > 0.0:
-            force[i] = push
-            pressed[count] = i
-            count += 1
-    return force
-
-
 @dataclass(frozen=True)
 class Impact:
     """One impact as measured.
@@ -137,6 +78,10 @@ class Impact:
     impulse: float
 
 
+A = np.ndarray
+Packed = tuple[A, A, A, A, A, A, A, A, A]
+
+
 @dataclass(frozen=True)
 class Bodies:
     """The two floors that meet: what a step of force does to their distance, and the impacts between them.
@@ -149,6 +94,29 @@ class Bodies:
     mass: float
     impacts: tuple[Impact, ...]
     sharpness: float = 1.0
+
+    @cached_property
+    def packed(self) -> Packed:
+        """The impacts as `striking.differences` wants them: where each begins, and one array for what is known of all."""
+        each = self.impacts
+        turn = np.concatenate([one.turn for one in each], axis=1)
+        hertz = np.array([-np.angle(one.turn[1:, 1] / one.turn[1:, 0]) / STEP_S for one in each])
+        return (
+            np.cumsum([0, *(len(one.free) for one in each)]),
+            np.concatenate([one.free for one in each]),
+            np.concatenate([one.free_rate for one in each]),
+            np.array([one.prior for one in each]),
+            np.ascontiguousarray(turn),
+            np.array([one.seen for one in each]),
+            hertz,
+            self.held,
+            self.held_rate,
+        )
+
+    @cached_property
+    def whiten(self) -> np.ndarray:
+        """The inverse Cholesky factors of the impacts' covariances, shape (impacts, 7, 7)."""
+        return np.array([one.whiten for one in self.impacts]).reshape(-1, 7, 7)
 
 
 def spectrum(force: np.ndarray, turn: np.ndarray) -> np.ndarray:

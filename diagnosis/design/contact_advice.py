@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, compare
-from pounding.diagnosis.contact_force.impacts import STEP_S, Bodies, Impact, Law
+from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, spectra
+from pounding.diagnosis.contact_force.impacts import Bodies, Impact, Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
+from pounding.diagnosis.contact_force.striking import STEP_S
 from pounding.diagnosis.design.contenders import Gain, advised, contenders
 from pounding.diagnosis.settings import SETTINGS
 
@@ -95,22 +96,24 @@ def made(bodies: Bodies, law: Law, finer: float, faster: float) -> Bodies:
         finer: Sampling rate over that of the measurement.
         faster: Velocity of the impacts over the measured one.
     """
-    impacts = []
-    for impact in bodies.impacts[: SETTINGS.design.impacts]:
-        onset = impact.free[min(impact.onset, len(impact.free) - 1)]
-        turn = _turn(impact, finer)
-        one = replace(
-            impact,
-            free=law.gap_m + faster * (impact.free - onset),
-            free_rate=faster * impact.free_rate,
-            prior=(impact.prior[0], faster * impact.prior[1]),
-            turn=turn,
-        )
-        seen = compare(bodies, one, law, np.zeros(2))
+    moved = tuple(_moved(impact, law, finer, faster) for impact in bodies.impacts[: SETTINGS.design.impacts])
+    found = []
+    for one, seen in zip(moved, spectra(replace(bodies, impacts=moved), law), strict=True):
         strong = np.exp(seen[:4] - seen[0]) > SETTINGS.impacts.faint
         whiten = np.diag(np.concatenate([strong, strong[1:]]) / SETTINGS.impacts.model_error)
-        impacts.append(replace(one, seen=seen, whiten=whiten))
-    return replace(bodies, impacts=tuple(impacts))
+        found.append(replace(one, seen=seen, whiten=whiten))
+    return replace(bodies, impacts=tuple(found))
+
+
+def _moved(impact: Impact, law: Law, finer: float, faster: float) -> Impact:
+    onset = impact.free[min(impact.onset, len(impact.free) - 1)]
+    return replace(
+        impact,
+        free=law.gap_m + faster * (impact.free - onset),
+        free_rate=faster * impact.free_rate,
+        prior=(impact.prior[0], faster * impact.prior[1]),
+        turn=_turn(impact, finer),
+    )
 
 
 def _turn(impact: Impact, finer: float) -> np.ndarray:

@@ -12,9 +12,12 @@ import pytest
 from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
+from pounding.diagnosis.contact_force.foretelling import Foretold, foretold
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
-from pounding.diagnosis.contact_force.impacts import Law, strike
-from pounding.diagnosis.contact_force.pair import ContactFindings, Foretold, foretold, found_again, prepare
+from pounding.diagnosis.contact_force.impacts import Law
+from pounding.diagnosis.contact_force.pair import ContactFindings, found_again, prepare
+from pounding.diagnosis.contact_force.striking import STEP_S as FINE_S
+from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
@@ -55,21 +58,21 @@ JANKOWSKI = Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0)
 )
 def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, reference: Any) -> None:
     speed, steps = 0.4, 300
-    at = np.arange(steps) * impacts.STEP_S
-    held = (np.arange(steps) - 0.5) * impacts.STEP_S**2 / law.mass
+    at = np.arange(steps) * FINE_S
+    held = (np.arange(steps) - 0.5) * FINE_S**2 / law.mass
     held[0] = 0.0
-    rate = np.full(steps, impacts.STEP_S / law.mass)
+    rate = np.full(steps, FINE_S / law.mass)
     rate[0] = 0.0
     push = strike(speed * at, np.full(steps, speed), held, rate, *law.numbers())
     # The same collision in twentieths of the step.
-    depth, velocity, impulse, fine = 0.0, speed, 0.0, impacts.STEP_S / 20
+    depth, velocity, impulse, fine = 0.0, speed, 0.0, FINE_S / 20
     for _ in range(20 * steps):
         middle = depth + 0.5 * fine * velocity
         force = float(reference.force(middle, velocity, speed)) if middle > 0 else 0.0
         impulse += force * fine
         velocity -= force * fine / law.mass
         depth += fine * velocity
-    assert push.sum() * impacts.STEP_S == pytest.approx(impulse, rel=0.01)
+    assert push.sum() * FINE_S == pytest.approx(impulse, rel=0.01)
 
 
 def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
@@ -311,11 +314,11 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     # However plain it is to the others, what they say must not be strong, only true.
     (_, best), *others = found.ranked
     plainer = replace(found, ranked=((500.0, best), *others))
-    agreed = replace(told, gained=8.0, impacts=found.impacts)
+    agreed = replace(told, gained=11.0, expected=400.0)
     assert claimed(joined(case, pair, plainer, NOTHING, agreed)) == ["contact_damping"]
     # A single one that says nothing either way is no veto.
-    few = replace(told, gained=-0.5, impacts=1)
-    assert claimed(joined(case, pair, replace(found, impacts=40), NOTHING, few)) == ["contact_damping"]
+    few = replace(told, gained=-0.5, impacts=1, expected=0.3)
+    assert claimed(joined(case, pair, found, NOTHING, few)) == ["contact_damping"]
     findings.held_out = ()
     assert foretold(case, cast(Findings, findings), NOTHING, found) is None
 
