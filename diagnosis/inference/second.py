@@ -1,4 +1,4 @@
-"""A second effect beside the first."""
+"""A second effect beside a first one, and beside others that the second may bring to the lead."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
-from pounding.diagnosis.inference.evidence import score
-from pounding.diagnosis.inference.findings import Findings, best
+from pounding.diagnosis.inference.evidence import Score, Scores, score
+from pounding.diagnosis.inference.findings import Findings, Judged, best
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.refining import each, keep, refined
 from pounding.diagnosis.settings import SETTINGS
 
@@ -15,23 +16,50 @@ from pounding.diagnosis.settings import SETTINGS
 def second(found: Findings, effects: Sequence[Effect]) -> None:
     """Refine a second effect beside the leading one, where another one has evidence about it.
 
+    What best explains two effects alone may be neither of them, but one that imitates the first and a little of the other.
+    A single effect can overtake only if it was behind by less than the second gained: those are tried beside a second too.
+
     Args:
         found: The findings, to which the fits are added.
         effects: The candidates.
     """
-    fit = best(found).fit
-    if not fit.effects:
+    first = best(found)
+    if not first.effects:
         return
-    model = found.model
+    found.later = _beside(found, effects, first)
+    gained = best(found).ln_bayes - first.ln_bayes
+    near = [one for one in found.judged if _may_overtake(one, first, gained)]
+    for single in near[: SETTINGS.search.seconds]:
+        led = best(found)
+        later = _beside(found, effects, single)
+        if best(found) is not led:
+            found.later = later
+
+
+def _may_overtake(one: Judged, first: Judged, gained: float) -> bool:
+    single = len(one.effects) == 1 and one.effects != first.effects and not one.effects[0].rival
+    return single and one.ln_bayes > first.ln_bayes - gained
+
+
+def _beside(found: Findings, effects: Sequence[Effect], first: Judged) -> Scores:
+    """Refine what has evidence beside an effect; return the scores of all others about it."""
+    fit = first.fit
     told = {*fit.effects, *map(same_motion, fit.effects)}
     others = [effect for effect in effects if effect not in told]
-    found.later = score(model, fit.filtered, others, found.sizes, fit.columns)
-    if found.later.ranked[0].ln_bayes < SETTINGS.search.second:
-        return
-    worth = [
+    later = score(found.model, fit.filtered, others, found.sizes, fit.columns)
+
+    def both(one: Score) -> Fit:
+        return refined(found, fit.filtered, one, fit)
+
+    for fitted in each(found, both, _worth(later)):
+        keep(found, fitted)
+    return later
+
+
+def _worth(later: Scores) -> list[Score]:
+    """Return the second effects to refine: the best few with evidence, and only a rival that is the very best."""
+    return [
         one
-        for number, one in enumerate(found.later.ranked[: SETTINGS.search.seconds])
+        for number, one in enumerate(later.ranked[: SETTINGS.search.seconds])
         if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival)
     ]
-    for both in each(found, lambda one: refined(found, fit.filtered, one, fit), worth):
-        keep(found, both)

@@ -1,0 +1,87 @@
+"""Which second effects are refined, and beside which first ones: hand-made scores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from pounding.diagnosis.inference import second as module
+from pounding.diagnosis.inference.findings import Findings, Judged
+
+
+@dataclass(frozen=True)
+class Named:
+    """An effect by its name alone."""
+
+    name: str
+    rival: bool = False
+
+
+A, B, C, D, RIVAL = Named("a"), Named("b"), Named("c"), Named("d"), Named("rival", rival=True)
+
+
+def judged(ln_bayes: float, *effects: Named) -> Judged:
+    fit: Any = SimpleNamespace(effects=effects, filtered=effects, columns=None, ln_bayes=ln_bayes)
+    return cast(Judged, SimpleNamespace(fit=fit, effects=effects, ln_bayes=ln_bayes))
+
+
+def searched(
+    monkeypatch: pytest.MonkeyPatch, alone: dict[Named, float], both: dict[frozenset[Named], float]
+) -> Findings:
+    """Return findings on single effects after the search for a second one, with the evidence that pairs would have."""
+    null = judged(0.0)
+    ranked = sorted((judged(value, one) for one, value in alone.items()), key=lambda one: -one.ln_bayes)
+    found = cast(Findings, SimpleNamespace(judged=ranked, null=null, model=None, sizes=None, later=None))
+
+    def scored(_: Any, about: tuple[Named, ...], others: list[Named], *__: Any) -> Any:
+        each = [
+            SimpleNamespace(effect=one, ln_bayes=both.get(frozenset({*about, one}), 0.0) - alone[about[0]])
+            for one in others
+        ]
+        return SimpleNamespace(ranked=sorted(each, key=lambda one: -one.ln_bayes), about=about)
+
+    def keep(found: Findings, fit: Any) -> None:
+        found.judged.append(judged(fit.ln_bayes, *fit.effects))
+        found.judged.sort(key=lambda one: -one.ln_bayes)
+
+    def refined(_: Any, about: tuple[Named, ...], one: Any, __: Any) -> Any:
+        effects = (*about, one.effect)
+        return SimpleNamespace(effects=effects, ln_bayes=both[frozenset(effects)])
+
+    monkeypatch.setattr(module, "score", scored)
+    monkeypatch.setattr(module, "keep", keep)
+    monkeypatch.setattr(module, "refined", refined)
+    monkeypatch.setattr(module, "same_motion", lambda one: None)
+    monkeypatch.setattr(module, "each", lambda found, function, pieces: [function(one) for one in pieces])
+    module.second(found, [*alone, C])  # type: ignore[list-item]
+    return found
+
+
+def test_a_single_effect_that_was_behind_leads_with_the_second_beside_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = {frozenset({A, C}): 1150.0, frozenset({B, C}): 1400.0}
+    found = searched(monkeypatch, {A: 1000.0, B: 900.0, D: 800.0}, both)
+    assert found.judged[0].effects == (B, C)
+    # What else could be missing is asked about the effects that lead.
+    assert cast(Any, found.later).about == (B,)
+
+
+def test_one_that_is_further_behind_than_the_second_gained_is_not_tried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = {frozenset({A, C}): 1050.0, frozenset({B, C}): 1400.0}
+    found = searched(monkeypatch, {A: 1000.0, B: 900.0}, both)
+    assert found.judged[0].effects == (A, C)
+    assert cast(Any, found.later).about == (A,)
+
+
+@pytest.mark.parametrize("single", [B, RIVAL])
+def test_without_a_second_effect_nothing_else_is_tried(
+    monkeypatch: pytest.MonkeyPatch, single: Named
+) -> None:
+    found = searched(monkeypatch, {A: 1000.0, single: 999.0}, {frozenset({single, C}): 1400.0})
+    assert [one.effects for one in found.judged] == [(A,), (single,)]
