@@ -201,7 +201,8 @@ def readings() -> pd.DataFrame:
 def printed_rows_compared(records: Path | None) -> pd.DataFrame:
     """Return the printed rows of Tables 7.2 to 7.4 beside ours: mean gaps and errors by table and motion.
 
-    Each motion at Table 7.1's peak and at its own: the nearer one tells which the thesis used.
+    Each motion at Table 7.1's peak and at its own. Both by equation 4.1: the printed gaps are nearer to closing gaps, and
+    which peak the thesis used then follows differently (`pounding.experiments.studies.sap2000_input`).
     """
     rows = printed_rows.printed_rows()
     built = {name: build(load(name)) for name in ("15B", "10", "5B")}
