@@ -58,6 +58,7 @@ STUDIES = {
     "chapter-5": "pounding.experiments.studies.chapter_5:main",
     "chapter-6": "pounding.experiments.studies.chapter_6:main",
     "chapter-7": "pounding.experiments.studies.chapter_7:main",
+    "chapter-8": "pounding.experiments.studies.chapter_8:main",
     "sap2000-input": "pounding.experiments.studies.sap2000_input:main",
     "contact-laws": "pounding.experiments.studies.contact_laws:main",
     "contact-accuracy": "pounding.experiments.studies.contact_accuracy:main",

@@ -105,6 +105,29 @@ def _gain(by: str, foretold: float, ours: Real, theirs: Real) -> float:
     return {"none": 1.0, "chapter 7": foretold}.get(by) or fitted_gain(ours, theirs)
 
 
+def by_frame(shaking: Mapping[str, Record]) -> pd.DataFrame:
+    """Return how near each frame alone comes to SAP2000's column, one damping ratio fitted to it, one row a frequency.
+
+    Args:
+        shaking: Motion of the table by record.
+
+    Returns:
+        By frame and first frequency [Hz], that of Table 3.1 and for 5B that of Tables 7.2 to 7.4: the ``damping`` ratio that
+        comes nearest and its mean ``error`` [-].
+    """
+    theirs, frame = measured("numerical"), measured().frame.values
+    own, changed, *_ = frequencies().values()
+    rows = {}
+    for first_hz, names in ((own, FRAMES), (changed, ("5B",))):
+        tried = {damping: peaks(first_hz, damping, shaking) for damping in DAMPINGS}
+        for name in names:
+            here = frame == name
+            errors = {damping: mean_error(ours[here], theirs.values[here]) for damping, ours in tried.items()}
+            best = min(errors, key=lambda one: errors[one])
+            rows[(name, first_hz[name])] = {"damping": best, "error": errors[best]}
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["frame", "first_hz"])
+
+
 def gaps_4_2(
     first_hz: Mapping[str, float], damping: float | None, shaking: Mapping[str, Record]
 ) -> pd.DataFrame:
