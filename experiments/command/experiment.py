@@ -13,6 +13,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, progress_console, table, warn
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.states import FREE_VIBRATION, FrameState, State
 
 if TYPE_CHECKING:
     from pounding.experiments.configurations.every import Finished
@@ -45,6 +46,7 @@ def experiment(
     *,
     every: All = False,
     record: Record = None,
+    state: options.State = None,
     records: options.Records = None,
     out: Out = None,
     workers: options.Workers = None,
@@ -63,11 +65,11 @@ def experiment(
             "name one experiment, or `list`, or give --all (see pounding experiment --help)"
         )
     if every:
-        _run_all(out, record, records, workers, json)
+        _run_all(out, record, state, records, workers, json)
     elif name == LIST:
         emit(stamp({}) | {"experiments": inventory()}, as_json=json, show=_listed)
     else:
-        _run_one(str(name), record, records, out, json)
+        _run_one(str(name), record, state, records, out, json)
 
 
 def inventory() -> list[dict[str, Any]]:
@@ -101,7 +103,9 @@ def _places(entry: dict[str, Any]) -> str:
     return ", ".join(dict.fromkeys(place.partition(",")[0] for place in entry["measured"]))
 
 
-def _run_one(name: str, record: str | None, records: Path | None, out: Path | None, json: bool) -> None:
+def _run_one(
+    name: str, record: str | None, state: State | None, records: Path | None, out: Path | None, json: bool
+) -> None:
     chosen = find(name)
     from rich.progress import Progress
 
@@ -117,18 +121,19 @@ def _run_one(name: str, record: str | None, records: Path | None, out: Path | No
         def told(what: str, share: float) -> None:
             progress.update(bar, description=f"{name}: {what}", completed=share)
 
-        outcome = run(chosen, Conditions(None if records is None else str(records), record, told))
+        outcome = run(chosen, Conditions(None if records is None else str(records), record, state, told))
         result = folders.result_of(outcome)
         if out is not None:
             kept = folders.keep(outcome, out)
             result |= {"files": kept.files, "warnings": [*outcome.warnings, *kept.notes]}
     for sentence in result["warnings"]:
         warn(sentence)
-    emit(result, as_json=json, show=lambda: _shown(result, out))
+    emit(result, as_json=json, show=lambda: _shown(result, outcome.states, out))
 
 
-def _shown(result: dict[str, Any], out: Path | None) -> Iterable[Any]:
+def _shown(result: dict[str, Any], states: Iterable[FrameState], out: Path | None) -> Iterable[Any]:
     yield _table(f"{result['experiment']}: {result['title']}", result["measured"])
+    yield from map(str, states)
     if out is not None:
         yield f"written to {out / result['experiment']}: {', '.join(result['files'])}"
 
@@ -147,7 +152,12 @@ def _cells(row: dict[str, Any]) -> list[Any]:
 
 
 def _run_all(
-    out: Path | None, record: str | None, records: Path | None, workers: int | None, json: bool
+    out: Path | None,
+    record: str | None,
+    state: State | None,
+    records: Path | None,
+    workers: int | None,
+    json: bool,
 ) -> None:
     if out is None:
         raise ExperimentError("--all needs a folder for its results: --out DIR")
@@ -160,10 +170,15 @@ def _run_all(
     from pounding.experiments.console import estimates
 
     known = experiments()
+    if state == "strong-motion":
+        known = {name: one for name, one in known.items() if one.motion is not None}
+        warn(f"{len(known)} experiments with a ground motion are run; the others have no strong-motion state")
     estimates.announce(estimates.of_experiments(len(known)))
-    found = run_all(known.values(), out, records=None if records is None else str(records), workers=workers)
+    found = run_all(
+        known.values(), out, records=None if records is None else str(records), state=state, workers=workers
+    )
     write_many(found.rows, out / "measured.csv")
-    result = stamp({"all": True}) | {
+    result = stamp({"all": True, "state": state or FREE_VIBRATION}) | {
         "finished": list(found.rows),
         "failures": found.failures,
         "warnings": found.warnings,

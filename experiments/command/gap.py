@@ -15,6 +15,7 @@ from pounding.experiments.console.output import emit, table, warn
 from pounding.experiments.records import MODEL_TIME_FACTOR, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.required_gap import fine_step
+from pounding.experiments.rig.states import FrameState, states_of
 from pounding.experiments.separation import pictures
 from pounding.experiments.separation.gaps.gap import MODEL_LENGTH_SCALE, gap_answer, history
 from pounding.experiments.separation.report import write_report
@@ -40,6 +41,7 @@ def gap(
     pga: options.Pga = None,
     floor: Floor = None,
     full_scale: FullScale = False,
+    state: options.State = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -60,10 +62,13 @@ def gap(
     definitions = [frames.load(name) for name in (left, right)]
     time_factor = 1.0 if full_scale else MODEL_TIME_FACTOR
     motion = find(record, records).scaled(time_factor, pga)
+    states = states_of([left, right], state, motion.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     built = [
-        frames.build(definition, joints=joints, p_delta=p_delta, damping=damping)
-        for definition in definitions
+        frames.build(
+            definition, joints=joints, p_delta=p_delta, damping=one.damping_ratio, calibration=one.calibration
+        )
+        for definition, one in zip(definitions, states, strict=True)
     ]
     step_s = motion.step_s / fine_step(motion.step_s)
     estimates.announce(estimates.of_gap(built, motion.duration_s, step_s))
@@ -84,18 +89,19 @@ def gap(
         "joints": joints,
         "p_delta": p_delta,
         "damping_ratio": [frame.damping_ratio for frame in built],
+        "states": [one.as_dict() for one in states],
         "time_factor": time_factor,
     }
     result = stamp(asked, [motion]) | answer
     if report is not None:
         times, one, other = history(built[0], built[1], motion, floor=floor)
         write_report("gap", result, report, pictures.gap_history(times, one, other, result))
-    emit(result, as_json=json, show=lambda: _tables(result))
+    emit(result, as_json=json, show=lambda: _tables(result, states))
     for sentence in result["warnings"]:
         warn(sentence)
 
 
-def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:
+def _tables(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[RenderableType | str]:
     spread, published = result["spread"], result["published"]
     rows = [
         ["required gap (closing motion)", f"{result['required_gap_mm']:.2f}", f"at {result['time_s']:.3f} s"],
@@ -111,6 +117,7 @@ def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:
         f"({result['pga_g']:.3f} g)"
     )
     yield table(title, ["", "mm", ""], rows)
+    yield from map(str, states)
     yield table(
         "Rules, from the peaks of this run",
         ["rule", "gap mm", "applies", "mind"],

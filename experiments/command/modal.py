@@ -12,6 +12,7 @@ from pounding import bounds, frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.states import states_of
 from pounding.frames.fe.assembly import Options
 from pounding.frames.response import modal as modal_analysis
 from pounding.frames.response.modal import DIRECTIONS
@@ -20,12 +21,10 @@ from pounding.frames.response.modal import DIRECTIONS
 def modal(
     frame: str,
     *,
+    state: options.State = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
-    calibration: Annotated[
-        str | None, Parameter(help="Joint calibration in the frame file, such as free_vibration or sweep.")
-    ] = None,
     up_to_hz: Annotated[
         float,
         Parameter(
@@ -39,38 +38,36 @@ def modal(
     Args:
         frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
     """
-    result = modes(
-        frame, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration, up_to_hz=up_to_hz
-    )
+    result = modes(frame, state=state, joints=joints, p_delta=p_delta, damping=damping, up_to_hz=up_to_hz)
     emit(result, as_json=json, show=lambda: _show(result))
 
 
 def modes(
     name: str,
     *,
+    state: options.State = None,
     joints: options.Joints = "calibrated",
     p_delta: bool = True,
     damping: float | None = None,
-    calibration: str | None = None,
     up_to_hz: float = modal_analysis.UP_TO_HZ,
 ) -> dict[str, Any]:
     """Return the modes of a frame as `pounding modal --json` prints them.
 
     Args:
         name: Name of a shipped frame, or path of a frame file.
+        state: State of a frame of the laboratory, see `states_of`; in strong motion as it stands alone.
         joints: See `pounding modal`.
         p_delta: Geometric stiffness of gravity.
         damping: Damping ratio of every mode [-]; the frame's own when None.
-        calibration: Joint calibration of the frame file; its default when None.
         up_to_hz: Highest frequency that is shown [Hz].
     """
     definition = frames.load(name)
+    (chosen,) = states_of([name], state, joints=joints, damping=damping)
     estimates.announce(estimates.of_frame(definition, up_to_hz))
-    reduced = frames.build(
-        definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration
-    )
+    calibration, ratio = chosen.calibration, chosen.damping_ratio
+    reduced = frames.build(definition, joints=joints, p_delta=p_delta, damping=ratio, calibration=calibration)
     found = modal_analysis.analyse(
-        definition, Options(joints, p_delta, calibration), up_to_hz=up_to_hz, damping=damping
+        definition, Options(joints, p_delta, calibration), up_to_hz=up_to_hz, damping=ratio
     )
     ratios = found.effective_mass_ratio
     entries = [
@@ -84,7 +81,8 @@ def modes(
             found.frequencies_hz, ratios, found.damping_ratios, found.descriptions, strict=True
         )
     ]
-    return stamp({"frame": name, "up_to_hz": up_to_hz} | reduced.options) | {
+    asked = {"frame": name, "up_to_hz": up_to_hz, "states": [chosen.as_dict()]}
+    return stamp(asked | reduced.options) | {
         "frame": definition.name,
         "mass_kg": reduced.moving_mass_kg,
         "roof_stiffness_n_per_mm": reduced.roof_stiffness_n_per_m / 1e3,
@@ -108,6 +106,8 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
     heads = ["mode", "f [Hz]", "mass x", "mass y", "damping", "description"]
     yield table(f"Frame {result['frame']}", heads, rows)
     yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
+    for one in result["parameters"]["states"]:
+        yield f"{one['frame']}: {one['state'] or 'no state'} ({one['source']})"
     yield f"moving mass {result['mass_kg']:.2f} kg"
     yield f"roof stiffness {result['roof_stiffness_n_per_mm']:.2f} N/mm"
     known = result["published"]

@@ -21,9 +21,10 @@ from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from pounding.experiments.rig.pounding import Pounding, built, floor_masses, rig_of, shaking
+from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, rig_of, shaking
 from pounding.experiments.rig.pounding import pound as run_one
 from pounding.experiments.rig.required_gap import is_left_lower
+from pounding.experiments.rig.states import FrameState, states_of
 from pounding.frames import load
 from pounding.units import LENGTH
 
@@ -65,6 +66,7 @@ def pound(
     tension: Annotated[bool, Parameter(negative=(), help="Let a contact pull just before it opens.")] = False,
     flip: Annotated[bool, Parameter(negative=(), help="Reverse the record's sign.")] = False,
     pga: options.Pga = None,
+    state: options.State = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -83,8 +85,9 @@ def pound(
         right: Frame on the right.
     """
     shaken = shaking(record, None if records is None else str(records), pga_g=pga, flip=flip)
+    states = states_of([left, right], state, shaken.name, joints=joints, damping=damping)
     estimates.announce(*(estimates.of_frame(load(name)) for name in (left, right)))
-    pair = built(left, joints, p_delta, damping), built(right, joints, p_delta, damping)
+    pair = built_in(states[0], joints, p_delta), built_in(states[1], joints, p_delta)
     floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
     masses = floor_masses(*pair, floors[0])
     laws = [
@@ -127,6 +130,7 @@ def pound(
         "pga_g": pga,
         "solver": solver,
         "frames": [frame.options for frame in pair],
+        "states": [one.as_dict() for one in states],
         "impact_threshold_n": THRESHOLD_N,
         "impact_merging_s": MERGING_S,
         "impact_sample_rate_hz": SAMPLE_RATE_HZ,
@@ -140,7 +144,7 @@ def pound(
     for run in result["runs"]:
         for sentence in run["warnings"]:
             warn(f"{run['law']}: {sentence}" if len(runs) > 1 else sentence)
-    emit(result, as_json=json, show=lambda: _show(result))
+    emit(result, as_json=json, show=lambda: _show(result, states))
 
 
 def _changed(
@@ -175,7 +179,7 @@ def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: boo
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
-def _show(result: dict[str, Any]) -> Iterable[Any]:
+def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]:
     for run in result["runs"]:
         title = (
             f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}, gap {run['gap_mm']:g} mm"
@@ -203,6 +207,7 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
         f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
         f"touches less than {1e3 * MERGING_S:g} ms apart are one."
     )
+    yield from map(str, states)
     yield from keeping.written(result)
 
 

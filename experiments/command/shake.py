@@ -21,6 +21,7 @@ from pounding.experiments.results import dataset as results
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
+from pounding.experiments.rig.states import FrameState, states_of
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "
@@ -36,6 +37,7 @@ def shake(
     *,
     record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
     pga: options.Pga = None,
+    state: options.State = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -53,7 +55,6 @@ def shake(
     Args:
         frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
     """
-    asked = {"frame": frame, "record": record, "pga_g": pga, "damping_ratio": damping}
     if out is None and (film or csv):
         warn("--film and --csv need a folder: nothing is written without --out")
     elif film:
@@ -61,13 +62,28 @@ def shake(
     channels = measured.read(measured_file) if measured_file else []
     definition = frames.load(frame)
     motion = find(record, records).scaled(pga_g=pga)
+    (chosen,) = states_of([frame], state, motion.name, joints=joints, damping=damping)
     estimates.announce(estimates.of_frame(definition))
-    reduced = frames.build(definition, joints=joints, p_delta=p_delta, damping=damping)
+    reduced = frames.build(
+        definition,
+        joints=joints,
+        p_delta=p_delta,
+        damping=chosen.damping_ratio,
+        calibration=chosen.calibration,
+    )
     estimates.announce(estimates.of_run([reduced], motion.duration_s))
     if out is not None:
         keeping.prepare(out)
     done = _run(reduced, motion)
-    result = stamp(asked | {"model": reduced.options}, [motion]) | done.result()
+    asked = {
+        "frame": frame,
+        "record": record,
+        "pga_g": pga,
+        "damping_ratio": damping,
+        "states": [chosen.as_dict()],
+        "model": reduced.options,
+    }
+    result = stamp(asked, [motion]) | done.result()
     data = results.dataset(done.motion, motion, provenance=result)
     channels, shift = measured.aligned(channels, data.time.values, data.table_acceleration.values)
     if channels:
@@ -80,7 +96,7 @@ def shake(
             warn(note)
     for warning in result["warnings"]:
         warn(warning)
-    emit(result, as_json=json, show=lambda: _show(result, done))
+    emit(result, as_json=json, show=lambda: _show(result, done, chosen))
 
 
 def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:
@@ -122,7 +138,7 @@ def _keep(done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: kee
         )
 
 
-def _show(result: dict[str, Any], done: Shaking) -> Iterable[Any]:
+def _show(result: dict[str, Any], done: Shaking, state: FrameState) -> Iterable[Any]:
     published = keeping.published_peaks(result["frame"], result["record"])
     shaken = f"Frame {result['frame']}, {result['record']}, {result['pga_g']:.3f} g"
     yield table(
@@ -130,6 +146,7 @@ def _show(result: dict[str, Any], done: Shaking) -> Iterable[Any]:
         ["floor", "max mm", "min mm", "max acceleration g", "Table 4.1 max mm", "min mm"],
         [_row(peak, published.get(peak["floor"])) for peak in reversed(result["peaks"])],
     )
+    yield str(state)
     if published and result["parameters"]["pga_g"] is not None:
         yield "Table 4.1 was measured at the record's own peak, not at the one asked for here."
     if done.stress is not None:

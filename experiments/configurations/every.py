@@ -19,6 +19,7 @@ from pounding.experiments.configurations.measured import Row
 from pounding.experiments.configurations.running import Conditions, run
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import find as find_record
+from pounding.experiments.rig.states import FREE_VIBRATION, State
 from pounding.experiments.sweeps.store import StoreError, case_key, code_version
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.frames.errors import FrameError
@@ -48,6 +49,7 @@ def run_all(
     out: Path,
     *,
     records: str | None = None,
+    state: State | None = None,
     workers: int | None = None,
     console: Console | None = None,
 ) -> Finished:
@@ -57,6 +59,7 @@ def run_all(
         experiments: The configurations.
         out: Folder for all of them.
         records: Folder with ground motions; None for the default.
+        state: State of the frames; None for free vibration.
         workers: Processes; one a core when None.
         console: Where progress is shown; standard error when None.
 
@@ -66,7 +69,7 @@ def run_all(
     """
     chosen = list(experiments)
     cases = [{"name": one.name, "entry": _hash(one), "motion": motion_hash(one, records)} for one in chosen]
-    settings = {"out": str(out), "records": records or ""}
+    settings = {"out": str(out), "records": records or "", "state": state or FREE_VIBRATION}
     _forget_lost(cases, settings, out)
     try:
         data = sweep(
@@ -88,7 +91,7 @@ def run_all(
     )
 
 
-def run_case(name: str, *, entry: str, motion: str, out: str, records: str) -> dict[str, Any]:
+def run_case(name: str, *, entry: str, motion: str, out: str, records: str, state: State) -> dict[str, Any]:
     """Run one configuration and write its folder, for `sweep`.
 
     Args:
@@ -97,6 +100,7 @@ def run_case(name: str, *, entry: str, motion: str, out: str, records: str) -> d
         motion: Hash of its ground motion, for the same reason.
         out: Folder for all configurations.
         records: Folder with ground motions; empty for the default.
+        state: State of the frames.
 
     Returns:
         `rows` and `warnings` as JSON text.
@@ -104,7 +108,7 @@ def run_case(name: str, *, entry: str, motion: str, out: str, records: str) -> d
     Raises:
         StoreError: The disk is full or the folder cannot be written: the others could not be kept either.
     """
-    outcome = run(find(name), Conditions(records or None))
+    outcome = run(find(name), Conditions(records or None, state=state))
     try:
         kept = folders.keep(outcome, Path(out))
     except FrameError as error:

@@ -40,8 +40,13 @@ def prepare(out: Path, name: str) -> None:
 def result_of(outcome: Outcome) -> dict[str, Any]:
     """Return all of an outcome as `pounding experiment --json` prints it, stamped."""
     experiment = outcome.experiment
-    asked = {"experiment": experiment.name, "kind": experiment.kind, "frames": experiment.frame_names}
-    whole = stamp(asked | {"record": experiment.motion}, outcome.motions) | {
+    asked: dict[str, Any] = {
+        "experiment": experiment.name,
+        "kind": experiment.kind,
+        "frames": experiment.frame_names,
+    }
+    asked |= {"record": experiment.motion, "states": [one.as_dict() for one in outcome.states]}
+    whole = stamp(asked, outcome.motions) | {
         "experiment": experiment.name,
         "title": experiment.title,
         "chapters": experiment.chapters,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -40,9 +40,10 @@ from pounding.experiments.pictures.series import write_series
 from pounding.experiments.records import Record
 from pounding.experiments.results import dataset as results
 from pounding.experiments.rig.motion import Motion
-from pounding.experiments.rig.pounding import Pounding, built, floor_masses, pound, shaking
+from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import contact_floors, pair_gap
 from pounding.experiments.rig.shaking import shake
+from pounding.experiments.rig.states import FrameState, State, states_of
 from pounding.experiments.separation import pictures as gap_pictures
 from pounding.experiments.separation.gaps.gap import history
 from pounding.frames.drawing.rendering import cannot_render
@@ -66,11 +67,13 @@ class Conditions:
     Attributes:
         records: Folder with ground motions; None for the default.
         record: Ground motion in the place of the entry's.
+        state: State of the frames, see `states_of`; None for free vibration.
         progress: Called with what is being done and the share of it that is done.
     """
 
     records: str | None = None
     record: str | None = None
+    state: State | None = None
     progress: Told = _nobody
 
 
@@ -84,6 +87,7 @@ class Outcome:
         rows: What was measured, beside ours.
         warnings: Sentences on what the model leaves its validity by, and on what cannot be compared.
         motions: The ground motions at model scale.
+        states: The states of the frames, from left to right.
         write: Writes files into a folder, given the whole result.
     """
 
@@ -92,6 +96,7 @@ class Outcome:
     rows: list[Row]
     warnings: list[str]
     motions: list[Record]
+    states: tuple[FrameState, ...]
     write: Callable[[dict[str, Any], Path], Kept]
 
 
@@ -103,19 +108,22 @@ def run(experiment: AnyExperiment, conditions: Conditions = Conditions()) -> Out
         conditions: With what.
 
     Raises:
-        ExperimentError: Its record is not there, or it has none and one is asked for.
+        ExperimentError: Its record is not there, or it has none and one is asked for; or its frames have no such state.
         FrameError: A frame cannot be built.
     """
     if conditions.record is not None and not isinstance(experiment, Shaken):
         raise ExperimentError(f"experiment '{experiment.name}' has no ground motion; leave out the record")
+    if conditions.state == "strong-motion" and not isinstance(experiment, Shaken):
+        raise ExperimentError(
+            f"experiment '{experiment.name}' has no ground motion, and so no strong-motion state; "
+            "take --state sweep or free-vibration"
+        )
     outcome = _KINDS[type(experiment)](experiment, conditions)
     if conditions.record in (None, experiment.motion):
         return outcome
     said = f"what was measured under '{experiment.motion}' is not comparable with a run under '{conditions.record}'"
     rows = [row.without_measured() for row in outcome.rows]
-    return Outcome(
-        experiment, outcome.numbers, rows, [*outcome.warnings, said], outcome.motions, outcome.write
-    )
+    return replace(outcome, rows=rows, warnings=[*outcome.warnings, said])
 
 
 def motion_of(experiment: Shaken, conditions: Conditions) -> Record:
@@ -128,8 +136,18 @@ def motion_of(experiment: Shaken, conditions: Conditions) -> Record:
     return shaking(conditions.record or experiment.record, conditions.records)
 
 
+def states(experiment: Experiment, conditions: Conditions) -> tuple[FrameState, ...]:
+    """Return the states of the frames of a configuration, from left to right.
+
+    Args:
+        experiment: The configuration.
+        conditions: May name a state and another ground motion.
+    """
+    return states_of(experiment.frame_names, conditions.state, conditions.record or experiment.motion)
+
+
 def _free_vibration(experiment: FreeVibration, conditions: Conditions) -> Outcome:
-    reduced = _only_frame(experiment)
+    reduced = _only_frame(experiment, conditions)
     test = laboratory.free_vibration_test(reduced, displacement_m=laboratory_motion.RELEASE_M)
     frequency, damping = test.reading
     histories = {"roof_acceleration": (test.acceleration_m_s2, "m/s^2")}
@@ -145,7 +163,7 @@ def _free_vibration(experiment: FreeVibration, conditions: Conditions) -> Outcom
 
 
 def _push(experiment: Push, conditions: Conditions) -> Outcome:
-    reduced = _only_frame(experiment)
+    reduced = _only_frame(experiment, conditions)
     test = laboratory.push_test(reduced)
     return _laboratory(
         experiment,
@@ -159,7 +177,7 @@ def _push(experiment: Push, conditions: Conditions) -> Outcome:
 
 
 def _sweep(experiment: SineSweep, conditions: Conditions) -> Outcome:
-    reduced = _only_frame(experiment)
+    reduced = _only_frame(experiment, conditions)
     test = laboratory.sine_sweep_test(reduced)
     frequencies = [reading.frequency_hz for reading in test.readings]
     histories = {
@@ -203,11 +221,11 @@ def _laboratory(
         pictures = [] if reason else ["peak.png"]
         return Kept(["histories.nc", "test.png", "series.pvd", *pictures], [reason] if reason else [])
 
-    return Outcome(experiment, numbers, rows, [], [], write)
+    return Outcome(experiment, numbers, rows, [], [], states(experiment, conditions), write)
 
 
 def _alone(experiment: Alone, conditions: Conditions) -> Outcome:
-    reduced, record = _only_frame(experiment), motion_of(experiment, conditions)
+    reduced, record = _only_frame(experiment, conditions), motion_of(experiment, conditions)
     done = shake(reduced, record, progress=_clock("shaking", record, conditions))
     numbers = done.result()
     title = f"Frame {reduced.name}, {record.name}, {record.pga_g:.3f} g"
@@ -225,11 +243,13 @@ def _alone(experiment: Alone, conditions: Conditions) -> Outcome:
         return Kept([*kept.files, "acceleration.png"], kept.notes)
 
     rows = measured.alone(experiment, experiment.record, numbers["peaks"])
-    return Outcome(experiment, numbers, rows, list(done.warnings), [record], write)
+    return Outcome(
+        experiment, numbers, rows, list(done.warnings), [record], states(experiment, conditions), write
+    )
 
 
 def _apart(experiment: Apart, conditions: Conditions) -> Outcome:
-    left, right = _pair(experiment)
+    left, right = _pair(experiment, conditions)
     record = motion_of(experiment, conditions)
     needed = pair_gap(left, right, record)
     gap_m = JUST_APART * needed.closing_m
@@ -264,11 +284,12 @@ def _apart(experiment: Apart, conditions: Conditions) -> Outcome:
         return Kept([*kept.files, "gap.png"], kept.notes)
 
     rows = measured.apart(experiment, experiment.record, ours)
-    return Outcome(experiment, numbers, rows, [*numbers["run"]["warnings"], *touched], [record], write)
+    warnings = [*numbers["run"]["warnings"], *touched]
+    return Outcome(experiment, numbers, rows, warnings, [record], states(experiment, conditions), write)
 
 
 def _collision(experiment: Collision, conditions: Conditions) -> Outcome:
-    masses = floor_masses(*_pair(experiment))
+    masses = floor_masses(*_pair(experiment, conditions))
     return _collided(
         experiment, {name: thesis_law(name, masses=masses) for name in experiment.laws}, conditions
     )
@@ -284,7 +305,7 @@ def _collided(
     experiment: Collision | ContactStiffness, laws: Mapping[str, Law], conditions: Conditions
 ) -> Outcome:
     """Return the outcome of the same collision with several laws, by what they are called."""
-    left, right = _pair(experiment)
+    left, right = _pair(experiment, conditions)
     record = motion_of(experiment, conditions)
     runs: dict[str, Pounding] = {}
     for name, law in laws.items():
@@ -306,7 +327,9 @@ def _collided(
 
     warnings = [f"{name}: {one}" for name, found in numbers.items() for one in found["warnings"]]
     rows = measured.collision(experiment, experiment.record, short)
-    return Outcome(experiment, {"runs": numbers}, rows, warnings, [record], write)
+    return Outcome(
+        experiment, {"runs": numbers}, rows, warnings, [record], states(experiment, conditions), write
+    )
 
 
 def _stamped(result: dict[str, Any]) -> dict[str, Any]:
@@ -319,13 +342,13 @@ def _clock(what: str, record: Record, conditions: Conditions) -> Callable[[float
     return lambda time_s: conditions.progress(what, time_s / record.duration_s)
 
 
-def _only_frame(experiment: Experiment) -> ReducedFrame:
-    return built(experiment.frame_names[0])
+def _only_frame(experiment: Experiment, conditions: Conditions) -> ReducedFrame:
+    return built_in(states(experiment, conditions)[0])
 
 
-def _pair(experiment: Experiment) -> tuple[ReducedFrame, ReducedFrame]:
-    left, right = experiment.frame_names
-    return built(left), built(right)
+def _pair(experiment: Experiment, conditions: Conditions) -> tuple[ReducedFrame, ReducedFrame]:
+    left, right = states(experiment, conditions)
+    return built_in(left), built_in(right)
 
 
 def _histories(

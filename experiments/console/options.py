@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from pounding import bounds
 from pounding.bounds import Bound
+from pounding.experiments.rig.states import State as FrameState
 from pounding.frames.files import tried_file, tried_folder
 
 
@@ -52,6 +53,13 @@ Solver = Annotated[
 Joints = Annotated[
     Literal["calibrated", "rigid"],
     Parameter(help="Stiffness between columns and floors: calibrated on the first frequency, or rigid."),
+]
+State = Annotated[
+    FrameState | None,
+    Parameter(
+        help="State of the laboratory's frames, first frequency and damping: free-vibration (default), sweep, or "
+        "strong-motion, which depends on what stands on the table and is fitted to Table 4.1."
+    ),
 ]
 PDelta = Annotated[
     bool, Parameter(name="--p-delta", negative="--no-p-delta", help="Geometric stiffness of gravity.")

@@ -17,6 +17,7 @@ from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 from pounding.experiments.rig.shaking import validity
+from pounding.experiments.rig.states import FrameState
 from pounding.frames.response.stress import Largest, largest_stress
 
 if TYPE_CHECKING:
@@ -163,7 +164,11 @@ def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int | None = No
 
 @lru_cache(maxsize=32)
 def built(
-    name: str, joints: Any = "calibrated", p_delta: bool = True, damping: float | None = None
+    name: str,
+    joints: Any = "calibrated",
+    p_delta: bool = True,
+    damping: float | None = None,
+    calibration: str | None = None,
 ) -> ReducedFrame:
     """Return a reduced frame by name, built once a process.
 
@@ -172,8 +177,22 @@ def built(
         joints: `calibrated` or `rigid`.
         p_delta: Geometric stiffness of gravity.
         damping: Damping ratio of every mode [-]; the frame's own when None.
+        calibration: Calibration of the joints; the frame's default when None.
     """
-    return frames.build(frames.load(name), joints=joints, p_delta=p_delta, damping=damping)
+    return frames.build(
+        frames.load(name), joints=joints, p_delta=p_delta, damping=damping, calibration=calibration
+    )
+
+
+def built_in(state: FrameState, joints: Any = "calibrated", p_delta: bool = True) -> ReducedFrame:
+    """Return a reduced frame in its state, built once a process.
+
+    Args:
+        state: What `states_of` says of the frame.
+        joints: `calibrated` or `rigid`.
+        p_delta: Geometric stiffness of gravity.
+    """
+    return built(state.frame, joints, p_delta, state.damping_ratio, state.calibration)
 
 
 @lru_cache(maxsize=16)

@@ -17,14 +17,13 @@ from pounding.experiments.records import Record
 from pounding.experiments.rig.pounding import floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import required_gap
 from pounding.experiments.rig.rig import Solver
+from pounding.experiments.rig.states import first_frequency, strong_frequencies
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.separation.gaps.gap import published_gap
 from pounding.experiments.studies.frame_states import (
     Setting,
     State,
-    baseline,
     displacements,
-    first_frequency,
     in_state,
 )
 
@@ -41,8 +40,8 @@ def by_configuration(left: str, right: str) -> tuple[State, State]:
         left: Name of the frame on the left.
         right: Name of the frame on the right.
     """
-    tall = len({float(baseline(name).height_m[-1]) for name in (left, right)}) == 1
-    return ("sweep", "sweep") if tall else ("unequal pair", "unequal pair")
+    first, second = strong_frequencies([left, right])
+    return first, second
 
 
 def kept(states: Mapping[str, State]) -> States:

@@ -1,20 +1,19 @@
-"""States of the frames of the thesis: first frequencies that it prints for the same frame in different tests.
+"""Frames of the thesis with other first frequencies and damping ratios than the baseline model's, to search for effects.
 
-Free vibration and the sweep are measurements (Table 3.1); what Tables 7.2 to 7.4 list for pairs of unequal height is the
-input of the thesis' own models of these pairs, and where it comes from is not said.
+The printed first frequencies are those of `pounding.experiments.rig.states`. Here all frequencies of a frame move by one
+factor, so that one decomposition into modes serves all models; an experiment takes a state through the joints instead.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.experiments import published
 from pounding.experiments.records import Record
+from pounding.experiments.rig.states import LABORATORY, Frequency, first_frequency, strong_frequencies
 from pounding.experiments.studies import single_changes as change
 from pounding.experiments.studies.single_changes import Storeys, storeys
 from pounding.experiments.studies.table_4_1 import BLIND, build
@@ -22,16 +21,10 @@ from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
-State = Literal["free vibration", "sweep", "unequal pair"]
-STATES: tuple[State, ...] = ("free vibration", "sweep", "unequal pair")
-TWO_STATES: dict[str, State] = {
-    "15A": "sweep",
-    "15B": "unequal pair",
-    "10": "unequal pair",
-    "5A": "sweep",
-    "5B": "unequal pair",
-}
-"""The state of each frame that stands in an unequal pair of the thesis, the sweep's of the others: 15A and 5A."""
+State = Frequency
+"""What these studies fit as the state of a frame: the place where its first frequency is printed."""
+TWO_STATES: dict[str, State] = {name: strong_frequencies([name])[0] for name in LABORATORY}
+"""The states of strong motion of the frames alone, under any record: chosen with all peaks seen."""
 MODES = 5
 """Modes that are followed; the sixth of 15A is at 25 Hz, above what a scaled record shakes."""
 
@@ -49,29 +42,6 @@ class Setting:
     damping: float | None = None
     factor: float = 1.0
     gain: float = 1.0
-
-
-def first_frequency(frame: str, state: State) -> float:
-    """Return the first frequency that the thesis prints for a frame in a state [Hz]."""
-    if state == "unequal pair":
-        return _of_unequal_pairs()[_height_mm(frame)]
-    quantity = "free_vibration_hz" if state == "free vibration" else "mode1_hz"
-    return float(published.table("3.1").loc[frame, ("experiment", quantity)])
-
-
-def _height_mm(frame: str) -> int:
-    return round(1e3 * float(baseline(frame).height_m[-1]))
-
-
-@cache
-def _of_unequal_pairs() -> dict[int, float]:
-    """Return the first frequency [Hz] of frames without added masses in Table 7.2, the highest, by height [mm]."""
-    rows = published.table("7.2")
-    found: dict[int, float] = {}
-    for side in ("tall", "short"):
-        for height, frequency in zip(rows[f"{side}_height_mm"], rows[f"{side}_frequency_hz"], strict=True):
-            found[int(height)] = max(found.get(int(height), 0.0), float(frequency))
-    return found
 
 
 @cache

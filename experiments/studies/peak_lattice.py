@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments.records import Record
+from pounding.experiments.rig.states import FREQUENCIES as PLACES
+from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.studies.frame_states import (
-    STATES,
     Setting,
     State,
     displacements,
-    first_frequency,
 )
 from pounding.experiments.studies.single_changes import extremes
 from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, measured, table_motion, trusted
@@ -62,7 +62,7 @@ class Freedom:
 
     Attributes:
         numbers: Which of `factor`, `damping` and `gain` are fitted.
-        states: `baseline` (free vibration), `fitted` (one of `STATES` for each frame), or a state for each frame that was
+        states: `baseline` (free vibration), `fitted` (one of `PLACES` for each frame), or a state for each frame that was
             chosen beforehand.
     """
 
@@ -72,7 +72,7 @@ class Freedom:
     def allowed(self, frame: str) -> tuple[State, ...]:
         """Return the states that a frame may be in."""
         if self.states == "fitted":
-            return STATES
+            return PLACES
         return ("free vibration",) if isinstance(self.states, str) else (dict(self.states)[frame],)
 
     @property
@@ -143,7 +143,7 @@ class PeakLattice:
         """abs(ours - measured) / measured of each frame, (states, factors, ratios, gains, floors, records, sides)."""
         found = {}
         for name in FRAMES:
-            peaks = np.array([[self.peaks(name, state, float(f)) for f in FACTORS] for state in STATES])
+            peaks = np.array([[self.peaks(name, state, float(f)) for f in FACTORS] for state in PLACES])
             peaks = np.moveaxis(peaks, -1, 2)[:, :, :, None]
             ours = GAINS[:, None, None, None] * peaks
             found[name] = np.abs(ours / self.measured[name] - 1.0)
@@ -195,7 +195,7 @@ class PeakLattice:
     def _summed(self, name: str, freedom: Freedom, records: Sequence[int], every: bool) -> tuple[Real, int]:
         """Return sums of errors, (allowed states, factors, ratios, gains), and how many peaks they are of."""
         factors, ratios, gains = self._grids(freedom)
-        chosen = [STATES.index(state) for state in freedom.allowed(name)]
+        chosen = [PLACES.index(state) for state in freedom.allowed(name)]
         used = self._used(name, records, every)
         part = self.errors[name][np.ix_(chosen, factors, ratios, gains)]
         return np.asarray(part[..., used, :].sum(axis=(-1, -2))), 2 * int(used.sum())

@@ -86,6 +86,14 @@ def test_a_frame_alone_under_another_motion_is_not_compared(
     assert result["records"][0]["name"] == "short"
 
 
+def test_a_state_reaches_the_frame_and_the_result(short: str) -> None:
+    outcome = run(find("alone-5A-elcentro"), Conditions(record=short, state="strong-motion"))
+    assert outcome.numbers["damping_ratio"] == pytest.approx(0.0105)
+    (said,) = folders.result_of(outcome)["parameters"]["states"]
+    assert (said["frame"], said["state"], said["first_frequency_hz"]) == ("5A", "strong-motion", 6.9)
+    assert "fitted" in said["source"]
+
+
 def test_a_pair_stands_at_its_required_gap_and_does_not_touch(tmp_path: Path, short: str) -> None:
     outcome = run(find("apart-5A-5B-kobe"), Conditions(record=short))
     assert outcome.numbers["run"]["impacts"] == []

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.studies import foretold, peak_lattice
 from pounding.experiments.studies.frame_states import (
     TWO_STATES,
     Setting,
     displacements,
-    first_frequency,
     in_state,
 )
 from pounding.experiments.studies.missing_in_the_thesis import freedoms, picked_inside, split_errors
