@@ -22,10 +22,13 @@ from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.impacts import all_impacts
-from pounding.experiments.rig.pounding import Pounding, built, floor_masses, pound, shaking
-from pounding.experiments.rig.required_gap import pair_gap
+from pounding.experiments.rig.motion import turning_points
+from pounding.experiments.rig.pounding import Pounding, built, built_in, floor_masses, pound, shaking
+from pounding.experiments.rig.required_gap import contact_floors, pair_gap
 from pounding.experiments.rig.rig import Rig, Solver
+from pounding.experiments.rig.states import FREE_VIBRATION, State, states_of
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.frames.response.stress import largest_stress
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -112,6 +115,7 @@ def run_case(
     frame_damping: float = 1.0,
     flip: bool = False,
     tension: bool = False,
+    state: State = FREE_VIBRATION,
     folder: str = "",
     solver: Solver = "exact",
 ) -> dict[str, Any]:
@@ -125,6 +129,7 @@ def run_case(
             frames' stiffness and on both frames' damping.
         flip: Turn the record's sign.
         tension: May the contact pull?
+        state: State of the frames, see `states_of`.
         folder: Folder of records; the usual places when empty.
         solver: `exact` or `exudyn`, see `Rig.run`.
 
@@ -135,7 +140,8 @@ def run_case(
         `first_force` (sample,) [N], the first impact at 10,000 samples a second.
     """
     first_frame, second_frame = (
-        _changed(built(name), frame_stiffness, frame_damping) for name in (left, right)
+        _changed(built_in(one), frame_stiffness, frame_damping)
+        for one in states_of([left, right], state, record)
     )
     chosen = _law(law, contact, floor_masses(first_frame, second_frame), tension)
     chosen = dataclasses.replace(chosen, stiffness=contact_stiffness * chosen.stiffness)
@@ -161,21 +167,60 @@ def run_case(
 
 
 def run_apart(
-    left: str, right: str, record: str, *, flip: bool = False, folder: str = "", solver: Solver = "exact"
+    left: str,
+    right: str,
+    record: str,
+    *,
+    flip: bool = False,
+    state: State = FREE_VIBRATION,
+    folder: str = "",
+    solver: Solver = "exact",
 ) -> dict[str, Any]:
-    """Run two frames without contact; returns `peaks` as JSON text, for sweeps.
+    """Run two frames without contact, for sweeps.
 
     Args:
         left: Name of the frame on the left.
         right: Name of the frame on the right.
         record: Name of the ground motion.
         flip: Turn the record's sign.
+        state: State of the frames, see `states_of`.
+        folder: Folder with ground motions; empty for the default.
+        solver: `exact` or `exudyn`, see `Rig.run`.
+
+    Returns:
+        `peaks` as JSON text, and the largest motions towards each other (`closing_mm`, the required gap) and away from
+        each other (`opening_mm`) of the floors that can meet.
+    """
+    one, other = (built_in(chosen) for chosen in states_of([left, right], state, record))
+    at_left, at_right = contact_floors(one, other)
+    first, second = Rig([one, other]).run(shaking(record, folder or None, flip=flip), solver=solver).frames
+    closing = first.floor_displacement(at_left) - second.floor_displacement(at_right)
+    rate = first.velocity_m_s[:, first.floor(at_left)] - second.velocity_m_s[:, second.floor(at_right)]
+    apart = turning_points(first.time_s, closing, rate)
+    return {
+        "peaks": json.dumps({"left": first.peaks(), "right": second.peaks()}),
+        "closing_mm": 1e3 * max(0.0, float(apart.max())),
+        "opening_mm": 1e3 * max(0.0, -float(apart.min())),
+    }
+
+
+def run_alone(
+    frame: str, record: str, *, state: State = FREE_VIBRATION, folder: str = "", solver: Solver = "exact"
+) -> dict[str, Any]:
+    """Run one frame, for sweeps; returns `peaks` as JSON text and `max_stress_mpa` (von Mises, without gravity).
+
+    Args:
+        frame: Name of the frame.
+        record: Name of the ground motion.
+        state: State of the frame, see `states_of`.
         folder: Folder with ground motions; empty for the default.
         solver: `exact` or `exudyn`, see `Rig.run`.
     """
-    rig = Rig([built(left), built(right)])
-    frames = rig.run(shaking(record, folder or None, flip=flip), solver=solver).frames
-    return {"peaks": json.dumps({"left": frames[0].peaks(), "right": frames[1].peaks()})}
+    (chosen,) = states_of([frame], state, record)
+    reduced = built_in(chosen)
+    (moved,) = Rig([reduced]).run(shaking(record, folder or None), solver=solver).frames
+    stress = largest_stress(reduced, moved.displacement_m)
+    return {"peaks": json.dumps(moved.peaks()), "max_stress_mpa": stress.stress_pa / 1e6}
 
 
 def run_all(
@@ -218,6 +263,7 @@ DEFAULTS: dict[str, Any] = {
     "frame_damping": 1.0,
     "flip": False,
     "tension": False,
+    "state": FREE_VIBRATION,
 }
 
 

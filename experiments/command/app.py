@@ -54,6 +54,7 @@ STUDIES = {
     "table-4-1": "pounding.experiments.studies.table_4_1:main",
     "table-4-1-missing": "pounding.experiments.studies.table_4_1_missing:main",
     "missing-in-the-thesis": "pounding.experiments.studies.missing_in_the_thesis:main",
+    "strong-motion": "pounding.experiments.studies.strong_motion:main",
     "chapter-4": "pounding.experiments.studies.chapter_4:main",
     "chapter-5": "pounding.experiments.studies.chapter_5:main",
     "chapter-6": "pounding.experiments.studies.chapter_6:main",

@@ -1,13 +1,15 @@
 """Chapter 4 of the thesis: required gaps, the codes' rules, and its Tables 4.2 and 4.3.
 
-Five pairs under four records. The required gap of the closing motion is confirmed by collisions just below
-and just above it. Run it with ``pounding study chapter-4``.
+Five pairs under four records, by the blind model and, beside it, in the state of strong motion, whose damping is fitted to
+Table 4.1. The required gap of the closing motion is confirmed by collisions just below and just above it. Run it with
+``pounding study chapter-4``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,7 +25,10 @@ from pounding.experiments.console.output import emit, progress_console, table, w
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.pounding import built_in
+from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.rig import Solver
+from pounding.experiments.rig.states import states_of
 from pounding.experiments.separation import pictures
 from pounding.experiments.separation.chapter_7.parametric import motions_of_the_study
 from pounding.experiments.separation.gaps import tables_4
@@ -76,7 +81,7 @@ def study(
     built = {name: build(name, BLIND) for name in FRAMES}
     motions = {name: _motion(name, BLIND, folder) for name in tables_4.RECORDS}
     gaps = tables_4.computed_gaps(built.__getitem__, motions.__getitem__)
-    table_4_2 = tables_4.table_4_2(gaps)
+    table_4_2 = tables_4.table_4_2(gaps).join(strong_motion_gaps(motions))
     pga = {name: record.pga_g for name, record in motions.items()}
     measured = tables_4.rules_from_measured(built, pga)
     computed = tables_4.rules_from_computed(built, pga, gaps)
@@ -98,6 +103,23 @@ def study(
     result = stamp({"variant": str(BLIND), "collisions": collisions}, list(motions.values()))
     result |= {name: _rows(frame) for name, frame in tables.items()}
     return result, tables
+
+
+def strong_motion_gaps(motions: Mapping[str, Record]) -> pd.DataFrame:
+    """Return the gaps of Table 4.2 with the frames in the state of strong motion [mm], which is fitted to Table 4.1.
+
+    Args:
+        motions: Records at model scale by name.
+    """
+    rows = {}
+    for (left, right, floor), record in product(tables_4.pairs(), tables_4.RECORDS):
+        one, other = map(built_in, states_of([left, right], "strong-motion", record))
+        gap = pair_gap(one, other, motions[record], floor=floor)
+        rows[(left, right, floor, record)] = {
+            "strong_motion_closing_mm": 1e3 * gap.closing_m,
+            "strong_motion_equation_4_1_mm": 1e3 * gap.equation_4_1_m,
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["left", "right", "floor", "record"])
 
 
 def errors(table_4_2: pd.DataFrame) -> pd.DataFrame:
@@ -200,7 +222,7 @@ def write(
 def show(tables: dict[str, pd.DataFrame]) -> Iterable[RenderableType | str]:
     """Return the tables for a reader."""
     titles = {
-        "table_4_2": "Table 4.2 [mm]",
+        "table_4_2": "Table 4.2 [mm]; columns of strong motion: damping fitted to Table 4.1, all others blind",
         "errors": "Error of the gaps against the measured ones",
         "variants": "Mean error of every variant of the model",
         "rules_measured_summary": "Rules from the measured peaks over the measured gaps",

@@ -98,6 +98,9 @@ def study(
     plan: dict[str, list[dict[str, Any]]] = {
         "laboratory": [case(test, test.gap_mm, law) for test in tests for law in LAWS],
         "own": [case(test, own[test], law) for test in tests for law in LAWS],
+        "strong_motion": [
+            case(test, test.gap_mm, law, state="strong-motion") for test in tests for law in LAWS
+        ],
         "laboratory_flipped": [case(test, test.gap_mm, flip=True) for test in tests],
         "formula": [case(test, own[test], "hertz_damp", contact="formula") for test in tests],
         "tension": [case(test, own[test], tension=True) for test in tests],
@@ -149,6 +152,13 @@ def _tables(
     tables = {
         "requirements": requirements(tests, folder),
         "impacts_at_laboratory_gap": _beside(by_law(runs["laboratory"], "count")),
+        "impacts_in_strong_motion_fitted_to_table_4_1": _beside(by_law(runs["strong_motion"], "count")),
+        "sum_of_differences_at_laboratory_gap": pd.DataFrame(
+            {
+                "free vibration (blind)": _differences(runs["laboratory"]),
+                "strong motion (fitted to Table 4.1)": _differences(runs["strong_motion"]),
+            }
+        ).rename_axis("law"),
         "impacts_at_same_fraction": _beside(by_law(runs["own"], "count")),
         "impacts_flipped": _beside(by_law(runs["laboratory_flipped"], "count")),
         "impacts_by_merging_time": _merging(runs["laboratory"]),
@@ -177,6 +187,12 @@ def _beside(counts: pd.DataFrame) -> pd.DataFrame:
     table = counts.astype(int)
     table.insert(0, "counted", counted().reindex(table.index).astype(int))
     return pd.concat([table, table.sum().to_frame("all").T]).rename_axis("case")
+
+
+def _differences(runs: pd.DataFrame) -> pd.Series:
+    """Return the sum over the tests of abs(ours - counted) for each law."""
+    counts = by_law(runs, "count").astype(int)
+    return counts.sub(counted().reindex(counts.index), axis=0).abs().sum().astype(int)
 
 
 def _merging(runs: pd.DataFrame) -> pd.DataFrame:

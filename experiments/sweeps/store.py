@@ -64,7 +64,8 @@ def sources() -> set[Path]:
     house = Path(pounding.__file__).parent
     files = set(house.glob("*.py"))
     for package in ("frames", "contact", "experiments"):
-        files.update((house / package).rglob("*.py"))
+        # Frames and their states are data beside the code.
+        files.update(*((house / package).rglob(kind) for kind in ("*.py", "*.toml")))
     left_out = tuple(house / room for room in NO_PART_OF_A_CASE)
     return {file for file in files if not any(room in file.parents for room in left_out)}
 

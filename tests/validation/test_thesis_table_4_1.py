@@ -59,6 +59,19 @@ def test_mean_error_without_the_contested_peaks(blind):
 
 
 @pytest.mark.parametrize(
+    ("state", "mean", "uncontested"),
+    [
+        pytest.param("free-vibration", 0.239, 0.219, id="free vibration, blind"),
+        pytest.param("strong-motion", 0.115, 0.120, id="strong motion, damping fitted to this table"),
+    ],
+)
+def test_mean_error_in_each_state(state, mean, uncontested, test_records):
+    found = table_4_1.predict_in(state, test_records)
+    assert table_4_1.score(found).mean == pytest.approx(mean, abs=ROOM)
+    assert table_4_1.score(found, table_4_1.trusted()).mean == pytest.approx(uncontested, abs=ROOM)
+
+
+@pytest.mark.parametrize(
     ("place", "mean"),
     [
         ("15A floor 15", 0.166),

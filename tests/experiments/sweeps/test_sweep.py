@@ -99,6 +99,7 @@ def test_a_case_depends_on_what_computes_it_and_not_on_what_shows_it():
     house = Path(pounding.__file__).parent
     found = {path.relative_to(house).as_posix() for path in sweep_store.sources()}
     assert {"constants.py", "frames/fe/shells.py", "contact/laws.py", "experiments/rig/rig.py"} <= found
+    assert {"frames/library/15B.toml", "experiments/rig/states.toml"} <= found
     assert not [name for name in found if name.startswith(sweep_store.NO_PART_OF_A_CASE)]
     for room in sweep_store.NO_PART_OF_A_CASE:
         assert (house / room / "__init__.py").is_file()
