@@ -12,7 +12,7 @@ from pounding import bounds, frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.states import states_of
+from pounding.experiments.rig.states import in_words, states_of
 from pounding.frames.fe.assembly import Options
 from pounding.frames.response import modal as modal_analysis
 from pounding.frames.response.modal import DIRECTIONS
@@ -106,8 +106,7 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
     heads = ["mode", "f [Hz]", "mass x", "mass y", "damping", "description"]
     yield table(f"Frame {result['frame']}", heads, rows)
     yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
-    for one in result["parameters"]["states"]:
-        yield f"{one['frame']}: {one['state'] or 'no state'} ({one['source']})"
+    yield from map(in_words, result["parameters"]["states"])
     yield f"moving mass {result['mass_kg']:.2f} kg"
     yield f"roof stiffness {result['roof_stiffness_n_per_mm']:.2f} N/mm"
     known = result["published"]

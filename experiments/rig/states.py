@@ -7,7 +7,7 @@ but for the damping of strong motion, which is fitted to Table 4.1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -123,7 +123,12 @@ class FrameState:
         }
 
     def __str__(self) -> str:
-        return f"{self.frame}: {self.state or 'no state'} ({self.source})"
+        return in_words(self.as_dict())
+
+
+def in_words(state: Mapping[str, Any]) -> str:
+    """Return `FrameState.as_dict` in words: the frame, its state, and where stiffness and damping come from."""
+    return f"{state['frame']}, {state['state'] or 'no state'}: {state['source']}"
 
 
 def states_of(

@@ -178,12 +178,17 @@ def impacts(collided: pd.DataFrame) -> pd.DataFrame:
 def stresses(alone: pd.DataFrame) -> pd.DataFrame:
     """Return the largest von Mises stress of each frame under each record in each state, and the yield stress [MPa].
 
+    `at_measured` is the stress in strong motion times the measured over the computed peak of the roof: what the linear model
+    says of the motion that was measured, as far as that has its shape.
+
     Args:
         alone: Results of `run_alone`.
     """
     wide = alone.pivot(index=["frame", "record"], columns="state", values="max_stress_mpa")
     wide = wide.reindex(pd.MultiIndex.from_product([FRAMES, RECORDS], names=["frame", "record"]))
     wide = wide[list(LABELS)].rename(columns=dict(LABELS)).rename_axis(columns=None)
+    roofs = [_roof(alone, str(frame), str(record)) for frame, record in wide.index]
+    wide["at_measured"] = wide[LABELS["strong-motion"]] * roofs
     return wide.assign(yields=[_yield_mpa(str(frame)) for frame, _ in wide.index])
 
 
@@ -306,6 +311,17 @@ def _cases(cases: list[dict[str, Any]]) -> list[dict[str, Any]]:
 def _stated() -> list[dict[str, Any]]:
     """Return the states of every frame alone, for the result's parameters."""
     return [states_of([name], state)[0].as_dict() for state in LABELS for name in FRAMES]
+
+
+def _roof(alone: pd.DataFrame, frame: str, record: str) -> float:
+    """Return the measured over the computed peak of a roof in strong motion, each the larger of both sides [-]."""
+    rows = alone[
+        (alone["frame"] == frame) & (alone["record"] == record) & (alone["state"] == "strong-motion")
+    ]
+    peaks: list[dict[str, float]] = jsonlib.loads(rows["peaks"].iloc[0])
+    roof = max(peaks, key=lambda one: one["floor"])
+    known = measured().sel(place=f"{frame} floor {roof['floor']}", record=record)
+    return float(known.max()) / max(roof["max_mm"], roof["min_mm"])
 
 
 def _yield_mpa(name: str) -> float:

@@ -73,6 +73,7 @@ def test_misfits_of_made_up_runs(made_up: dict[str, pd.DataFrame]) -> None:
     assert found.loc[LABELS["free-vibration"], ["peaks_58", "peaks_64"]].tolist() == [0.0, 0.0]
     assert found.loc[STRONG, "peaks_58"] == pytest.approx(0.5)
     assert found["shakes_beyond_yield"].tolist()[1:] == [20.0, 0.0]
+    assert tables["stress"]["at_measured"].to_numpy() == pytest.approx(279.0 / 1.5)
     assert found.loc[STRONG, "impacts"] == 24
     # counted: 2, 1, 1, 3, 2, 7, 2, 2, 5, 4, 3, 8
     assert found.loc[STRONG, "sum_of_differences"] == 20
