@@ -15,12 +15,12 @@ from matplotlib.figure import Figure
 from pounding.frames.files import replacing
 
 STYLE: dict[Any, Any] = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
-MEASURED, OURS, SAP2000 = "#222222", "#c0392b", "#2e86c1"
+MEASURED, OURS, SAP2000, FITTED = "#222222", "#c0392b", "#2e86c1", "#1e8449"
 
 
 @matplotlib.rc_context(STYLE)
 def picture(data: xr.Dataset, path: Path) -> None:
-    """Draw the peaks of a comparison (`table_4_1.compare`) into a file; its first variant is ours.
+    """Draw the peaks of a comparison (`table_4_1.compare`) into a file; its first variant is ours, beside strong motion.
 
     Bars reach from the measured minimum to the measured maximum; contested peaks are hatched.
 
@@ -54,12 +54,14 @@ def _panel(axis: Axes, data: xr.Dataset) -> None:
             label="measured" if index == 0 else None,
         )
     for values, colour, mark, shift, label in (
-        (data.sap2000, SAP2000, "s", -0.15, "SAP2000, as printed"),
-        (data.computed[0], OURS, "o", 0.15, "ours, fixed beforehand"),
+        (data.sap2000, SAP2000, "s", -0.22, "SAP2000, as printed"),
+        (data.computed[0], OURS, "o", 0.0, "ours, fixed beforehand"),
+        (data.strong_motion, FITTED, "^", 0.22, "strong motion, fitted to these peaks"),
     ):
         for side, sign in (("max", 1), ("min", -1)):
             named = label if sign > 0 else None
             axis.plot(x + shift, sign * values.sel(side=side), mark, ms=4.5, color=colour, label=named)
+    axis.use_sticky_edges = False  # the bars would end at the edge of the panel, and marks there be cut
     axis.axhline(0, color=MEASURED, lw=0.6)
     names = [
         f"{frame}\nfl. {floor}" for frame, floor in zip(data.frame.values, data.floor.values, strict=True)
