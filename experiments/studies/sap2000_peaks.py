@@ -11,9 +11,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from pounding.experiments.records import Record
+from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.separation.gaps.gap import published_gap
-from pounding.experiments.studies.frame_states import first_frequency
 from pounding.experiments.studies.sap2000_model import (
     Real,
     fitted_gain,
