@@ -50,6 +50,7 @@ STUDIES = {
     "table-3-1": "pounding.experiments.studies.table_3_1:main",
     "laboratory": "pounding.experiments.studies.laboratory:main",
     "engine-accuracy": "pounding.experiments.studies.engine_accuracy:main",
+    "engine-body": "pounding.experiments.studies.engine_body:main",
     "figure-4-11": "pounding.experiments.studies.figure_4_11:main",
     "table-4-1": "pounding.experiments.studies.table_4_1:main",
     "table-4-1-missing": "pounding.experiments.studies.table_4_1_missing:main",

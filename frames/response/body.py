@@ -45,19 +45,28 @@ class Table:
         acceleration_m_s2: Acceleration (m,) [m/s^2], positive in +x; the first sample is at time zero.
         step_s: Sample step [s].
         mass_kg: Mass [kg] that makes the frames' reactions negligible.
+        node: A node that has this mass already and moves with its first coordinate; a node of its own when None.
 
     Raises:
         FrameError: The history has fewer than two samples or one that is not finite.
     """
 
     def __init__(
-        self, mbs: Any, acceleration_m_s2: ArrayLike, step_s: float, *, mass_kg: float = TABLE_MASS_KG
+        self,
+        mbs: Any,
+        acceleration_m_s2: ArrayLike,
+        step_s: float,
+        *,
+        mass_kg: float = TABLE_MASS_KG,
+        node: Any = None,
     ) -> None:
         self.samples = checked(acceleration_m_s2, step_s)
         self.step_s = float(step_s)
         self.duration_s = (len(self.samples) - 1) * self.step_s
-        self.node = mbs.AddNode(items.Node1D(referenceCoordinates=[0.0]))
-        mbs.AddObject(items.ObjectMass1D(mass=mass_kg, nodeNumber=self.node))
+        self.node = node
+        if node is None:
+            self.node = mbs.AddNode(items.Node1D(referenceCoordinates=[0.0]))
+            mbs.AddObject(items.ObjectMass1D(mass=mass_kg, nodeNumber=self.node))
         marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=0))
         # exudyn keeps no reference to a user function: the table must.
         self._load = self._force(mass_kg)
