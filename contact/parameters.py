@@ -57,7 +57,7 @@ def _formula() -> dict[str, dict[str, float]]:
         "linear_viscoelastic": {"stiffness": linear, "damping_ratio": linear_damping_ratio(RESTITUTION)},
         "hertz": {"stiffness": hertz},
         "nonlinear_viscoelastic": {
-            "stiffness": k.JANKOWSKI_STEEL_HERTZ * SCALE,
+            "stiffness": k.scaled_hertz(k.JANKOWSKI_STEEL_HERTZ, SCALE),
             "damping_ratio": nonlinear_damping_ratio(RESTITUTION),
         },
         "hertz_damp": {"stiffness": hertz, "restitution": RESTITUTION},

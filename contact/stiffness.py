@@ -66,6 +66,19 @@ def experiment(scale: float) -> float:
     return _positive(EXPERIMENT_FULL_SCALE * scale)
 
 
+def scaled_hertz(full_scale: float, scale: float) -> float:
+    """Stiffness of a Hertz law at a length scale [N/m^1.5], the root of the scale times that at full scale.
+
+    Equation 5.2 scales a force over a deformation with the length, so the force goes with its square; a force over a
+    deformation to the power of 1.5 then goes with its root. So does eq. 2.10, by the root of the radius.
+
+    Args:
+        full_scale: Stiffness at full scale [N/m^1.5].
+        scale: Length at model scale over that at full scale [-].
+    """
+    return _positive(full_scale * math.sqrt(scale))
+
+
 def material_parameter(modulus: float, poisson: float) -> float:
     """delta = (1 - rho^2) / (pi E) [1/Pa] of a contact partner (thesis eq. 2.11)."""
     return (1.0 - poisson**2) / (math.pi * modulus)

@@ -72,6 +72,15 @@ def test_other_formulas_of_section_2_3() -> None:
     assert k.experiment(1 / 8) == pytest.approx(77.5e6)  # the thesis' own example
 
 
+def test_a_hertz_stiffness_scales_so_that_its_force_scales_as_that_of_a_linear_one() -> None:
+    """At corresponding deformations a model at 1/30 has 1/900 of the force, by both laws."""
+    scale, deformation = 1.0 / 30.0, 1e-3
+    linear = k.experiment(scale) * scale * deformation / (k.experiment(1.0) * deformation)
+    full = k.JANKOWSKI_STEEL_HERTZ
+    hertz = k.scaled_hertz(full, scale) * (scale * deformation) ** 1.5 / (full * deformation**1.5)
+    assert hertz == pytest.approx(linear)
+
+
 @pytest.mark.parametrize("parameters", ["printed", "formula"])
 def test_each_set_has_the_five_laws(name: str, parameters: str) -> None:
     law = thesis_law(name, parameters)
@@ -85,6 +94,8 @@ def test_sets_differ_where_the_thesis_disagrees_with_itself() -> None:
         9.87, rel=1e-3
     )
     masses = (6.2, 6.2)
+    # The thesis divides beta by 30; by its own eq. 5.2 it goes with the root of the length.
+    assert thesis_law("nonlinear_viscoelastic", "formula").stiffness == pytest.approx(1.205e10, rel=1e-3)
     assert thesis_law("linear_viscoelastic", "formula", masses=masses).damping == pytest.approx(
         1070.5, abs=1.0
     )
