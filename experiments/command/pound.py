@@ -30,6 +30,9 @@ from pounding.units import LENGTH
 
 DEFAULT_LAW = "linear_viscoelastic"
 
+HEADS = ("time s", "floor", "peak N", "N s", "approach m/s", "touches, max ms", "restitution")
+"""Of the table of impacts; duration and restitution are those of single touches."""
+
 
 def pound(
     left: str,
@@ -189,9 +192,10 @@ def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]
         if run["impacts"]:
             yield table(
                 title,
-                ["time s", "floor", "peak N", "impulse N s", "lasts ms", "approach m/s", "restitution"],
+                HEADS,
                 [_row(impact) for impact in run["impacts"]],
             )
+            yield from _merged(run["impacts"])
         else:
             yield f"{title}: the floors did not touch."
         yield (
@@ -212,16 +216,30 @@ def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]
 
 
 def _row(impact: dict[str, Any]) -> list[str]:
-    restitution = impact["restitution"]
     return [
         f"{impact['time_s']:.4f}",
         f"{impact['floor']}",
         f"{impact['peak_force_n']:.0f}",
         f"{impact['impulse_n_s']:.3f}",
-        f"{impact['duration_ms']:.2f}",
         f"{impact['approach_velocity_m_s']:.3f}",
-        "–" if restitution is None else f"{restitution:.2f}",
+        f"{impact['touches']}, {impact['longest_touch_ms']:.2f}",
+        " ".join(map(_ratio, impact["touch_restitutions"])),
     ]
+
+
+def _merged(impacts: Iterable[dict[str, Any]]) -> Iterable[str]:
+    """Say of each impact of several touches what it is as a whole, which is no property of the contact."""
+    for impact in impacts:
+        if impact["touches"] > 1:
+            yield (
+                f"The impact at {impact['time_s']:.4f} s is merged from {impact['touches']} touches; from the first "
+                f"touch to the last parting: {impact['duration_ms']:.2f} ms, restitution "
+                f"{_ratio(impact['restitution'])}."
+            )
+
+
+def _ratio(restitution: float | None) -> str:
+    return "–" if restitution is None else f"{restitution:.2f}"
 
 
 def _peak_row(run: dict[str, Any], side: str) -> list[str]:

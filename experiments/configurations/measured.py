@@ -150,12 +150,13 @@ def apart(experiment: Experiment, record: str, ours_mm: Mapping[str, float]) -> 
 
 
 def collision(experiment: Experiment, record: str, runs: Mapping[str, Mapping[str, Any]]) -> list[Row]:
-    """Return impacts and peak force of each run of a collision.
+    """Return impacts, peak force and touches of each run of a collision.
 
     Args:
         experiment: The configuration.
         record: Name of the ground motion of the thesis.
-        runs: For each law or stiffness its `impacts` and `peak_force_n`.
+        runs: For each law or stiffness its `impacts`, `peak_force_n`, `touches`, `longest_touch_ms` and
+            `touch_restitution`, the median of all its touches.
     """
     rows = []
     for reference in experiment.measured:
@@ -166,11 +167,19 @@ def collision(experiment: Experiment, record: str, runs: Mapping[str, Mapping[st
                 Row(f"{what}, {name}", "", printed, None, float(run["impacts"]), str(reference))
                 for name, run in runs.items()
             ]
-    lost = "its history stood in a figure"
-    rows += [
-        Row(f"peak force, {name}", "N", None, None, run["peak_force_n"], lost) for name, run in runs.items()
-    ]
+    for key, (what, unit) in _OF_TOUCHES.items():
+        rows += [Row(f"{what}, {name}", unit, None, None, run[key], LOST) for name, run in runs.items()]
     return rows
+
+
+LOST = "its history stood in a figure"
+_OF_TOUCHES = {
+    "peak_force_n": ("peak force", "N"),
+    "touches": ("touches in all impacts", ""),
+    "longest_touch_ms": ("longest touch", "ms"),
+    "touch_restitution": ("restitution of a touch, median", ""),
+}
+"""What only a force history could be compared with: key, in words, unit."""
 
 
 def _at_least_one(_reference: Printed, _record: str) -> tuple[str, float]:

@@ -39,6 +39,7 @@ from pounding.experiments.pictures import laboratory_plots, plots, scenes
 from pounding.experiments.pictures.series import write_series
 from pounding.experiments.records import Record
 from pounding.experiments.results import dataset as results
+from pounding.experiments.rig.impacts import Impact
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import contact_floors, pair_gap
@@ -312,13 +313,7 @@ def _collided(
         told = _clock(name, record, conditions)
         runs[name] = pound(left, right, record, law, 1e-3 * experiment.gap_mm, progress=told)
     numbers = {name: done.result() | done.validity() for name, done in runs.items()}
-    short = {
-        name: {
-            "impacts": len(done.impacts),
-            "peak_force_n": max((impact.peak_force_n for impact in done.impacts), default=0.0),
-        }
-        for name, done in runs.items()
-    }
+    short = {name: _of_impacts(done.impacts) for name, done in runs.items()}
 
     def write(result: dict[str, Any], folder: Path) -> Kept:
         conditions.progress("writing", 0.0)
@@ -330,6 +325,18 @@ def _collided(
     return Outcome(
         experiment, {"runs": numbers}, rows, warnings, [record], states(experiment, conditions), write
     )
+
+
+def _of_impacts(impacts: list[Impact]) -> dict[str, Any]:
+    """Return what `measured.collision` asks of a run; restitution and duration of its single touches."""
+    ratios = [ratio for one in impacts for ratio in one.touch_restitutions if ratio is not None]
+    return {
+        "impacts": len(impacts),
+        "peak_force_n": max((one.peak_force_n for one in impacts), default=0.0),
+        "touches": float(sum(one.touches for one in impacts)),
+        "longest_touch_ms": max((one.longest_touch_ms for one in impacts), default=0.0),
+        "touch_restitution": float(np.median(ratios)) if ratios else None,
+    }
 
 
 def _stamped(result: dict[str, Any]) -> dict[str, Any]:

@@ -2,8 +2,10 @@
 
 An impact begins where a sample reaches `THRESHOLD_N`. Samples above the threshold that are less than
 `MERGING_S` apart belong to one impact: after the first touch two floors often touch again within
-milliseconds, while the collision is still going on. What an impact carried (peak, impulse, duration) is then
-read from the run's own interpolation between the engine's steps, not from the coarse samples.
+milliseconds, while the collision is still going on. Such an impact is merged from several touches, and its duration
+and restitution are those of the whole, the time apart included; each touch has its own beside them. What an impact
+carried (peak, impulse, duration) is then read from the run's own interpolation between the engine's steps, not from
+the coarse samples.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ from numpy.typing import NDArray
 from pounding.experiments.rig.motion import ContactHistory, Motion
 
 Real = NDArray[np.floating]
+Pulse = tuple[Real, Real, Real, Real]
+"""Times [s], deformation [m], rate [m/s] and force [N] of one touch."""
 
 SAMPLE_RATE_HZ = 10_000.0
 THRESHOLD_N = 10.0
@@ -33,15 +37,18 @@ class Impact:
 
     Attributes:
         time_s: First touch [s].
-        duration_ms: From the first touch to the last parting [ms].
+        duration_ms: From the first touch to the last parting, the time apart between touches included [ms].
         peak_force_n: Largest force [N].
         impulse_n_s: Integral of the force [N s].
         approach_velocity_m_s: Velocity of approach at the first touch [m/s].
-        restitution: Velocity of parting after the last touch over that of approach; the frames' own motion
-            takes part, so it may pass the law's by a little, and by much in a slow impact. None if the floors
+        restitution: Velocity of parting after the last touch over that of approach at the first. Of several
+            touches it is no property of the contact: the frames have moved on between them. None if the floors
             did not approach.
         floor: Floor of the left frame.
-        touches: How often the floors touched in it.
+        touches: How often the floors touched in it; the impact is merged if more than once.
+        longest_touch_ms: Duration of the longest touch [ms].
+        touch_restitutions: Restitution of each touch, in time; the frames' own motion takes part, so it may pass
+            the law's by a little, and by much in a slow touch.
     """
 
     time_s: float
@@ -52,6 +59,8 @@ class Impact:
     restitution: float | None
     floor: int
     touches: int
+    longest_touch_ms: float
+    touch_restitutions: list[float | None]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the impact as a dictionary, in the order above."""
@@ -113,15 +122,22 @@ def _impact(history: ContactHistory, start_s: float, end_s: float) -> Impact:
     inside = [pulse for pulse in inside if pulse[3].max() > 0.0]
     pressed = [pulse[0][pulse[3] > 0.0] for pulse in inside]
     first, last = inside[0], inside[-1]
-    approach = float(first[2][0])
-    parting = -float(last[2][last[3] > 0.0][-1])
     return Impact(
         time_s=float(first[0][0]),
         duration_ms=1e3 * float(pressed[-1][-1] - first[0][0]),
         peak_force_n=max(float(pulse[3].max()) for pulse in inside),
         impulse_n_s=sum(float(np.trapezoid(pulse[3], pulse[0])) for pulse in inside),
-        approach_velocity_m_s=approach,
-        restitution=parting / approach if approach > 0 else None,
+        approach_velocity_m_s=float(first[2][0]),
+        restitution=_restitution(first, last),
         floor=history.floor,
         touches=len(inside),
+        longest_touch_ms=1e3
+        * max(float(times[-1] - pulse[0][0]) for times, pulse in zip(pressed, inside, strict=True)),
+        touch_restitutions=[_restitution(pulse, pulse) for pulse in inside],
     )
+
+
+def _restitution(first: Pulse, last: Pulse) -> float | None:
+    """Return the rate of parting at the end of one pulse over that of approach at the start of another."""
+    approach = float(first[2][0])
+    return -float(last[2][last[3] > 0.0][-1]) / approach if approach > 0 else None

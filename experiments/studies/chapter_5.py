@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pounding.contact.parameters import STIFFNESS_SETS, viscoelastic_of
+from pounding.contact.laws import BUILT_IN, Law
+from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
 from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all
+from pounding.experiments.campaign.one_motion import laser_limits, on_one_motion
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
@@ -89,6 +91,10 @@ def study(
         tables[f"peak_force_{name}"] = _wide(part, "peak_force_n")
         tables[f"first_peak_{name}"] = _wide(part, "first_peak_n")
         tables[f"spread_{name}"] = spread(tables[f"first_peak_{name}"], tables[f"peak_force_{name}"])
+    tables["laser_limits"] = laser_limits(
+        tables["first_peak_same_fraction"][REFERENCE].dropna(), STIFFNESS_SETS[REFERENCE][0]
+    )
+    tables["one_motion"] = one_motion(records)
     tables["flipped"] = runs.iloc[second:][["record", "gap_mm", "count", "peak_force_n"]].reset_index(
         drop=True
     )
@@ -104,6 +110,27 @@ def study(
         "engine_check": engine_check(cases, runs, solver, records, kept, workers),
     }
     return result | {name: keyed(frame) for name, frame in tables.items()}, tables
+
+
+def one_motion(records: Path | None = None) -> pd.DataFrame:
+    """Return each stiffness and each law on the motion of one run, beside a run of its own.
+
+    The motion is that of the experiment's stiffness in the test that the pictures show.
+
+    Args:
+        records: Folder of records; the usual places when None.
+    """
+    record, gap = SHOWN
+    shaken = shaking(record, None if records is None else str(records))
+    pair = built("15B"), built("5B")
+    laws: dict[str, Law] = {source: viscoelastic_of(source) for source in SOURCES}
+    laws |= {name: thesis_law(name) for name in BUILT_IN}
+    runs = {
+        name: pound(*pair, shaken, law, 1e-3 * gap, solver="exact").motion.contacts[0]
+        for name, law in laws.items()
+    }
+    own = [on_one_motion(history, {name: laws[name]}) for name, history in runs.items()]
+    return on_one_motion(runs[REFERENCE], laws).join(pd.concat(own), rsuffix="_of_its_own_run")
 
 
 def spread(first_peak: pd.DataFrame, peak: pd.DataFrame) -> pd.DataFrame:

@@ -91,7 +91,8 @@ def test_the_collisions_are_those_of_the_campaign() -> None:
 def test_the_counts_are_those_of_table_6_2() -> None:
     for one in of_kind("collision"):
         assert isinstance(one, Collision)
-        runs = {"hertz": {"impacts": 3, "peak_force_n": 100.0}}
+        touches = {"touches": 4.0, "longest_touch_ms": 1.0, "touch_restitution": 0.8}
+        runs = {"hertz": {"impacts": 3, "peak_force_n": 100.0} | touches}
         rows = {row.source.partition(",")[0]: row for row in measured.collision(one, one.record, runs)}
         if 6 in one.chapters:
             assert rows["Table 6.2"].measured == counted_impacts()[(*one.frame_names, one.record)]

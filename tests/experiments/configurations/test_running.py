@@ -111,7 +111,9 @@ def test_each_stiffness_leaves_a_dataset_of_its_own(tmp_path: Path, short: str) 
     outcome = run(one, Conditions(record=short))
     kept = folders.keep(outcome, tmp_path)
     assert {"experiment.nc", "xu.nc"} <= set(kept.files)
-    assert len(outcome.rows) == 4
+    assert len(outcome.rows) == 10
+    touches = {row.quantity: row.ours for row in outcome.rows}
+    assert touches["touches in all impacts, xu"] >= touches["impacts (measured: at least), xu"]
 
 
 def test_a_laboratory_motion_is_the_test_that_was_read(plate: ReducedFrame) -> None:
@@ -283,7 +285,7 @@ def test_a_collision_with_pictures(name: str, tmp_path: Path, test_records: Path
     assert "collision.png" in names or not PICTURES
     assert all((folder / file).is_file() for file in listed(folder))
     rows = table(folder / "measured.csv")
-    assert len(rows) == 10
+    assert len(rows) == 25
     assert all(float(row["ours"]) >= 1.0 for row in rows[:5])
     result = json.loads((folder / "experiment.json").read_text())
     assert set(result["result"]["runs"]) == set(

@@ -58,6 +58,15 @@ def test_touches_that_follow_closely_are_one_impact(apart_s: float, expected: li
     assert [impact.touches for impact in impacts(bounce([0.5, 0.5 + HALF + apart_s]))] == expected
 
 
+def test_a_merged_impact_has_the_duration_and_restitution_of_each_touch_beside_its_own() -> None:
+    """Two touches of a millisecond ten apart are no contact of twelve, whatever a merged duration says."""
+    (impact,) = impacts(bounce([0.5, 0.5 + HALF + 0.01]))
+    assert impact.touches == 2
+    assert impact.longest_touch_ms == pytest.approx(1e3 * HALF, rel=0.02)
+    assert impact.duration_ms == pytest.approx(1e3 * (2.0 * HALF + 0.01), rel=0.01)
+    assert impact.touch_restitutions == pytest.approx([1.0, 1.0], abs=0.03)
+
+
 def test_touches_below_the_threshold_do_not_count() -> None:
     history = bounce([0.5])
     peak = impacts(history)[0].peak_force_n
