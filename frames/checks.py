@@ -71,6 +71,7 @@ def plate_frame(frame: PlateFrame) -> None:
             f"of the floor's width ({frame.plate.width_m / 6.0:.4g} m)"
         )
     _places(name, frame)
+    _yielding(name, frame)
 
 
 def stick_frame(frame: StickFrame) -> None:
@@ -97,6 +98,24 @@ def stick_frame(frame: StickFrame) -> None:
     _damping(name, ratios)
     for key, side in zip(("length", "width"), frame.plan_m, strict=True):
         _within(name, f"plan_m ({key})", side, bounds.LENGTH)
+    if frame.yielding is not None and frame.yielding.storey_shear_n is None:
+        raise FrameError(
+            f"{name}: yielding.storey_shear_n is missing; a stick has no columns to take it from"
+        )
+    _yielding(name, frame)
+
+
+def _yielding(name: str, frame: PlateFrame | StickFrame) -> None:
+    if frame.yielding is None:
+        return
+    shears, ratio = frame.yielding.storey_shear_n, frame.yielding.hardening_ratio
+    if isinstance(shears, list):
+        _per_storey(name, "yielding.storey_shear_n", shears, frame.storeys, required=True)
+    for shear in shears if isinstance(shears, list) else [shears]:
+        if shear is not None:
+            _within(name, "yielding.storey_shear_n", shear, bounds.STOREY_SHEAR)
+    if not 0.0 <= ratio < 1.0:
+        raise FrameError(f"{name}: yielding.hardening_ratio is {ratio}, a fraction from 0 to below 1")
 
 
 def _name(name: str) -> str:

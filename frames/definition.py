@@ -79,6 +79,19 @@ class Joints(Data, frozen=True):
     stiffness_n_m_per_rad: dict[str, float]
 
 
+class Yielding(Data, frozen=True):
+    """Columns that yield: each storey is elastic up to a force, and goes on with a share of its stiffness.
+
+    Attributes:
+        storey_shear_n: Force at which a storey yields [N], one for all or one for each from the first up. None: that
+            of plastic hinges at both ends of all columns, which a frame of plates knows.
+        hardening_ratio: Stiffness beyond over that before [-].
+    """
+
+    storey_shear_n: float | list[float] | None = None
+    hardening_ratio: float = 0.0
+
+
 class Published(Data, frozen=True):
     """Measured and published properties of a frame, for comparison; None where nothing is published."""
 
@@ -114,6 +127,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         mass_eccentricity_m: Distance in y of the floors' centres of mass from the plan's centre [m].
         base_rotational_stiffness_n_m_per_rad: Spring about y on which the whole base turns; None: fixed.
         weight_factor: Factor on the weight that the geometric stiffness is made of.
+        yielding: How its columns yield; None: the frame is linear.
     """
 
     name: str
@@ -134,6 +148,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     mass_eccentricity_m: float = 0.0
     base_rotational_stiffness_n_m_per_rad: float | None = None
     weight_factor: float = 1.0
+    yielding: Yielding | None = None
 
     def __post_init__(self) -> None:
         checks.plate_frame(self)
@@ -219,6 +234,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         plan_m: Sides along x and y [m].
         title: One line that describes the frame.
         published: What is known from tests, for comparison.
+        yielding: How its storeys yield; None: the frame is linear.
     """
 
     name: str
@@ -231,6 +247,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     plan_m: tuple[float, float] = (0.4, 0.4)
     title: str = ""
     published: Published = Published()
+    yielding: Yielding | None = None
 
     def __post_init__(self) -> None:
         checks.stick_frame(self)

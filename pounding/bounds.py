@@ -104,6 +104,7 @@ STIFFNESS = Bound(1e-3, 1e15, "N/m", "storeys lie between a thread and a solid b
 CONTACT_STIFFNESS = Bound(
     1.0, 1e15, "N/m or N/m^1.5", "contacts lie between a rubber pad and two solid blocks of rock"
 )
+STOREY_SHEAR = Bound(1e-3, 1e12, "N", "storeys yield between the weight of a feather and that of a mountain")
 ROTATIONAL_STIFFNESS = Bound(1e-6, 1e18, "N m/rad", "joints lie between a hinge and a solid block of rock")
 DASHPOT = Bound(0.0, 1e12, "N s/m", "the largest dampers built have some 1e8 N s/m")
 DAMPING_PERCENT = Bound(1e-3, 99.0, "%", "frames lose something in each cycle, and sway")

@@ -8,19 +8,17 @@ of the engine, so that a step that is taken back leaves no trace.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import exudyn
 import numpy as np
 from exudyn import itemInterface as items
 from scipy.interpolate import CubicSpline
 from scipy.linalg import eigh
 
 from pounding import frames
-from pounding.calling import MEMORY, called
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
@@ -33,6 +31,7 @@ from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contacts import Within
 from pounding.experiments.rig.exact import ExactRig
+from pounding.experiments.rig.law_connector import LawConnector, Series, resting
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
@@ -227,16 +226,7 @@ def _exact(
     """
     contact = Within(between.law, between.gap_m, between.left + 1, between.right + 1)
     end_s = step_s * (len(table) - 1)
-    storeys: list[StoreyLaw | KnownForce] = [
-        StoreyLaw(
-            one.law.address,
-            one.row,
-            filled(one.parameters, end_s),
-            in_room=one.in_room,
-            remembers=one.law.remembers,
-        )
-        for one in laws
-    ]
+    storeys: list[StoreyLaw | KnownForce] = [_of_rig(one, end_s) for one in laws]
     if loads is not None:
         floors = np.eye(reduced.storeys)
         storeys += [
@@ -244,6 +234,17 @@ def _exact(
         ]
     rig = ExactRig([reduced], [contact], storeys)
     return rig.frame_motion(0, rig.solve(table, step_s, table_rate=rate))
+
+
+def _of_rig(placed: PlacedLaw, end_s: float) -> StoreyLaw:
+    """Return a law as the rig takes it, for a run that ends at a time [s]."""
+    return StoreyLaw(
+        placed.law.address,
+        placed.row,
+        filled(placed.parameters, end_s),
+        in_room=placed.in_room,
+        remembers=placed.law.remembers,
+    )
 
 
 def _touching(between: Between, rig: Any) -> ContactConnector:
@@ -271,10 +272,6 @@ def _known_forces(model: Model, assembly: Assembly, number: int, at: np.ndarray)
     return forces if np.any(forces) else None
 
 
-Series = Callable[[float], float]
-"""A quantity as a function of time [s]."""
-
-
 def _between_samples(samples: np.ndarray, step_s: float) -> Series:
     """Return samples as a function of time, straight between them and constant after the last."""
     # Plain floats: indexing an array costs more than the whole interpolation.
@@ -286,43 +283,6 @@ def _between_samples(samples: np.ndarray, step_s: float) -> Series:
         return float(series[index] + (series[index + 1] - series[index]) * (place - index))
 
     return at
-
-
-class _LawConnector:
-    """A law as a connector of the engine, its memory that of the motion up to the step that is being tried.
-
-    Args:
-        mbs: The exudyn system.
-        ends: Markers below and above the drift on which it acts.
-        placed: The law at its place.
-        end_s: End of the run [s].
-        rate: What adds to the drift's rate [m/s], or None.
-    """
-
-    def __init__(
-        self, mbs: Any, ends: tuple[int, int], placed: PlacedLaw, end_s: float, rate: Series | None
-    ) -> None:
-        self._address, self._remembers = placed.law.address, placed.law.remembers
-        self._parameters = filled(placed.parameters, end_s)
-        self._state, self._new = np.zeros(MEMORY), np.zeros(MEMORY)
-        self._rate = rate
-        self._item = mbs.AddObject(
-            items.ObjectConnectorCoordinateSpringDamper(
-                markerNumbers=list(ends), stiffness=1.0, springForceUserFunction=self._force
-            )
-        )
-
-    def _force(self, _mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-        faster = 0.0 if self._rate is None else self._rate(t)
-        return float(called(self._address, self._parameters, self._state, d, v + faster, t, self._new))
-
-    def latch(self, mbs: Any) -> None:
-        """Remember the motion up to now, which is where a step begins."""
-        if self._remembers:
-            kind = exudyn.OutputVariableType
-            d, v = (float(mbs.GetObjectOutput(self._item, one)) for one in (kind.Displacement, kind.Velocity))
-            self._force(mbs, mbs.systemData.GetTime(), self._item, d, v)
-            self._state[:] = self._new
 
 
 class _Addition:
@@ -349,12 +309,9 @@ class _Addition:
 
     def __call__(self, rig: Any) -> _Addition:
         mbs, body = rig.mbs, rig.bodies[0]
-        node = mbs.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
-        ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
+        ground = resting(mbs)
         self._connectors = [
-            _LawConnector(
-                mbs, _ends(body, ground, one.row), one, self._end_s, _partly(self._table_rate, one.in_room)
-            )
+            LawConnector(mbs, body, ground, _of_rig(one, self._end_s), _partly(self._table_rate, one.in_room))
             for one in self._laws
         ]
         # The engine keeps no reference to what it calls.
@@ -387,9 +344,3 @@ class _Addition:
 def _partly(series: Series, share: float) -> Series | None:
     """Return a share of a series, None where it is nothing."""
     return (lambda t: share * series(t)) if share else None
-
-
-def _ends(body: Any, ground: int, row: np.ndarray) -> tuple[int, int]:
-    """Return the markers below and above the drift that a row of floors gives."""
-    above, below = int(np.argmax(row)), np.flatnonzero(row < 0)
-    return body.marker(int(below[0]) + 1) if len(below) else ground, body.marker(above + 1)

@@ -25,6 +25,7 @@ from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, 
 from pounding.experiments.rig.pounding import pound as run_one
 from pounding.experiments.rig.required_gap import is_left_lower
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.yielding import ductility_sentence
 from pounding.frames import load
 from pounding.units import LENGTH
 
@@ -198,6 +199,8 @@ def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]
             yield from _merged(run["impacts"])
         else:
             yield f"{title}: the floors did not touch."
+        for side in ("left", "right"):
+            yield from ductility_sentence(run[side], run["ductility"][side])
         yield (
             f"energy closes to {100 * run['energy_error']:.2g} %; "
             f"{run['model_s']:.1f} simulated s in {run['wall_s']:.2f} s"

@@ -22,6 +22,7 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.yielding import ductility_sentence
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "
@@ -151,6 +152,7 @@ def _show(result: dict[str, Any], done: Shaking, state: FrameState) -> Iterable[
         yield "Table 4.1 was measured at the record's own peak, not at the one asked for here."
     if done.stress is not None:
         yield f"largest von Mises stress {result['max_stress_mpa']:.0f} MPa, {done.stress.place}"
+    yield from ductility_sentence(result["frame"], result["ductility"])
     for row in result.get("measured", []):
         error = row["rms_error_ratio"]
         yield (

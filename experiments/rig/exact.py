@@ -27,6 +27,7 @@ from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, Stat
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
 from pounding.experiments.rig.storeys import history_of as storey_history
+from pounding.experiments.rig.yielding import yielding_laws
 from pounding.frames.response.exact import checked, poles
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class ExactRig:
     Args:
         frames: Reduced frames, from left to right.
         contacts: Contacts, checked by `Rig`.
-        storeys: Laws in storeys and known forces; the attribute has the laws first.
+        storeys: Laws in storeys and known forces, beside those of frames that yield; the attribute has the laws first.
 
     Raises:
         ContactError: A law that cannot be recorded.
@@ -125,7 +126,7 @@ class ExactRig:
         storeys: Sequence[StoreyLaw | KnownForce] = (),
     ) -> None:
         self.frames, self.contacts = tuple(frames), tuple(contacts)
-        self._laws = tuple(one for one in storeys if isinstance(one, StoreyLaw))
+        self._laws = (*(one for one in storeys if isinstance(one, StoreyLaw)), *yielding_laws(self.frames))
         self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
         self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
         for storey in self.storeys:

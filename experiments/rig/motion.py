@@ -223,7 +223,7 @@ class Motion:
         processor_s: Its processor time [s], which a busy machine does not lengthen.
         steps: Number of steps that the integrator took.
         solver: `exudyn` or `exact`.
-        storeys: History of each law in a storey, in the rig's order; runs of exudyn have none.
+        storeys: History of each law in a storey, in the rig's order; runs of exudyn have those of yielding storeys.
     """
 
     frames: tuple[FrameMotion, ...]

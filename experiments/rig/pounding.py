@@ -16,9 +16,10 @@ from pounding.experiments.rig.impacts import Impact, all_impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
-from pounding.experiments.rig.shaking import validity
+from pounding.experiments.rig.shaking import linear_stress, validity
 from pounding.experiments.rig.states import FrameState
-from pounding.frames.response.stress import Largest, largest_stress
+from pounding.experiments.rig.yielding import ductilities
+from pounding.frames.response.stress import Largest
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -40,11 +41,8 @@ class Pounding:
 
     @cached_property
     def stresses(self) -> tuple[Largest | None, ...]:
-        """The largest stress of each frame; None for a stick, which has no plates."""
-        return tuple(
-            largest_stress(frame.reduced, frame.displacement_m) if frame.reduced.is_mesh else None
-            for frame in self.motion.frames
-        )
+        """The largest stress of each frame; None for a stick, and for a frame that may yield (see `Shaking`)."""
+        return tuple(map(linear_stress, self.motion.frames))
 
     def validity(self) -> dict[str, Any]:
         """Return `max_stress_mpa` of the left and the right frame, and `warnings`: sentences on what passes a limit.
@@ -72,6 +70,7 @@ class Pounding:
             "floors": [contact.floor for contact in contacts],
             "impacts": [impact.as_dict() for impact in self.impacts],
             "peaks": {"left": left.peaks(), "right": right.peaks()},
+            "ductility": {"left": ductilities(left), "right": ductilities(right)},
             "energy_error": self.motion.energy.error,
             "solver": self.motion.solver,
             "wall_s": self.motion.wall_s,

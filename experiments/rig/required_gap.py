@@ -130,7 +130,15 @@ def motions(frame: ReducedFrame, record: Record, floors: list[int]) -> NDArray[n
 
     Returns:
         Displacement relative to the table (m, floors) [m], at steps of at most `FINEST_STEP_S`.
+
+    Raises:
+        ExperimentError: The frame yields.
     """
+    if frame.definition.yielding is not None:
+        raise ExperimentError(
+            f"frame {frame.name} yields, and the required gap is found by the formulas of linear frames; take its "
+            "table 'yielding' out of the file, or try gaps with `pounding pound`"
+        )
     parts = fine_step(record.step_s)
     history = refine(record.acceleration_m_s2, parts)
     outputs = [int(frame.floor_x[floor - 1]) for floor in floors]

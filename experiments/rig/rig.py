@@ -24,8 +24,10 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.experiments.rig.contacts import Contact, check, history_of, sides_of
 from pounding.experiments.rig.energy import balance
+from pounding.experiments.rig.law_connector import LawConnector, resting
 from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.watchdog import Guard
+from pounding.experiments.rig.yielding import histories, yielding_laws
 from pounding.frames.response.body import FrameBody, Table
 
 if TYPE_CHECKING:
@@ -141,7 +143,7 @@ class Rig:
             bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
             # The engine keeps no reference to what it calls: these have to live until it has finished.
             connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
-            kept: list[Any] = list(connectors)
+            kept: list[Any] = [*connectors, *self._yielding(mbs, bodies)]
             kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
             latches = [one.latch for one in kept if getattr(one, "latch", None) is not None]
             guard = Guard(self.frames, bodies, latches, progress)
@@ -173,15 +175,21 @@ class Rig:
         one, other = sides_of(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, one.row), (right.node, other.row))
 
+    def _yielding(self, mbs: Any, bodies: Sequence[FrameBody]) -> list[LawConnector]:
+        laws = yielding_laws(self.frames)
+        ground = resting(mbs) if laws else 0
+        return [LawConnector(mbs, bodies[law.body], ground, law) for law in laws]
+
     def _collect(self, bodies: Sequence[FrameBody], table: Table, cost: tuple[float, float]) -> Motion:
         motions = []
         for body in bodies:
             time_s, q, v, a = body.history()
             motions.append(FrameMotion(body.reduced, time_s, q, v, a, table.acceleration(time_s)))
-        histories = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
-        return Motion(
-            tuple(motions), histories, balance(tuple(motions), histories), *cost, len(motions[0].time_s) - 1
-        )
+        contacts = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
+        storeys = histories(self.frames, motions)
+        energy = balance(tuple(motions), contacts, storeys)
+        steps = len(motions[0].time_s) - 1
+        return Motion(tuple(motions), contacts, energy, *cost, steps, storeys=storeys)
 
 
 def _history(shaking: Record | ArrayLike, step_s: float | None) -> tuple[Real, float]:

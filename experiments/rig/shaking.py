@@ -10,6 +10,7 @@ import numpy as np
 
 from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.rig import Rig
+from pounding.experiments.rig.yielding import ductilities
 from pounding.frames.definition import PlateFrame
 from pounding.frames.response.stress import Largest, largest_stress
 
@@ -29,7 +30,8 @@ class Shaking:
         reduced: The frame.
         record: The shaking, at model scale.
         motion: The run.
-        stress: Its largest stress; None for a stick, which has no plates.
+        stress: Its largest stress; None for a stick, which has no plates, and for a frame that may yield, whose
+            stress does not follow from its displacement.
         warnings: Sentences on what the model leaves its validity by; empty if nothing.
     """
 
@@ -47,6 +49,7 @@ class Shaking:
             "pga_g": self.record.pga_g,
             "damping_ratio": self.reduced.damping_ratio,
             "peaks": self.motion.frames[0].peaks(),
+            "ductility": ductilities(self.motion.frames[0]),
             "max_stress_mpa": None if self.stress is None else self.stress.stress_pa / 1e6,
             "wall_s": self.motion.wall_s,
             "model_s": self.motion.model_s,
@@ -70,8 +73,20 @@ def shake(
     """
     motion = Rig([reduced]).run(record, progress=progress)
     moved = motion.frames[0]
-    stress = largest_stress(reduced, moved.displacement_m) if reduced.is_mesh else None
+    stress = linear_stress(moved)
     return Shaking(reduced, record, motion, stress, validity(moved, stress))
+
+
+def linear_stress(motion: FrameMotion) -> Largest | None:
+    """Return the largest stress of a motion; None for a stick and for a frame that may yield.
+
+    Args:
+        motion: Motion of the frame.
+    """
+    reduced = motion.reduced
+    if not reduced.is_mesh or reduced.definition.yielding is not None:
+        return None
+    return largest_stress(reduced, motion.displacement_m)
 
 
 def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:

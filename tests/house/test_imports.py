@@ -62,6 +62,8 @@ TOUCHED_ONLY_IN = {
         "frames/response/floating_body.py",
         "contact/connector.py",
         "experiments/rig/rig.py",
+        # Laws in storeys as connectors: those of yielding frames, and the effects of the diagnosis' twin.
+        "experiments/rig/law_connector.py",
         "experiments/rig/watchdog.py",
         "diagnosis/model/twin.py",
     },

@@ -1,0 +1,77 @@
+"""A law in a storey as a connector of exudyn; what it remembers advances before each step of the engine.
+
+So a step that is taken back leaves no trace.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn import itemInterface as items
+from numpy.typing import NDArray
+
+from pounding.calling import MEMORY, called
+from pounding.experiments.rig.storeys import StoreyLaw
+
+Series = Callable[[float], float]
+"""A quantity as a function of time [s]."""
+
+
+class LawConnector:
+    """A law as a connector of the engine, its memory that of the motion up to the step that is being tried.
+
+    Args:
+        mbs: The exudyn system.
+        body: The frame's body.
+        ground: Marker of a coordinate that rests on the table.
+        law: The law, which acts on one floor or between two.
+        rate: What adds to the drift's rate [m/s], or None.
+    """
+
+    def __init__(self, mbs: Any, body: Any, ground: int, law: StoreyLaw, rate: Series | None = None) -> None:
+        self._law, self._rate = law, rate
+        self._parameters = np.ascontiguousarray(law.parameters)
+        self._state, self._new = np.array(law.memory), np.zeros(MEMORY)
+        self._item = mbs.AddObject(
+            items.ObjectConnectorCoordinateSpringDamper(
+                markerNumbers=ends(body, ground, law.row), stiffness=1.0, springForceUserFunction=self._force
+            )
+        )
+
+    def _force(self, _mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
+        faster = 0.0 if self._rate is None else self._rate(t)
+        address = self._law.address
+        return float(called(address, self._parameters, self._state, d, v + faster, t, self._new))
+
+    def latch(self, mbs: Any) -> None:
+        """Remember the motion up to now, which is where a step begins."""
+        if self._law.remembers:
+            kind = exudyn.OutputVariableType
+            d, v = (float(mbs.GetObjectOutput(self._item, one)) for one in (kind.Displacement, kind.Velocity))
+            self._force(mbs, mbs.systemData.GetTime(), self._item, d, v)
+            self._state[:] = self._new
+
+
+def resting(mbs: Any) -> int:
+    """Return the marker of a coordinate that rests on the table.
+
+    Args:
+        mbs: The exudyn system.
+    """
+    node = mbs.AddNode(items.NodePointGround(referenceCoordinates=[0, 0, 0]))
+    return int(mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)))
+
+
+def ends(body: Any, ground: int, row: NDArray[np.floating[Any]]) -> list[int]:
+    """Return the markers below and above the drift that a row of floors gives.
+
+    Args:
+        body: The frame's body.
+        ground: Marker of a coordinate that rests on the table.
+        row: What the floors' displacements contribute to the drift (storeys,).
+    """
+    above, below = int(np.argmax(row)), np.flatnonzero(row < 0)
+    return [body.marker(int(below[0]) + 1) if len(below) else ground, body.marker(above + 1)]
