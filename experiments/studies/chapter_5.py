@@ -130,7 +130,7 @@ def one_motion(records: Path | None = None) -> pd.DataFrame:
         for name, law in laws.items()
     }
     own = [on_one_motion(history, {name: laws[name]}) for name, history in runs.items()]
-    return on_one_motion(runs[REFERENCE], laws).join(pd.concat(own), rsuffix="_of_its_own_run")
+    return on_one_motion(runs[REFERENCE], laws).join(pd.concat(own).add_suffix("_of_its_own_run"))
 
 
 def spread(first_peak: pd.DataFrame, peak: pd.DataFrame) -> pd.DataFrame:
