@@ -103,8 +103,8 @@ def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:
             when = motion.time_s[stress.instant]
             warnings.append(
                 f"{motion.name}: the stress reaches {stress.stress_pa / 1e6:.0f} MPa ({stress.place}, at "
-                f"{when:.3f} s), above the yield stress of {limit:.0f} MPa; the model does not yield, so "
-                "its motion is not to be trusted from there on"
+                f"{when:.3f} s), above the yield stress of {limit:.0f} MPa; the model does not yield "
+                "without a table 'yielding' in its file, so its motion is not to be trusted from there on"
             )
     drift, storey, at = largest_drift(motion)
     if drift > SMALL_DRIFT:
