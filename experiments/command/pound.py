@@ -20,12 +20,12 @@ from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.ductility import ductility_sentence
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, rig_of, shaking
 from pounding.experiments.rig.pounding import pound as run_one
 from pounding.experiments.rig.required_gap import is_left_lower
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.yielding import ductility_sentence
 from pounding.frames import load
 from pounding.units import LENGTH
 

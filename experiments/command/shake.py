@@ -19,10 +19,10 @@ from pounding.experiments.pictures import films, plots
 from pounding.experiments.records import Record, find
 from pounding.experiments.results import dataset as results
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.ductility import ductility_sentence
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.yielding import ductility_sentence
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "

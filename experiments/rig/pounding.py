@@ -12,13 +12,13 @@ from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record, find
 from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.impacts import Impact, all_impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 from pounding.experiments.rig.shaking import linear_stress, validity
 from pounding.experiments.rig.states import FrameState
-from pounding.experiments.rig.yielding import ductilities
 from pounding.frames.response.stress import Largest
 
 if TYPE_CHECKING:

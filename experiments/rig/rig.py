@@ -24,11 +24,10 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.experiments.rig.contacts import Contact, check, history_of, sides_of
 from pounding.experiments.rig.energy import balance
-from pounding.experiments.rig.law_connector import LawConnector, resting
-from pounding.experiments.rig.motion import FrameMotion, Motion
+from pounding.experiments.rig.motion import FrameMotion, Motion, StoreyHistory
 from pounding.experiments.rig.watchdog import Guard
-from pounding.experiments.rig.yielding import histories, yielding_laws
 from pounding.frames.response.body import FrameBody, Table
+from pounding.frames.yielding import storey_yields
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -175,10 +174,26 @@ class Rig:
         one, other = sides_of(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, one.row), (right.node, other.row))
 
-    def _yielding(self, mbs: Any, bodies: Sequence[FrameBody]) -> list[LawConnector]:
-        laws = yielding_laws(self.frames)
-        ground = resting(mbs) if laws else 0
-        return [LawConnector(mbs, bodies[law.body], ground, law) for law in laws]
+    @property
+    def _yields(self) -> bool:
+        return any(storey_yields(frame) for frame in self.frames)
+
+    def _yielding(self, mbs: Any, bodies: Sequence[FrameBody]) -> list[Any]:
+        if not self._yields:
+            return []
+        # The compiler of laws takes a while to load, which a linear frame need not wait for.
+        from pounding.experiments.rig.law_connector import LawConnector, resting
+        from pounding.experiments.rig.yielding import yielding_laws
+
+        ground = resting(mbs)
+        return [LawConnector(mbs, bodies[law.body], ground, law) for law in yielding_laws(self.frames)]
+
+    def _yielded(self, motions: Sequence[FrameMotion]) -> tuple[StoreyHistory, ...]:
+        if not self._yields:
+            return ()
+        from pounding.experiments.rig.yielding import histories
+
+        return histories(self.frames, motions)
 
     def _collect(self, bodies: Sequence[FrameBody], table: Table, cost: tuple[float, float]) -> Motion:
         motions = []
@@ -186,7 +201,7 @@ class Rig:
             time_s, q, v, a = body.history()
             motions.append(FrameMotion(body.reduced, time_s, q, v, a, table.acceleration(time_s)))
         contacts = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
-        storeys = histories(self.frames, motions)
+        storeys = self._yielded(motions)
         energy = balance(tuple(motions), contacts, storeys)
         steps = len(motions[0].time_s) - 1
         return Motion(tuple(motions), contacts, energy, *cost, steps, storeys=storeys)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.rig import Rig
-from pounding.experiments.rig.yielding import ductilities
 from pounding.frames.definition import PlateFrame
 from pounding.frames.response.stress import Largest, largest_stress
 

@@ -15,11 +15,12 @@ from pounding.contact.parameters import thesis_law
 from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.pounding import pound
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.shaking import shake
-from pounding.experiments.rig.yielding import ductilities, yielding_laws
+from pounding.experiments.rig.yielding import yielding_laws
 from pounding.frames.definition import Yielding
 from pounding.frames.yielding import hinge_shear, storey_yields
 
