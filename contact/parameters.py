@@ -18,10 +18,10 @@ from pounding.contact.damping import (
 )
 from pounding.contact.errors import ContactError
 from pounding.contact.laws import HertzDamp, Law, LinearViscoelastic, NonlinearViscoelastic, law_class
+from pounding.scale import THESIS
 
 RESTITUTION = 0.810154  # mean over the measured impacts, thesis section 5.3.1
 FLOOR_MASS = 6.2  # kg; with it, eq. 2.6 gives the C of Table 5.1 from its k and xi = 0.078407
-SCALE = 1.0 / 30.0
 SENSOR_RADIUS = 4.49e-3  # m, impact cap of the force sensor
 SENSOR_AREA = 63.5e-6  # m2
 SENSOR_MATERIAL = (1.965e11, 0.272)  # Pa, -; stainless steel
@@ -50,14 +50,14 @@ PARAMETER_SETS = ("printed", "formula")
 
 
 def _formula() -> dict[str, dict[str, float]]:
-    linear = k.experiment(SCALE)
+    linear = k.experiment(THESIS.length)
     hertz = k.hertz_sphere_on_plane(SENSOR_RADIUS, SENSOR_MATERIAL, PLATE_MATERIAL)
     return {
         "linear_spring": {"stiffness": linear},
         "linear_viscoelastic": {"stiffness": linear, "damping_ratio": linear_damping_ratio(RESTITUTION)},
         "hertz": {"stiffness": hertz},
         "nonlinear_viscoelastic": {
-            "stiffness": k.scaled_hertz(k.JANKOWSKI_STEEL_HERTZ, SCALE),
+            "stiffness": k.scaled_hertz(k.JANKOWSKI_STEEL_HERTZ, THESIS.length),
             "damping_ratio": nonlinear_damping_ratio(RESTITUTION),
         },
         "hertz_damp": {"stiffness": hertz, "restitution": RESTITUTION},

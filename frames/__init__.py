@@ -16,6 +16,7 @@ from pounding.frames.definition import (
     Plate,
     PlateFrame,
     Published,
+    Slab,
     StickFrame,
     changed,
 )
@@ -47,6 +48,7 @@ __all__ = [
     "PlateFrame",
     "Published",
     "ReducedFrame",
+    "Slab",
     "StickFrame",
     "build",
     "changed",

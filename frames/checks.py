@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 from pounding import bounds
 from pounding.bounds import Bound
 from pounding.frames.errors import FrameError
+from pounding.scale import scale_of
 from pounding.toml_text import shown
 
 if TYPE_CHECKING:
-    from pounding.frames.definition import PlateFrame, StickFrame
+    from pounding.frames.definition import PlateFrame, Slab, StickFrame
 
 EDGE = 1e-9
 """Round-off allowed when a column stands on the edge of the floor [m]."""
@@ -50,16 +51,14 @@ def plate_frame(frame: PlateFrame) -> None:
         bounded["base_rotational_stiffness_n_m_per_rad"] = (bounds.ROTATIONAL_STIFFNESS, base)
     for key, (bound, value) in bounded.items():
         _within(name, key, value, bound)
-    if not 0.0 <= frame.material.poissons_ratio < 0.5:
-        raise FrameError(
-            f"{name}: material.poissons_ratio is {frame.material.poissons_ratio}, must be 0 to 0.5"
-        )
+    _poisson(name, "material", frame.material.poissons_ratio)
     if frame.joints.default not in frame.joints.stiffness_n_m_per_rad:
         raise FrameError(
             f"{name}: joints.default is {frame.joints.default!r}, not one of "
             f"{', '.join(frame.joints.stiffness_n_m_per_rad) or 'none'} in joints.stiffness_n_m_per_rad"
         )
     _damping(name, [frame.damping_ratio])
+    _scale(name, frame.scale)
     _masses(name, frame)
     _per_storey(name, "storey_stiffness_factor", frame.storey_stiffness_factor, frame.storeys)
     for storey, factor in enumerate(frame.storey_stiffness_factor, 1):
@@ -103,6 +102,9 @@ def stick_frame(frame: StickFrame) -> None:
             f"{name}: yielding.storey_shear_n is missing; a stick has no columns to take it from"
         )
     _yielding(name, frame)
+    _scale(name, frame.scale)
+    if frame.slab is not None:
+        _slab(name, frame.slab)
 
 
 def _yielding(name: str, frame: PlateFrame | StickFrame) -> None:
@@ -116,6 +118,23 @@ def _yielding(name: str, frame: PlateFrame | StickFrame) -> None:
             _within(name, "yielding.storey_shear_n", shear, bounds.STOREY_SHEAR)
     if not 0.0 <= ratio < 1.0:
         raise FrameError(f"{name}: yielding.hardening_ratio is {ratio}, a fraction from 0 to below 1")
+
+
+def _scale(name: str, stated: str | float | None) -> None:
+    if stated is not None:
+        scale_of(stated, f"{name}: scale", FrameError)
+
+
+def _slab(name: str, slab: Slab) -> None:
+    _within(name, "slab.thickness_m", slab.thickness_m, bounds.THICKNESS)
+    _within(name, "slab.youngs_modulus_gpa", slab.youngs_modulus_gpa, bounds.MODULUS)
+    _within(name, "slab.density_kg_per_m3", slab.density_kg_per_m3, bounds.DENSITY)
+    _poisson(name, "slab", slab.poissons_ratio)
+
+
+def _poisson(name: str, of: str, ratio: float) -> None:
+    if not 0.0 <= ratio < 0.5:
+        raise FrameError(f"{name}: {of}.poissons_ratio is {ratio}, must be 0 to 0.5")
 
 
 def _name(name: str) -> str:

@@ -1,7 +1,7 @@
 """What a frame is, as data: the structures behind a frame file.
 
-Every key that has a unit names it. Lengths are the model's (1/30 of the building for the frames of the
-thesis). The fields of `PlateFrame` from ``stiffness_factor`` on are departures from the plain frame; make a
+Every key that has a unit names it. Lengths are the frame's own, at the scale that ``scale`` states (1:30 for the
+frames of the thesis). The fields of `PlateFrame` from ``stiffness_factor`` on are departures from the plain frame; make a
 changed frame with ``changed(frame, added_mass_kg=[...])``.
 """
 
@@ -128,6 +128,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         base_rotational_stiffness_n_m_per_rad: Spring about y on which the whole base turns; None: fixed.
         weight_factor: Factor on the weight that the geometric stiffness is made of.
         yielding: How its columns yield; None: the frame is linear.
+        scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
     """
 
     name: str
@@ -149,6 +150,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     base_rotational_stiffness_n_m_per_rad: float | None = None
     weight_factor: float = 1.0
     yielding: Yielding | None = None
+    scale: str | float | None = None
 
     def __post_init__(self) -> None:
         checks.plate_frame(self)
@@ -161,6 +163,11 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         x = self.plate.length_m / 2.0 - self.columns.inset_x_m
         y = (self.plate.width_m - self.columns.width_m) / 2.0 - self.columns.inset_y_m
         return [(-x, -y), (x, -y), (-x, y), (x, y)]
+
+    @property
+    def storey_heights_m(self) -> list[float]:
+        """Height of each storey [m]."""
+        return [self.storey_height_m] * self.storeys
 
     @property
     def floor_heights_m(self) -> list[float]:
@@ -215,6 +222,22 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         return known[wanted] * self.joint_factor * self.stiffness_factor
 
 
+class Slab(Data, frozen=True):
+    """The floor slab of a stick, of concrete unless stated: what its contact with a neighbour is estimated from.
+
+    Attributes:
+        thickness_m: Thickness [m].
+        youngs_modulus_gpa: Young's modulus [GPa].
+        poissons_ratio: Poisson's ratio [-].
+        density_kg_per_m3: Density [kg/m^3].
+    """
+
+    thickness_m: float
+    youngs_modulus_gpa: float = 30.0
+    poissons_ratio: float = 0.2
+    density_kg_per_m3: float = 2500.0
+
+
 class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     """A frame known by its floors alone: a chain of floor masses on storey springs.
 
@@ -235,6 +258,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         title: One line that describes the frame.
         published: What is known from tests, for comparison.
         yielding: How its storeys yield; None: the frame is linear.
+        scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
+        slab: The floors' slab, for an estimate of the contact; None where it is not known.
     """
 
     name: str
@@ -248,6 +273,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     title: str = ""
     published: Published = Published()
     yielding: Yielding | None = None
+    scale: str | float | None = None
+    slab: Slab | None = None
 
     def __post_init__(self) -> None:
         checks.stick_frame(self)

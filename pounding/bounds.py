@@ -91,6 +91,10 @@ LENGTH = Bound(1e-3, 1e3, "m", "sides and storeys lie between a model's block an
 THICKNESS = Bound(1e-5, 100.0, "m", "plates lie between a foil and a block")
 OFFSET = Bound(-1e3, 1e3, "m", "a place on a floor lies within the largest building")
 GAP = Bound(0.0, 100.0, "m", "floors overlap below it and cannot meet beyond")
+SCALE = Bound(1e-3, 1.0, "", 'a model is smaller than its building, and a model of 1:30 has scale = "1:30"')
+TIME_FACTOR = Bound(
+    1e-2, 10.0, "", "a record keeps its time at full scale, 1, and a model of 1:30 has the root of 1/30"
+)
 HEIGHT = Bound(0.1, 2e3, "m", "buildings lie between a model and the tallest ever planned")
 
 # Materials and elements.

@@ -36,7 +36,8 @@ class CaseFrame:
 
     Exactly one of three: a frame of the thesis (only `name`), a frame file (`file`), or masses and modes
     (`floor_mass_kg`, `frequency_hz`, `damping_ratio`). The former two may have ``rigid`` joints and no
-    P-Delta.
+    P-Delta. `scale` of the third is its length over its building's, ``"1:30"`` or a number: the frames of a case have
+    one scale, and measurements are taken as they are.
     """
 
     name: str
@@ -48,6 +49,7 @@ class CaseFrame:
     damping_ratio: tuple[float, ...] = ()
     joints: str = "calibrated"
     p_delta: bool = True
+    scale: str | float | None = None
 
     @property
     def kind(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -26,9 +26,12 @@ from pounding.diagnosis.case.quantities import (
     UNITS,
 )
 from pounding.diagnosis.errors import CaseError
+from pounding.errors import InputError
 from pounding.frames.errors import FrameError
 from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
+from pounding.frames.scale import LOWEST_STOREY_M, known_scale
+from pounding.scale import FULL_SCALE, Scale, scale_of
 from pounding.toml_text import shown
 from pounding.units import LENGTH, named
 
@@ -57,6 +60,7 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
     """
     known = tuple(_frame(table, i, folder, places) for i, table in enumerate(described.frame))
     _unique([frame.name for frame in known], "frame", places)
+    _check_scales(known, places)
     _unique([run.file for run in described.run], "run", places)
     _unique([channel.name for channel in described.channel], "channel", places)
     contacts = tuple(_contact(table, i, known, places) for i, table in enumerate(described.contact))
@@ -94,6 +98,8 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
 
     own = {key: getattr(table, key) for key in OWN}
     given = [key for key, value in own.items() if value is not None]
+    if table.scale is not None and not given:
+        raise error("`scale` belongs to a frame of masses and modes; a frame file states its own", "scale")
     if table.file is not None:
         if given:
             raise error(f"{given[0]!r} stands beside `file`; keep one of the two", given[0])
@@ -112,6 +118,24 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
         if getattr(table, key) is not None:
             raise error(f"`{key}` belongs to a frame of plates and columns, not beside {given[0]!r}", key)
     return _baseline_frame(table, given, error)
+
+
+def _check_scales(known: Sequence[CaseFrame], places: Places) -> None:
+    """Refuse frames of two scales: they would stand on one table under one record."""
+    scales = [(frame.name, scale) for frame in known if (scale := _known_scale(frame)) is not None]
+    for index, (name, scale) in enumerate(scales):
+        first, other = scales[0]
+        if not scale.is_near(other):
+            what = f"frame {first!r} ({other}) and frame {name!r} ({scale}) are of two scales; give both the same"
+            raise places.error(what, "frame", index, "scale")
+
+
+def _known_scale(frame: CaseFrame) -> Scale | None:
+    if frame.kind != "modal":
+        return known_scale(load(frame.file or frame.name))
+    if frame.scale is not None:
+        return scale_of(frame.scale, "scale", CaseError)
+    return FULL_SCALE if (frame.storey_height_m or 0.0) >= LOWEST_STOREY_M else None
 
 
 def _options(table: FrameTable, error: Callable[..., CaseError]) -> dict[str, Any]:
@@ -158,7 +182,12 @@ def _baseline_frame(table: FrameTable, given: list[str], error: Callable[..., Ca
     if len(ratios) != len(frequencies) or not all(0 <= ratio < 1 for ratio in ratios):
         what = f"damping_ratio holds {list(ratios)}; give a fraction from 0 to 1 for each of the frequencies"
         raise error(what, "damping_ratio")
-    return CaseFrame(table.name, storeys, None, height, masses, frequencies, ratios)
+    if table.scale is not None:
+        try:
+            scale_of(table.scale, "scale")
+        except InputError as wrong:
+            raise error(str(wrong), "scale") from None
+    return CaseFrame(table.name, storeys, None, height, masses, frequencies, ratios, scale=table.scale)
 
 
 def _within(value: float, key: str, bound: Bound, error: Callable[..., CaseError]) -> None:

@@ -20,6 +20,7 @@ class FrameTable(msgspec.Struct, forbid_unknown_fields=True):
     damping_ratio: list[float] | None = None
     joints: str | None = None
     p_delta: bool | None = None
+    scale: str | float | None = None
 
 
 class RunTable(msgspec.Struct, forbid_unknown_fields=True):

@@ -63,7 +63,7 @@ def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
     if frame.kind == "modal":
         keys |= {"storeys": frame.storeys, "storey_height_m": frame.storey_height_m}
         keys |= {"floor_mass_kg": list(frame.floor_mass_kg), "frequency_hz": list(frame.frequency_hz)}
-        keys |= {"damping_ratio": list(frame.damping_ratio)}
+        keys |= {"damping_ratio": list(frame.damping_ratio), "scale": frame.scale}
     return keys
 
 

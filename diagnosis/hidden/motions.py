@@ -12,6 +12,7 @@ from scipy.signal.windows import tukey
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import find, records_folder
+from pounding.scale import THESIS
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")
@@ -85,7 +86,7 @@ def draw(
 
 def _recorded(rng: np.random.Generator, name: str, duration_s: float, step_s: float) -> np.ndarray:
     """Return a record at model time, stretched by up to a tenth, from its beginning."""
-    record = find(name).scaled()
+    record = find(name).scaled(THESIS.time_factor)
     time = record.step_s * rng.uniform(0.9, 1.1) * np.arange(len(record.acceleration_m_s2))
     strong = time[np.flatnonzero(np.abs(record.acceleration_m_s2) > 0.1 * record.pga_m_s2)[0]]
     start = max(0.0, strong - 0.3)

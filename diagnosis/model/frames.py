@@ -30,6 +30,7 @@ def definition(frame: CaseFrame) -> frames.Frame:
             floor_mass_kg=list(frame.floor_mass_kg),
             damping_ratio=list(frame.damping_ratio),
             frequency_hz=list(frame.frequency_hz),
+            scale=frame.scale,
         )
     return frames.load(str(frame.file) if frame.file else frame.name)
 

@@ -32,6 +32,7 @@ from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.studies.table_4_1 import RECORDS, measured, trusted
 from pounding.frames.files import replacing, write_whole
+from pounding.scale import THESIS
 
 STEP_S = 1e-3
 """Longest step at which the table's motion is sampled [s]; the frames take two substeps in it."""
@@ -45,7 +46,7 @@ SPLITS = tuple(combinations(RECORDS, 2))
 def shaking(name: str, folder: Path | None) -> tuple[Record, RunData]:
     """Return a record and the table's motion by it at model time."""
     record = find(name, folder)
-    motion = record.scaled().trimmed(lower=0.0, upper=KEPT_ARIAS)
+    motion = record.scaled(THESIS.time_factor).trimmed(lower=0.0, upper=KEPT_ARIAS)
     motion = motion.resampled(motion.step_s / np.ceil(motion.step_s / STEP_S))
     samples = len(motion.acceleration_m_s2)
     nothing = np.zeros((samples, 0))

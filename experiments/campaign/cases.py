@@ -27,10 +27,12 @@ from pounding.experiments.rig.pounding import Pounding, built, built_in, floor_m
 from pounding.experiments.rig.required_gap import contact_floors, pair_gap
 from pounding.experiments.rig.rig import Rig, Solver
 from pounding.experiments.rig.states import FREE_VIBRATION, State, states_of
+from pounding.experiments.rig.table_scale import table_scale
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.frames.response.stress import largest_stress
 
 if TYPE_CHECKING:
+    from pounding.experiments.records import Record
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 LAWS = BUILT_IN
@@ -99,7 +101,8 @@ def own_required_mm(
         folder: Folder with ground motions.
         flip: Turn the record's sign.
     """
-    return 1e3 * pair_gap(built(left), built(right), shaking(record, folder, flip=flip)).closing_m
+    pair = built(left), built(right)
+    return 1e3 * pair_gap(*pair, _shaken(pair, record, folder, flip)).closing_m
 
 
 def run_case(
@@ -145,7 +148,7 @@ def run_case(
     )
     chosen = _law(law, contact, floor_masses(first_frame, second_frame), tension)
     chosen = dataclasses.replace(chosen, stiffness=contact_stiffness * chosen.stiffness)
-    shaken = shaking(record, folder or None, flip=flip)
+    shaken = _shaken((first_frame, second_frame), record, folder, flip)
     found = pound(first_frame, second_frame, shaken, chosen, 1e-3 * gap_mm, solver=solver)
     first = found.impacts[0] if found.impacts else None
     return {
@@ -193,7 +196,7 @@ def run_apart(
     """
     one, other = (built_in(chosen) for chosen in states_of([left, right], state, record))
     at_left, at_right = contact_floors(one, other)
-    first, second = Rig([one, other]).run(shaking(record, folder or None, flip=flip), solver=solver).frames
+    first, second = Rig([one, other]).run(_shaken((one, other), record, folder, flip), solver=solver).frames
     closing = first.floor_displacement(at_left) - second.floor_displacement(at_right)
     rate = first.velocity_m_s[:, first.floor(at_left)] - second.velocity_m_s[:, second.floor(at_right)]
     apart = turning_points(first.time_s, closing, rate)
@@ -218,7 +221,7 @@ def run_alone(
     """
     (chosen,) = states_of([frame], state, record)
     reduced = built_in(chosen)
-    (moved,) = Rig([reduced]).run(shaking(record, folder or None), solver=solver).frames
+    (moved,) = Rig([reduced]).run(_shaken((reduced,), record, folder), solver=solver).frames
     stress = largest_stress(reduced, moved.displacement_m)
     return {"peaks": json.dumps(moved.peaks()), "max_stress_mpa": stress.stress_pa / 1e6}
 
@@ -286,6 +289,11 @@ def peaks_table(text: str) -> pd.DataFrame:
     found.index.names = ["side", "floor"]
     found["displacement_mm"] = found[["max_mm", "min_mm"]].max(axis=1)
     return found
+
+
+def _shaken(frames: Sequence[ReducedFrame], record: str, folder: str | None, flip: bool) -> Record:
+    factor = table_scale([frame.definition for frame in frames]).time_factor
+    return shaking(record, folder or None, time_factor=factor, flip=flip)
 
 
 def _law(name: str, contact: str, masses: tuple[float, float], tension: bool) -> Law:

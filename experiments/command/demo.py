@@ -30,6 +30,7 @@ from pounding.extras import MissingExtraError
 from pounding.frames.drawing.pictures import mesh_picture, modes_picture
 from pounding.frames.drawing.vtk import write_modes
 from pounding.frames.errors import FrameError
+from pounding.scale import THESIS
 
 FRAMES = ("5A", "5B", "10", "15A", "15B")
 PAIR = ("15B", "5B")
@@ -129,9 +130,9 @@ def _viscoelastic(
 
 def _motion(folder: Path | None) -> Record:
     try:
-        return find(MOTIONS[0], folder).scaled()
+        return find(MOTIONS[0], folder).scaled(THESIS.time_factor)
     except ExperimentError:
-        motion = find(MOTIONS[1], folder).scaled()
+        motion = find(MOTIONS[1], folder).scaled(THESIS.time_factor)
         warn(
             f"the tests' own record '{MOTIONS[0]}' is not here (see pounding list): taking '{MOTIONS[1]}', "
             f"the same earthquake in another processing ({motion.pga_g:.3f} g), so its peaks cannot be "

@@ -12,18 +12,16 @@ from rich.console import RenderableType
 from pounding import frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
-from pounding.experiments.records import MODEL_TIME_FACTOR, find
+from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.experiments.separation import pictures
-from pounding.experiments.separation.gaps.gap import MODEL_LENGTH_SCALE, gap_answer, history
+from pounding.experiments.separation.gaps.gap import gap_answer, history
 from pounding.experiments.separation.report import write_report
 
 Floor = Annotated[int | None, Parameter(help="Floor of the lower frame; default: its roof.")]
-FullScale = Annotated[
-    bool, Parameter(negative=(), help="Frames of full-scale buildings: the record's time is not compressed.")
-]
 Report = Annotated[
     Path | None,
     Parameter(
@@ -40,8 +38,8 @@ def gap(
     record: str,
     pga: options.Pga = None,
     floor: Floor = None,
-    full_scale: FullScale = False,
     state: options.State = None,
+    time_factor: options.TimeFactor = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -52,7 +50,7 @@ def gap(
     """Compute the gap that keeps two frames apart under a record, beside the gaps by the codes' rules.
 
     The required gap is the largest closing motion of an exact run without contact. All lengths are those of
-    the models.
+    the frames, whose scale their files state.
 
     Args:
         left: Frame on the left, a name or a frame file; it moves in +x towards the right one.
@@ -60,8 +58,8 @@ def gap(
         record: Name or file of the ground motion.
     """
     definitions = [frames.load(name) for name in (left, right)]
-    time_factor = 1.0 if full_scale else MODEL_TIME_FACTOR
-    motion = find(record, records).scaled(time_factor, pga)
+    scale = table_scale(definitions, time_factor)
+    motion = find(record, records).scaled(scale.time_factor, pga)
     states = states_of([left, right], state, motion.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     built = [
@@ -77,8 +75,8 @@ def gap(
         built[1],
         motion,
         floor=floor,
-        own_peak=pga is None and not full_scale,
-        length_scale=1.0 if full_scale else MODEL_LENGTH_SCALE,
+        own_peak=pga is None and scale.is_laboratory,
+        length_scale=scale.scale.buildings_length,
     )
     asked = {
         "left": left,
@@ -90,18 +88,20 @@ def gap(
         "p_delta": p_delta,
         "damping_ratio": [frame.damping_ratio for frame in built],
         "states": [one.as_dict() for one in states],
-        "time_factor": time_factor,
+        **scale.as_dict(),
     }
     result = stamp(asked, [motion]) | answer
     if report is not None:
         times, one, other = history(built[0], built[1], motion, floor=floor)
         write_report("gap", result, report, pictures.gap_history(times, one, other, result))
-    emit(result, as_json=json, show=lambda: _tables(result, states))
+    emit(result, as_json=json, show=lambda: _tables(result, states, scale))
     for sentence in result["warnings"]:
         warn(sentence)
 
 
-def _tables(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[RenderableType | str]:
+def _tables(
+    result: dict[str, Any], states: Iterable[FrameState], scale: TableScale
+) -> Iterable[RenderableType | str]:
     spread, published = result["spread"], result["published"]
     rows = [
         ["required gap (closing motion)", f"{result['required_gap_mm']:.2f}", f"at {result['time_s']:.3f} s"],
@@ -118,6 +118,7 @@ def _tables(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Re
     )
     yield table(title, ["", "mm", ""], rows)
     yield from map(str, states)
+    yield str(scale)
     yield table(
         "Rules, from the peaks of this run",
         ["rule", "gap mm", "applies", "mind"],

@@ -6,26 +6,27 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
 from pounding import bounds
-from pounding.contact.laws import BUILT_IN, Law
-from pounding.contact.parameters import make_law, thesis_law
+from pounding.contact.laws import BUILT_IN
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
 from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.contact_choice import ContactWish, Parameters, choose_laws, chosen_parameters
 from pounding.experiments.rig.ductility import ductility_sentence
-from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
-from pounding.experiments.rig.pounding import Pounding, built_in, floor_masses, rig_of, shaking
+from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N, merging_s
+from pounding.experiments.rig.pounding import Pounding, built_in, rig_of, shaking
 from pounding.experiments.rig.pounding import pound as run_one
 from pounding.experiments.rig.required_gap import is_left_lower
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.frames import load
 from pounding.units import LENGTH
 
@@ -54,9 +55,12 @@ def pound(
         str, Parameter(help="Name of an impact law (see `pounding list`), or all.")
     ] = "linear_viscoelastic",
     parameters: Annotated[
-        Literal["printed", "formula"],
-        Parameter(help="Contact parameters: from the thesis' tables, or from its formulas."),
-    ] = "printed",
+        Parameters | None,
+        Parameter(
+            help="Contact parameters: the laboratory's, from the thesis' tables (printed, the default at 1:30) or its "
+            "formulas (formula), or an estimate from the floors' slabs and masses (floors, the default at any other scale)."
+        ),
+    ] = None,
     stiffness: Annotated[
         float | None,
         Parameter(
@@ -67,10 +71,18 @@ def pound(
     restitution: Annotated[
         float | None, Parameter(help="Coefficient of restitution from which the law's damping is computed.")
     ] = None,
+    radius: Annotated[
+        float | None,
+        Parameter(
+            help="Radius of a Hertz contact [m] for --parameters floors; default: of spheres with the floors' masses.",
+            validator=options.bounded(bounds.LENGTH),
+        ),
+    ] = None,
     tension: Annotated[bool, Parameter(negative=(), help="Let a contact pull just before it opens.")] = False,
     flip: Annotated[bool, Parameter(negative=(), help="Reverse the record's sign.")] = False,
     pga: options.Pga = None,
     state: options.State = None,
+    time_factor: options.TimeFactor = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -88,16 +100,18 @@ def pound(
         left: Frame on the left (name or frame file); it moves in +x towards the right frame.
         right: Frame on the right.
     """
-    shaken = shaking(record, None if records is None else str(records), pga_g=pga, flip=flip)
+    definitions = [load(name) for name in (left, right)]
+    scale = table_scale(definitions, time_factor)
+    names = BUILT_IN if law == "all" else [law]
+    wish = ContactWish(names, parameters, stiffness, restitution, radius, tension)
+    chosen_set = chosen_parameters(definitions, scale, wish)
+    folder = None if records is None else str(records)
+    shaken = shaking(record, folder, time_factor=scale.time_factor, pga_g=pga, flip=flip)
     states = states_of([left, right], state, shaken.name, joints=joints, damping=damping)
-    estimates.announce(*(estimates.of_frame(load(name)) for name in (left, right)))
+    estimates.announce(*map(estimates.of_frame, definitions))
     pair = built_in(states[0], joints, p_delta), built_in(states[1], joints, p_delta)
     floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
-    masses = floor_masses(*pair, floors[0])
-    laws = [
-        _changed(thesis_law(name, parameters, masses=masses, tension=tension), stiffness, restitution, masses)
-        for name in (BUILT_IN if law == "all" else [law])
-    ]
+    laws, bases = choose_laws(pair, floors[0], chosen_set, wish)
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
     estimates.announce(estimates.of_run(pair, shaken.duration_s, len(laws)))
@@ -120,6 +134,7 @@ def pound(
                     floors=floors,
                     progress=partial(_tell, progress, bar),
                     solver=solver,
+                    merging_s=merging_s(scale.scale),
                 )
             )
     asked = {
@@ -128,18 +143,21 @@ def pound(
         "gap_mm": gap,
         "floors": floors,
         "law": law,
-        "parameters": parameters,
+        "parameters": chosen_set,
         "contact": {chosen.name: vars(chosen) for chosen in laws},
+        "contact_basis": bases,
         "flip": flip,
         "pga_g": pga,
         "solver": solver,
         "frames": [frame.options for frame in pair],
         "states": [one.as_dict() for one in states],
         "impact_threshold_n": THRESHOLD_N,
-        "impact_merging_s": MERGING_S,
+        "impact_merging_s": merging_s(scale.scale),
         "impact_sample_rate_hz": SAMPLE_RATE_HZ,
     }
-    result = stamp(asked, [shaken]) | {"runs": [run.result() | run.validity() for run in runs]}
+    result = stamp(asked | scale.as_dict(), [shaken]) | {
+        "runs": [run.result() | run.validity() for run in runs]
+    }
     if out is not None:
         kept = _keep(runs, result, out, film)
         result |= {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
@@ -148,19 +166,7 @@ def pound(
     for run in result["runs"]:
         for sentence in run["warnings"]:
             warn(f"{run['law']}: {sentence}" if len(runs) > 1 else sentence)
-    emit(result, as_json=json, show=lambda: _show(result, states))
-
-
-def _changed(
-    law: Law, stiffness: float | None, restitution: float | None, masses: tuple[float, float]
-) -> Law:
-    """Return a law with another stiffness and else unchanged, or with the damping of a restitution."""
-    stiffer = law if stiffness is None else dataclasses.replace(law, stiffness=stiffness)
-    if restitution is None:
-        return stiffer
-    return make_law(
-        law.name, stiffness=stiffer.stiffness, restitution=restitution, masses=masses, tension=law.tension
-    )
+    emit(result, as_json=json, show=lambda: _show(result, states, scale))
 
 
 def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
@@ -183,7 +189,7 @@ def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: boo
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
-def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]:
+def _show(result: dict[str, Any], states: Iterable[FrameState], scale: TableScale) -> Iterable[Any]:
     for run in result["runs"]:
         title = (
             f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}, gap {run['gap_mm']:g} mm"
@@ -212,9 +218,11 @@ def _show(result: dict[str, Any], states: Iterable[FrameState]) -> Iterable[Any]
     )
     yield (
         f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
-        f"touches less than {1e3 * MERGING_S:g} ms apart are one."
+        f"touches less than {1e3 * result['parameters']['impact_merging_s']:.3g} ms apart are one."
     )
     yield from map(str, states)
+    yield str(scale)
+    yield from result["parameters"]["contact_basis"]
     yield from keeping.written(result)
 
 

@@ -23,6 +23,7 @@ from pounding.experiments.rig.ductility import ductility_sentence
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.table_scale import TableScale, table_scale
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "
@@ -39,6 +40,7 @@ def shake(
     record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
     pga: options.Pga = None,
     state: options.State = None,
+    time_factor: options.TimeFactor = None,
     joints: options.Joints = "calibrated",
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
@@ -51,7 +53,8 @@ def shake(
 ) -> None:
     """Shake a frame alone on the table and report its peaks, its stress and warnings.
 
-    The record is scaled to the models: its time is multiplied by sqrt(1/30).
+    The record's time is multiplied by the factor of the frame's scale, which its file states: 1 for a building,
+    sqrt(1/30) for the frames of the thesis.
 
     Args:
         frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
@@ -62,7 +65,8 @@ def shake(
         films.require()
     channels = measured.read(measured_file) if measured_file else []
     definition = frames.load(frame)
-    motion = find(record, records).scaled(pga_g=pga)
+    scale = table_scale([definition], time_factor)
+    motion = find(record, records).scaled(scale.time_factor, pga)
     (chosen,) = states_of([frame], state, motion.name, joints=joints, damping=damping)
     estimates.announce(estimates.of_frame(definition))
     reduced = frames.build(
@@ -84,7 +88,7 @@ def shake(
         "states": [chosen.as_dict()],
         "model": reduced.options,
     }
-    result = stamp(asked, [motion]) | done.result()
+    result = stamp(asked | scale.as_dict(), [motion]) | done.result()
     data = results.dataset(done.motion, motion, provenance=result)
     channels, shift = measured.aligned(channels, data.time.values, data.table_acceleration.values)
     if channels:
@@ -97,7 +101,7 @@ def shake(
             warn(note)
     for warning in result["warnings"]:
         warn(warning)
-    emit(result, as_json=json, show=lambda: _show(result, done, chosen))
+    emit(result, as_json=json, show=lambda: _show(result, done, chosen, scale))
 
 
 def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:
@@ -139,8 +143,8 @@ def _keep(done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: kee
         )
 
 
-def _show(result: dict[str, Any], done: Shaking, state: FrameState) -> Iterable[Any]:
-    published = keeping.published_peaks(result["frame"], result["record"])
+def _show(result: dict[str, Any], done: Shaking, state: FrameState, scale: TableScale) -> Iterable[Any]:
+    published = keeping.published_peaks(result["frame"], result["record"]) if scale.is_laboratory else {}
     shaken = f"Frame {result['frame']}, {result['record']}, {result['pga_g']:.3f} g"
     yield table(
         f"{shaken}: displacement relative to the table",
@@ -148,6 +152,7 @@ def _show(result: dict[str, Any], done: Shaking, state: FrameState) -> Iterable[
         [_row(peak, published.get(peak["floor"])) for peak in reversed(result["peaks"])],
     )
     yield str(state)
+    yield str(scale)
     if published and result["parameters"]["pga_g"] is not None:
         yield "Table 4.1 was measured at the record's own peak, not at the one asked for here."
     if done.stress is not None:

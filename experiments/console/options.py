@@ -79,6 +79,13 @@ Json = Annotated[
 Out = Annotated[
     Path | None, Parameter(help="Folder for files; created if missing.", validator=writable_folder)
 ]
+TimeFactor = Annotated[
+    float | None,
+    Parameter(
+        help="Factor on the record's time; default: that of the frames' scale, 1 for buildings and 0.1826 at 1:30.",
+        validator=bounded(bounds.TIME_FACTOR),
+    ),
+]
 Pga = Annotated[
     float | None,
     Parameter(

@@ -2,11 +2,10 @@
 
 from pounding.experiments.records.catalogue import Entry, available, find, records_folder
 from pounding.experiments.records.reading import read
-from pounding.experiments.records.record import MODEL_TIME_FACTOR, Record
+from pounding.experiments.records.record import Record
 from pounding.experiments.records.reference import REFERENCES, Reference
 
 __all__ = [
-    "MODEL_TIME_FACTOR",
     "REFERENCES",
     "Entry",
     "Record",

@@ -14,9 +14,6 @@ from pounding import bounds
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 
-MODEL_TIME_FACTOR = math.sqrt(1 / 30)
-"""Model time over full-scale time for the length scale 1/30 (thesis, section 3.7)."""
-
 
 @dataclass(frozen=True, eq=False)
 class Record:
@@ -88,11 +85,11 @@ class Record:
         """Time of each sample (m,), from zero [s]."""
         return self.step_s * np.arange(len(self.acceleration_m_s2), dtype=np.float64)
 
-    def scaled(self, time_factor: float = MODEL_TIME_FACTOR, pga_g: float | None = None) -> Record:
+    def scaled(self, time_factor: float, pga_g: float | None = None) -> Record:
         """Return the record with time multiplied by `time_factor` and, if asked, another peak.
 
         Args:
-            time_factor: New time over old time [-]; the default brings full scale to the 1/30 models.
+            time_factor: New time over old time [-]: that of the frames' scale, 1 at full scale; see `pounding.scale`.
             pga_g: Wanted peak [g]; None leaves the samples as they are.
 
         Raises:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.scale import THESIS, Scale
 
 Real = NDArray[np.floating]
 Pulse = tuple[Real, Real, Real, Real]
@@ -29,6 +30,11 @@ THRESHOLD_N = 10.0
 MERGING_S = 0.02
 """A period of the fastest sways of these frames (about 50 Hz): touches that follow each other faster are the
 floors' rattle within one collision [s]. docs/validation/chapters-5-6.md shows the counts for other values."""
+
+
+def merging_s(scale: Scale) -> float:
+    """Return the merging time of frames of a scale [s]: `MERGING_S` of the laboratory's frames by the similitude."""
+    return MERGING_S * (scale.time_factor / THESIS.time_factor)
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,17 @@ from pounding import frames
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record, find
+from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.ductility import ductilities
-from pounding.experiments.rig.impacts import Impact, all_impacts
+from pounding.experiments.rig.impacts import MERGING_S, Impact, all_impacts
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 from pounding.experiments.rig.shaking import linear_stress, validity
 from pounding.experiments.rig.states import FrameState
 from pounding.frames.response.stress import Largest
+from pounding.scale import THESIS
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -53,7 +55,10 @@ class Pounding:
         pairs = zip(self.motion.frames, self.stresses, strict=True)
         return {
             "max_stress_mpa": {side: None if one is None else one.stress_pa / 1e6 for side, one in sides},
-            "warnings": [sentence for frame, stress in pairs for sentence in validity(frame, stress)],
+            "warnings": [
+                *(sentence for frame, stress in pairs for sentence in validity(frame, stress)),
+                *contact_warnings(self.motion),
+            ],
         }
 
     def result(self) -> dict[str, Any]:
@@ -90,6 +95,7 @@ def pound(
     accuracy: Accuracy | None = None,
     progress: Callable[[float], None] | None = None,
     solver: Solver = "exudyn",
+    merging_s: float = MERGING_S,
 ) -> Pounding:
     """Shake two frames side by side; the left one moves in +x towards the right one.
 
@@ -103,6 +109,7 @@ def pound(
         accuracy: Tolerances, see `Rig.run`.
         progress: Called now and then with the model time [s].
         solver: `exudyn` or `exact`, see `Rig.run`.
+        merging_s: Touches closer than this are one impact [s].
 
     Raises:
         ExperimentError: A floor that one of the frames does not have, the wrong number of gaps, or a run
@@ -111,7 +118,7 @@ def pound(
     """
     rig = rig_of(left, right, law, gap_m, floors)
     motion = rig.run(record, duration_s=duration_s, accuracy=accuracy, progress=progress, solver=solver)
-    return Pounding(record, motion, all_impacts(motion))
+    return Pounding(record, motion, all_impacts(motion, merging_s=merging_s))
 
 
 def rig_of(
@@ -196,17 +203,23 @@ def built_in(state: FrameState, joints: Any = "calibrated", p_delta: bool = True
 
 @lru_cache(maxsize=16)
 def shaking(
-    name: str, folder: str | None = None, *, pga_g: float | None = None, flip: bool = False
+    name: str,
+    folder: str | None = None,
+    *,
+    time_factor: float = THESIS.time_factor,
+    pga_g: float | None = None,
+    flip: bool = False,
 ) -> Record:
-    """Return a record at model scale by name, with another peak [g] or the opposite sign if asked.
+    """Return a record by name at the scale of the frames, with another peak [g] or the opposite sign if asked.
 
     Args:
         name: Name or file of the ground motion.
         folder: Folder with ground motions; None for the default.
+        time_factor: What its time is multiplied by [-], see `table_scale`; the default is that of the thesis' frames.
         pga_g: Peak acceleration [g]; the record's own when None.
         flip: Turn the record's sign.
     """
-    record = find(name, folder).scaled(pga_g=pga_g)
+    record = find(name, folder).scaled(time_factor, pga_g)
     return record.flipped() if flip else record
 
 

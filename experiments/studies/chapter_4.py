@@ -37,6 +37,7 @@ from pounding.experiments.separation.gaps.maps import gap_map
 from pounding.experiments.studies.table_4_1 import BLIND, Variant, build, variants
 from pounding.frames import ReducedFrame
 from pounding.frames.files import write_whole
+from pounding.scale import THESIS
 
 FRAMES = ("15A", "15B", "10", "5A", "5B")
 
@@ -157,7 +158,7 @@ def all_variants(folder: Path | None, progress: Progress | None = None) -> pd.Da
 def _motion(name: str, variant: Variant, folder: Path | None) -> Record:
     """Return a record at a variant's peak and its own step: `required_gap` looks between the samples."""
     pga = None if variant.peaks == "3.7" else float(published.table("7.1")["pga_g"][name])
-    return find(name, folder).scaled(pga_g=pga)
+    return find(name, folder).scaled(THESIS.time_factor, pga_g=pga)
 
 
 def confirmations(
@@ -211,7 +212,7 @@ def write(
     maps = {}
     for name in motions["record"]:
         try:
-            maps[str(name)] = gap_map(find(str(name), folder).scaled())
+            maps[str(name)] = gap_map(find(str(name), folder).scaled(THESIS.time_factor))
         except ExperimentError as error:
             warn(f"no gap map of a motion that is not at hand: {error}")
         if progress is not None and bar is not None:

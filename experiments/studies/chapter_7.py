@@ -36,6 +36,7 @@ from pounding.experiments.studies.chapter_4 import from_frame
 from pounding.extras import extra_module
 from pounding.frames import build, load
 from pounding.frames.files import write_whole
+from pounding.scale import THESIS
 
 NEW_PAIRS = ("12-8", "10-8")
 NEW_LABELS = ("sap2", "sap3", VALIDATION_LABEL)
@@ -226,7 +227,9 @@ def _by_label(records: Path | None, *, scaled: bool) -> dict[str, Record]:
             record = find(str(motion["record"]), records)
         except ExperimentError:
             continue  # the sweep has said so already
-        found[str(label)] = record.scaled(pga_g=float(motion["pga_g"]) if scaled else None)
+        found[str(label)] = record.scaled(
+            THESIS.time_factor, pga_g=float(motion["pga_g"]) if scaled else None
+        )
     return found
 
 
@@ -235,7 +238,9 @@ def _records(found: dict[str, pd.DataFrame], records: Path | None) -> dict[str, 
     used = {name for cases in found.values() for name in cases["record"].unique()}
     motions = motions_of_the_study(with_validation=True)
     return {
-        str(motion["record"]): find(str(motion["record"]), records).scaled(pga_g=float(motion["pga_g"]))
+        str(motion["record"]): find(str(motion["record"]), records).scaled(
+            THESIS.time_factor, pga_g=float(motion["pga_g"])
+        )
         for _, motion in motions.iterrows()
         if motion["record"] in used
     }

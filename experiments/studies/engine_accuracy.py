@@ -25,6 +25,7 @@ from pounding.experiments.rig.rig import Accuracy, Rig
 from pounding.frames.files import write_whole
 from pounding.frames.response.body import TABLE_MASS_KG, run_alone
 from pounding.frames.response.exact import linear_response
+from pounding.scale import THESIS
 
 TOLERANCE = 1e-3
 """Largest error that a kept displacement may have."""
@@ -114,7 +115,7 @@ def main(
 ) -> dict[str, Any]:
     """Measure error and cost of exudyn's integrators on a shaken frame, against the exact solution."""
     names = names or ["5A", "15B"]
-    shaking = find(record, records).scaled()
+    shaking = find(record, records).scaled(THESIS.time_factor)
     rows, masses = [], []
     count = len(names) * (sum(map(len, FIXED.values())) + len(ADAPTIVE) + len(MASSES_KG))
     with Progress(console=progress_console(), transient=True) as progress:

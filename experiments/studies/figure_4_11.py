@@ -21,7 +21,6 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
 from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
 from pounding.experiments.records import Record, find
-from pounding.experiments.records.record import MODEL_TIME_FACTOR
 from pounding.experiments.records.spectra import (
     dominant_period,
     fourier_spectrum,
@@ -31,10 +30,11 @@ from pounding.experiments.records.spectra import (
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
 from pounding.frames.files import replacing
+from pounding.scale import THESIS
 
 SMOOTHING_HZ = 1.0
 """Standard deviation of the Gaussian over the squared Fourier amplitude [Hz]."""
-RATHJE_BAND_HZ = (0.25 / MODEL_TIME_FACTOR, 20.0 / MODEL_TIME_FACTOR)
+RATHJE_BAND_HZ = (0.25 / THESIS.time_factor, 20.0 / THESIS.time_factor)
 """Band of the mean period, 0.25 to 20 Hz at full scale."""
 SHOWN_S = (0.03, 1.0)
 """Periods shown, model time [s]."""
@@ -137,7 +137,7 @@ def main(
     *, records: options.Records = None, json: options.Json = False, out: options.Out = None
 ) -> dict[str, Any]:
     """Show spectra and dominant periods of the four scaled motions beside the frames' periods."""
-    motions = [find(name, records).scaled() for name in RECORDS]
+    motions = [find(name, records).scaled(THESIS.time_factor) for name in RECORDS]
     result = stamp({"smoothing_hz": SMOOTHING_HZ, "mean_period_band_hz": RATHJE_BAND_HZ}, motions)
     result["periods"] = [{"record": motion.name, **periods(motion)} for motion in motions]
     result["fundamental_periods_s"] = fundamental_periods()

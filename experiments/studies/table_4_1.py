@@ -38,6 +38,7 @@ from pounding.experiments.studies.table_3_1 import calibrated, thesis_frame
 from pounding.experiments.studies.table_4_1_picture import picture
 from pounding.frames.definition import PlateFrame
 from pounding.frames.response.exact import linear_response
+from pounding.scale import THESIS
 
 FITTED = "fitted to this table"
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
@@ -118,7 +119,7 @@ def table_motion(name: str, variant: Variant, folder: Path | None = None) -> Rec
         folder: Folder with ground motions; None for the default.
     """
     pga = None if variant.peaks == "3.7" else float(published.table("7.1")["pga_g"][name])
-    record = find(name, folder).scaled(pga_g=pga)
+    record = find(name, folder).scaled(THESIS.time_factor, pga_g=pga)
     record = record.resampled(record.step_s / np.ceil(record.step_s / MODEL_STEP_S))
     return record if variant.polarity > 0 else record.flipped()
 

@@ -41,6 +41,7 @@ from pounding.experiments.studies.table_4_1 import (
 )
 from pounding.experiments.studies.table_4_1_picture import verdict_picture
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.scale import THESIS
 
 Real = NDArray[np.float64]
 KEPT_ARIAS = 0.999
@@ -57,7 +58,7 @@ def peaks_of(change_name: str, frame: str, record: str, folder: str, samples: st
         folder: Folder with ground motions; empty for the default.
         samples: Hash of all records, which makes the case another one when a record is another.
     """
-    motion = find(record, folder or None).scaled().trimmed(lower=0.0, upper=KEPT_ARIAS)
+    motion = find(record, folder or None).scaled(THESIS.time_factor).trimmed(lower=0.0, upper=KEPT_ARIAS)
     chosen, printed = CHANGES[change_name], measured()
     floors = printed.floor[printed.frame == frame].values
     values = np.array(chosen.values)

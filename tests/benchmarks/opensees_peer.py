@@ -35,6 +35,7 @@ from pounding.experiments.records import find
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.exact import ExactRig
 from pounding.experiments.rig.rig import Accuracy, Rig
+from pounding.scale import THESIS
 
 LAWS = BUILT_IN
 INTEGRATORS = ("Newmark", "CentralDifference")
@@ -98,7 +99,7 @@ class Pair:
         self.longest_step_s = longest_step_s
         self.left = lumped(np.full(15, 98.0 / 15), 2.28, 0.00503)
         self.right = lumped(np.full(5, 32.7 / 5), 6.531, 0.00467)
-        self.record = find(record_name).scaled()
+        self.record = find(record_name).scaled(THESIS.time_factor)
         self.gap_m, self.duration_s = gap_m, min(duration_s, self.record.duration_s)
 
     def opensees(self, law: Law, integrator: str, step_s: float) -> Sample | None:

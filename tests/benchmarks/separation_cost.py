@@ -32,6 +32,7 @@ from pounding.experiments.records import Record, find
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.separation.chapter_7.parametric import Variant, design_of_cases, pair_gaps, study
+from pounding.scale import THESIS
 
 RECORD = "elcentro"
 COUNTS = (1, 10, 100, 407)
@@ -186,7 +187,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     parser.add_argument("--picture", type=Path)
     asked = parser.parse_args()
-    record = find(RECORD, asked.records).scaled()
+    record = find(RECORD, asked.records).scaled(THESIS.time_factor)
     pair_gap(built("10"), built("5B"), record)  # what is loaded once is not counted
     rows = [*one_by_one(record), *against_cases(record), *against_storeys(record), *against_workers()]
     columns = ("what", "pair", "cases", "cpu_s", "wall_s", "ms_per_case", "gap_mm")

@@ -17,12 +17,12 @@ from pounding.contact.parameters import (
     PLATE_LENGTH,
     PLATE_MATERIAL,
     RESTITUTION,
-    SCALE,
     SENSOR_AREA,
     SENSOR_MATERIAL,
     SENSOR_RADIUS,
     STIFFNESS_SETS,
 )
+from pounding.scale import THESIS
 
 AXIAL = k.axial(PLATE_MATERIAL[0], SENSOR_AREA, PLATE_LENGTH)
 MASS_5B, MASS_15B = 36.5, 104.0  # Table 3.1 [kg]
@@ -34,13 +34,13 @@ def test_stiffnesses_of_table_5_1_that_follow() -> None:
         k.naserkhaki(27.5e3, 100.0)
     )  # eq. 2.24, 5B of Table 3.1
     assert STIFFNESS_SETS["experiment"][0] == pytest.approx(
-        k.experiment(SCALE), rel=4e-4
+        k.experiment(THESIS.length), rel=4e-4
     )  # eq. 5.2 rounds 619.8 to 620
 
 
 def test_stiffnesses_of_table_5_1_that_do_not_follow() -> None:
     """Jankowski's 482 kN/mm over 30 is 16,067 and was rounded; Xu et al. gives none of the printed values."""
-    assert pytest.approx(16_066.7e3, rel=1e-5) == k.JANKOWSKI_STEEL * SCALE
+    assert pytest.approx(16_066.7e3, rel=1e-5) == k.JANKOWSKI_STEEL * THESIS.length
     assert k.xu(AXIAL, 1.0, 1.0, RESTITUTION) == pytest.approx(12_977e3, rel=1e-4)
     assert k.xu(AXIAL, MASS_15B, MASS_5B, RESTITUTION) == pytest.approx(6_743e3, rel=1e-4)
     assert k.xu(AXIAL, MASS_5B, MASS_15B, RESTITUTION) == pytest.approx(19_212e3, rel=1e-4)

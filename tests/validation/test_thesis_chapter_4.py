@@ -12,12 +12,13 @@ from pounding.experiments.records import find
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.studies import chapter_4
 from pounding.experiments.studies.table_4_1 import BLIND, build
+from pounding.scale import THESIS
 
 
 @pytest.fixture(scope="module")
 def gaps(test_records):
     return tables_4.computed_gaps(
-        lambda name: build(name, BLIND), lambda name: find(name, test_records).scaled()
+        lambda name: build(name, BLIND), lambda name: find(name, test_records).scaled(THESIS.time_factor)
     )
 
 
@@ -107,7 +108,9 @@ def test_gaps_are_confirmed_by_collisions(test_records, monkeypatch) -> None:
     """Contact 1 % below the required gap, none 1 % above; the study does so for all twenty."""
     monkeypatch.setattr(tables_4, "pairs", lambda: [("10", "5B", 5)])
     built = {name: build(name, BLIND) for name in ("10", "5B")}
-    motions = {name: find(name, test_records).scaled() for name in ("elcentro", "hachinohe")}
+    motions = {
+        name: find(name, test_records).scaled(THESIS.time_factor) for name in ("elcentro", "hachinohe")
+    }
     found = chapter_4.confirmations(built, motions)
     assert len(found) == 2
     assert found["holds"].all()

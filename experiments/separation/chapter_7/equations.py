@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from pounding.experiments.errors import ExperimentError
+from pounding.scale import THESIS
 
-LENGTH_SCALE = 30.0
+LENGTH_SCALE = THESIS.buildings_length
 FREQUENCY_SCALE = 5.48
 """Model over full-scale frequency as equation 7.15 rounds it: sqrt(30) = 5.477."""
 

@@ -29,6 +29,7 @@ from pounding.experiments.separation.gaps.variants import ModalFrame, modal_fram
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.frames import ReducedFrame, build, load
 from pounding.frames.response.exact import refine
+from pounding.scale import THESIS
 
 PAIR_NAMES = ("15B-10", "15B-5B", "10-5B")
 """Taller and lower frame of each pair of the study."""
@@ -225,7 +226,9 @@ def block(
         ExperimentError: The motion is not at hand; the sweep records it and goes on.
     """
     motion = motions_of_the_study(with_validation=True).loc[label]
-    record = find(str(motion["record"]), records or None).scaled(pga_g=float(str(motion["pga_g"])))
+    record = find(str(motion["record"]), records or None).scaled(
+        THESIS.time_factor, pga_g=float(str(motion["pga_g"]))
+    )
     tall, short = (build(load(name), joints=joints, p_delta=p_delta) for name in pair.split("-"))
     gaps = pair_gaps(tall, short, record, design_of_cases())
     return {str(name): xr.DataArray(gaps[name].to_numpy(), dims="variant") for name in gaps}

@@ -24,9 +24,9 @@ from pounding.experiments.separation.gaps.variants import modal_frame
 from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.frames.response.exact import refine
+from pounding.scale import THESIS
 
 MM = 1000.0
-MODEL_LENGTH_SCALE = 30.0
 
 FREQUENCY_UNCERTAINTY = 0.05
 """Share by which a first frequency may be off either way: free vibration and sweep differ by up to 10 %."""
@@ -41,7 +41,7 @@ def gap_answer(
     *,
     floor: int | None = None,
     own_peak: bool = True,
-    length_scale: float = MODEL_LENGTH_SCALE,
+    length_scale: float = THESIS.buildings_length,
 ) -> dict[str, Any]:
     """Return the required gap of two frames and what stands beside it.
 

@@ -15,9 +15,10 @@ from pounding.experiments import published
 from pounding.experiments.published import consistency
 from pounding.experiments.published.consistency import Pair
 from pounding.experiments.rig.required_gap import RequiredGap, fine_step, motions, required_gap
-from pounding.experiments.separation.gaps.gap import MODEL_LENGTH_SCALE, published_gap
+from pounding.experiments.separation.gaps.gap import published_gap
 from pounding.experiments.separation.rules.answers import Building, code_rules
 from pounding.frames import ReducedFrame
+from pounding.scale import THESIS
 
 RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 
@@ -194,7 +195,7 @@ def _ratios(
         for name in (pair.left, pair.right)
     ]
     short, tall = sorted(buildings, key=lambda building: building.height_m)
-    answers = code_rules(tall, short, pga_g, length_scale=MODEL_LENGTH_SCALE)
+    answers = code_rules(tall, short, pga_g, length_scale=THESIS.buildings_length)
     return {a.name: np.nan if a.gap_mm is None else a.gap_mm / gap_mm for a in answers}
 
 

@@ -13,6 +13,7 @@ from pounding.frames.drawing import rendering
 STICK = """
 kind = "stick"
 name = "shop"
+scale = "1:30"
 storeys = 2
 storey_height_m = 0.3
 floor_mass_kg = [6.0, 5.0]

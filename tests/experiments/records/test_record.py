@@ -8,6 +8,7 @@ import pytest
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.scale import THESIS
 
 STEP = 0.01
 
@@ -19,7 +20,7 @@ def burst(count=2000, offset=0.0):
 
 def test_scaling_compresses_time_and_leaves_the_samples():
     record = burst()
-    model = record.scaled()
+    model = record.scaled(THESIS.time_factor)
     assert model.step_s == STEP * math.sqrt(1 / 30)
     assert model.sha256 == record.sha256
     assert model.history == ("time multiplied by 0.182574",)
@@ -58,12 +59,12 @@ def test_a_peak_of_zero_cannot_be_scaled():
     silence = Record("silence", np.zeros(10), 0.1)
     assert silence.pga_g == 0.0
     with pytest.raises(ExperimentError, match="'silence' from memory is zero throughout"):
-        silence.scaled(pga_g=0.3)
+        silence.scaled(THESIS.time_factor, pga_g=0.3)
     with pytest.raises(ExperimentError, match=r"keeps 0 sample\(s\)"):
         silence.trimmed()
     for wrong in (0.0, -1.0, math.nan):
         with pytest.raises(ExperimentError, match="must be positive"):
-            burst().scaled(pga_g=wrong)
+            burst().scaled(THESIS.time_factor, pga_g=wrong)
         with pytest.raises(ExperimentError, match="must be positive"):
             burst().scaled(wrong)
 

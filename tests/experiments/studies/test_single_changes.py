@@ -12,6 +12,7 @@ from pounding.experiments.studies import added_forces, change_catalogue, single_
 from pounding.experiments.studies.single_changes import Storeys
 from pounding.experiments.studies.table_4_1 import floor_peaks
 from pounding.frames import build, load
+from pounding.scale import THESIS
 
 STEP = 5e-4
 SHARE = 0.2
@@ -166,7 +167,7 @@ def test_what_softens_lowers_the_frequencies(body):
 
 def test_storeys_are_the_frame():
     reduced = build(load("5B"))
-    fine = find("elcentro-chopra").scaled().trimmed(lower=0.0, upper=0.9).resampled(STEP)
+    fine = find("elcentro-chopra").scaled(THESIS.time_factor).trimmed(lower=0.0, upper=0.9).resampled(STEP)
     body = single_changes.storeys(reduced)
     histories = single_changes.linear_histories(body, single_changes.modes(body), fine)
     whole = floor_peaks(reduced, fine, range(1, 6)) * 1e-3

@@ -22,6 +22,7 @@ from pounding.experiments.separation.chapter_7.parametric import (
 )
 from pounding.experiments.separation.chapter_7.printed_rows import moving_masses, printed_rows
 from pounding.experiments.separation.gaps.variants import effective_base_mass, modal_frame, tuned_frame
+from pounding.scale import THESIS
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +54,7 @@ def test_motions_are_named_as_what_they_are() -> None:
 
 
 def test_plain_variant_is_the_frame_itself(tall, short, test_records) -> None:
-    record = find("elcentro", test_records).scaled()
+    record = find("elcentro", test_records).scaled(THESIS.time_factor)
     gap = pair_gap(tall, short, record)
     row = pair_gaps(tall, short, record, [(Variant(), Variant())]).iloc[0]
     assert row["gap_mm"] == pytest.approx(1e3 * gap.equation_4_1_m, rel=1e-4)
@@ -91,7 +92,7 @@ def test_impossible_variants(short, values) -> None:
 
 
 def test_damping_lowers_the_peaks(tall, short, test_records) -> None:
-    record = find("kobe", test_records).scaled()
+    record = find("kobe", test_records).scaled(THESIS.time_factor)
     cases = [(Variant(ratio), Variant(ratio)) for ratio in (0.005, 0.01, 0.05)]
     found = pair_gaps(tall, short, record, cases)
     assert found["tall_peak_mm"].is_monotonic_decreasing
@@ -133,7 +134,7 @@ def test_effective_base_mass() -> None:
 
 
 def test_table_of_a_block_is_complete(tall, short, test_records) -> None:
-    record = find("hachinohe", test_records).scaled()
+    record = find("hachinohe", test_records).scaled(THESIS.time_factor)
     found = pair_gaps(tall, short, record, design_of_cases())
     assert isinstance(found, pd.DataFrame)
     assert len(found) == 407

@@ -11,6 +11,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.chapter_7 import regression
 from pounding.experiments.separation.chapter_7.formulas import compare, with_spectra
 from pounding.experiments.separation.chapter_7.parametric import EVENTS
+from pounding.scale import THESIS
 
 
 @pytest.fixture
@@ -156,7 +157,7 @@ def test_spectral_formulas_know_what_the_peak_does_not(test_records) -> None:
     from pounding.experiments.records import find
 
     names = ["elcentro", "hachinohe", "northridge", "kobe"]
-    records = {name: find(name, test_records).scaled() for name in names}
+    records = {name: find(name, test_records).scaled(THESIS.time_factor) for name in names}
     rng = np.random.default_rng(2)
     made = pd.DataFrame({"record": rng.choice(names, 160)})
     made["FT"], made["FS"] = rng.uniform(1.9, 3.5, 160), rng.uniform(2.8, 7.0, 160)
