@@ -28,7 +28,7 @@ RESTITUTION_RANGE = (0.5, 0.85)
 
 STIFFNESS_RANGE = (93.5e6, 1e10)
 """From concrete elements of a laboratory, 93.5 kN/mm (Jankowski 2005), to where a stiffer contact changes nothing any
-more (Ghandil and Aldaikh 2017); thesis sections 2.3 and 5.1 [N/m]."""
+more, as Ghandil and Aldaikh (2017) found; thesis sections 2.3 and 5.1 [N/m]."""
 
 HERTZ_RANGE = (2.75e9, 1e11)
 """From concrete elements of a laboratory (van Mier 1991, Jankowski 2005) to steel on steel, thesis section 2.3 [N/m^1.5]."""

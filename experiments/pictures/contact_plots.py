@@ -33,6 +33,9 @@ COLOURS = {
 OTHER = "#555555"
 PALETTE = tuple(COLOURS.values())
 
+CLOSE_S = 0.0025
+"""Shortest close view of an impact [s]: a touch of two frames of the thesis."""
+
 
 @matplotlib.rc_context(STYLE)
 def force_histories(
@@ -40,7 +43,7 @@ def force_histories(
     path: str | Path,
     *,
     labels: Sequence[str] | None = None,
-    window_s: float = 0.0025,
+    window_s: float | None = None,
 ) -> None:
     """Plot the force of several runs over each other: the whole run, and the first impact of each, aligned.
 
@@ -48,7 +51,7 @@ def force_histories(
         runs: Runs that differ in their law; the first contact of each is shown.
         path: File to write; its suffix says the format.
         labels: Of the runs; the names of their laws when None.
-        window_s: Length of the close view [s].
+        window_s: Length of the close view [s]; that of the longest first touch, and at least `CLOSE_S`, when None.
 
     Raises:
         ExperimentError: In no run the floors touched.
@@ -56,6 +59,7 @@ def force_histories(
     _require_touch(runs)
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
+    window_s = _first_touch_s(runs) if window_s is None else window_s
     for index, run in enumerate(runs):
         history = run.motion.contacts[0]
         name = labels[index] if labels else _label(history)
@@ -78,6 +82,12 @@ def force_histories(
     close.set(xlabel="time after first touch [ms]")
     close.set_title("first impact of each", fontsize=10)
     _save(figure, path)
+
+
+def _first_touch_s(runs: Sequence[Pounding]) -> float:
+    """Return how long the longest first touch lasts [s], at least `CLOSE_S`."""
+    first = [run.motion.contacts[0].pulses[0] for run in runs if run.motion.contacts[0].pulses]
+    return max([CLOSE_S, *(last - begin for begin, last in first)])
 
 
 @matplotlib.rc_context(STYLE)

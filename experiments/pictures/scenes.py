@@ -45,7 +45,10 @@ DRAWN_MOVEMENT = 0.25
 """The largest displacement is drawn as about this share of a frame's length along x."""
 
 ARROW_M = 0.28
-"""Length at which the largest contact force is drawn [m]."""
+"""Length at which the largest contact force is drawn beside frames of `USUAL_PLAN_M` [m]."""
+
+USUAL_PLAN_M = 0.4
+"""Length along x of the thesis' frames [m]: arrows, rims and ticks grow with the frames."""
 
 ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
@@ -202,6 +205,7 @@ class Stage:
 
     def __init__(self, scene: Any, setting: Setting) -> None:
         self._scene, self._setting = scene, setting
+        self._unit = setting.frames[0].plan_m[0] / USUAL_PLAN_M
         stressed = all(frame.is_mesh for frame in setting.frames)
         self._actors = [
             _Actor(scene, frame, place, setting.factor, stressed)
@@ -220,11 +224,12 @@ class Stage:
         plans = [np.array(plan(frame)) + [x, x, 0.0, 0.0] for frame, x in zip(frames, shift, strict=True)]
         left, right = min(p[0] for p in plans), max(p[1] for p in plans)
         front, back = min(p[2] for p in plans), max(p[3] for p in plans)
-        add_table(self._scene, (left, right, front, back))
-        reach = max(RIM, DRAWN_MOVEMENT * frames[0].plan_m[0])
-        low = np.array([left - reach, front - RIM, -THICKNESS])
-        high = np.array([right + reach, back + RIM, max(frame.heights_m[-1] for frame in frames)])
-        self._scale_bar(np.array([left, front - RIM, -THICKNESS]))
+        rim, thickness = self._unit * RIM, self._unit * THICKNESS
+        add_table(self._scene, (left, right, front, back), unit=self._unit)
+        reach = max(rim, DRAWN_MOVEMENT * frames[0].plan_m[0])
+        low = np.array([left - reach, front - rim, -thickness])
+        high = np.array([right + reach, back + rim, max(frame.heights_m[-1] for frame in frames)])
+        self._scale_bar(np.array([left, front - rim, -thickness]))
         look(self._scene, low, high, margins=Margins(left=0.05, right=0.17, top=0.13, bottom=0.1))
 
     def _scale_bar(self, corner: Real) -> None:
@@ -233,9 +238,9 @@ class Stage:
 
         largest = DRAWN_MOVEMENT * self._setting.frames[0].plan_m[0] / self._setting.factor
         length = _round_down(largest)
-        start = corner + [0.0, 0.0, -0.05]
+        start = corner + [0.0, 0.0, -0.05 * self._unit]
         end = start + [self._setting.factor * length, 0.0, 0.0]
-        tick = np.array([0.0, 0.0, 0.012])
+        tick = np.array([0.0, 0.0, 0.012 * self._unit])
         points = np.array([start, end, start - tick, start + tick, end - tick, end + tick])
         lines = pyvista.PolyData(points, lines=[2, 0, 1, 2, 2, 3, 2, 4, 5])
         self._scene.add_mesh(lines, color=INK, line_width=2.5)
@@ -248,7 +253,7 @@ class Stage:
         }
         style |= {"text_color": "black", "always_visible": True, "justification_vertical": "center"}
         words = f"{1e3 * length:g} mm displacement"
-        self._scene.add_point_labels([end + [0.02, 0.0, 0.0]], [words], **style)
+        self._scene.add_point_labels([end + [0.02 * self._unit, 0.0, 0.0]], [words], **style)
 
     def add_rest(self) -> None:
         """Add the outlines of the frames at rest."""
@@ -288,7 +293,7 @@ class Stage:
             arrow.visibility = force > 0.0
             if force > 0.0:
                 arrow.position = actor.edge(place.floor, -side)
-                arrow.scale = ARROW_M * (0.3 + 0.7 * force / largest)
+                arrow.scale = self._unit * ARROW_M * (0.3 + 0.7 * force / largest)
 
 
 class _Actor:

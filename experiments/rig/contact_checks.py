@@ -95,8 +95,8 @@ def _lasting(touches: Sequence[Touch], period_s: float) -> list[str]:
     worst = max(long, key=lambda touch: touch.duration_s)
     return [
         f"{_count(long, touches)} a duration above {LONGEST_SHARE:g} of the shorter first period of {period_s:.3g} s, up to "
-        f"{1e3 * worst.duration_s:.3g} ms at {worst.time_s:.3f} s on floor {worst.floor}: that contact is too soft to be an "
-        "impact; give a stiffer one"
+        f"{1e3 * worst.duration_s:.3g} ms at {worst.time_s:.3f} s on floor {worst.floor}: the floors lean on each other "
+        "there, or the contact is too soft to be an impact"
     ]
 
 

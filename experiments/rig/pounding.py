@@ -32,7 +32,7 @@ class Pounding:
     """A run of two frames with contacts between them.
 
     Attributes:
-        record: The shaking, at model scale.
+        record: The shaking, at the scale of the frames.
         motion: The run.
         impacts: What a force sensor would have counted, in time.
     """
@@ -101,7 +101,7 @@ def pound(
 
     Args:
         left, right: Reduced frames.
-        record: The shaking, at model scale.
+        record: The shaking, at the scale of the frames.
         law: Impact law of all contacts.
         gap_m: Gap at rest [m], one for all floors or one a floor.
         floors: Floors of the lower frame that can touch; default: its roof.

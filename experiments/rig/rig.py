@@ -113,7 +113,7 @@ class Rig:
         """Shake the table and return what happened.
 
         Args:
-            shaking: A record at model scale, or the table's acceleration (m,) [m/s^2].
+            shaking: A record at the scale of the frames, or the table's acceleration (m,) [m/s^2].
             step_s: Its sample step [s], for an acceleration; a record has its own.
             duration_s: End of the run [s]; default: the end of the shaking.
             accuracy: Tolerances of exudyn; default: `COLLIDING` with contacts, `APART` without.

@@ -28,7 +28,7 @@ class Shaking:
 
     Attributes:
         reduced: The frame.
-        record: The shaking, at model scale.
+        record: The shaking, at the scale of the frames.
         motion: The run.
         stress: Its largest stress; None for a stick, which has no plates, and for a frame that may yield, whose
             stress does not follow from its displacement.
@@ -64,7 +64,7 @@ def shake(
 
     Args:
         reduced: The frame.
-        record: The shaking, at model scale.
+        record: The shaking, at the scale of the frames.
         progress: Called now and then with the model time [s].
 
     Raises:

@@ -157,12 +157,19 @@ def add_plain(scene: Any, shape: Shape, displacement: Real | None = None, **mesh
     return surface
 
 
-def add_table(scene: Any, bounds: tuple[float, float, float, float]) -> None:
-    """Add the table under a plan (least x, largest x, least y, largest y) [m]."""
+def add_table(scene: Any, bounds: tuple[float, float, float, float], *, unit: float = 1.0) -> None:
+    """Add the table under a plan.
+
+    Args:
+        scene: The plotter; the subplot that is active.
+        bounds: Least x, largest x, least y, largest y [m].
+        unit: Size of the frames over that of the thesis' frames [-].
+    """
     import pyvista
 
     left, right, front, back = bounds
-    slab = pyvista.Box((left - RIM, right + RIM, front - RIM, back + RIM, -THICKNESS, 0.0))
+    rim = unit * RIM
+    slab = pyvista.Box((left - rim, right + rim, front - rim, back + rim, -unit * THICKNESS, 0.0))
     add_surface(scene, slab, color=TABLE)
     scene.add_mesh(slab.extract_feature_edges(), color=INK, line_width=1.0)
 
@@ -193,7 +200,9 @@ def look(scene: Any, low: Real, high: Real, *, margins: Margins | None = None) -
         (upward.max() + upward.min()) / 2.0 + scale * (margins.top - margins.bottom) / 2.0,
     ]
     focus = middle[0] * right + middle[1] * up
-    scene.camera_position = [tuple(focus + 10.0 * back), tuple(focus), (0.0, 0.0, 1.0)]
+    # Without perspective the distance changes nothing, but what lies behind the camera is cut off.
+    distance = 10.0 * max(1.0, float(np.linalg.norm(corners, axis=1).max()))
+    scene.camera_position = [tuple(focus + distance * back), tuple(focus), (0.0, 0.0, 1.0)]
     scene.enable_parallel_projection()
     scene.camera.parallel_scale = scale / 2.0
     scene.renderer.ResetCameraClippingRange()
