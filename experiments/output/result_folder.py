@@ -134,8 +134,7 @@ def published_peaks(frame: str, record: str) -> dict[int, tuple[float, float]]:
 
 def _plots(shaking: Shaking, data: xr.Dataset, folder: Path, wish: Wish, title: str) -> list[str]:
     name = shaking.reduced.name
-    as_published = not any("peak scaled" in step for step in shaking.record.history)
-    peaks = published_peaks(name, shaking.record.name) if as_published else {}
+    peaks = published_peaks(name, shaking.record.name) if shaking.record.is_as_in_the_laboratory else {}
     floors = sorted(set(peaks) | {shaking.reduced.storeys}, reverse=True)
     plots.history(data, folder / "history.png", frame=name, floors=floors, published_mm=peaks, title=title)
     frequencies = shaking.reduced.frequencies_hz[:3]

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from pounding import bounds
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
+from pounding.scale import THESIS
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,11 +100,18 @@ class Record:
             raise ExperimentError(f"time factor {time_factor} of record '{self.name}': it must be positive")
         samples, done = self.acceleration_m_s2, []
         if time_factor != 1:
-            done.append(f"time multiplied by {time_factor:.6g}")
+            done.append(_time_multiplied(time_factor))
         if pga_g is not None:
             samples = samples * self._factor_to(pga_g)
             done.append(f"peak scaled from {self.pga_g:.4g} g to {pga_g:.4g} g")
         return self._changed(samples, *done, step_s=self.step_s * time_factor)
+
+    @property
+    def is_as_in_the_laboratory(self) -> bool:
+        """Whether its time was brought to the scale of the thesis' frames and its peak left as it was."""
+        return _time_multiplied(THESIS.time_factor) in self.history and not any(
+            "peak scaled" in step for step in self.history
+        )
 
     def _factor_to(self, pga_g: float) -> float:
         if not (math.isfinite(pga_g) and pga_g > 0):
@@ -229,3 +237,7 @@ class Record:
             step_s=self.step_s if step_s is None else step_s,
             history=(*self.history, *done),
         )
+
+
+def _time_multiplied(factor: float) -> str:
+    return f"time multiplied by {factor:.6g}"

@@ -83,5 +83,5 @@ def test_a_scale_does_not_change_the_reduced_frame() -> None:
     "slab", ["thickness_m = 0.0", "thickness_m = 0.2, poissons_ratio = 0.6", "thickness = 0.2", ""]
 )
 def test_what_is_no_slab_is_refused(slab: str) -> None:
-    with pytest.raises(FrameError, match="slab|thickness"):
+    with pytest.raises(FrameError, match=r"slab|thickness"):
         stick(3.0, f"slab = {{ {slab} }}")

@@ -123,3 +123,11 @@ def test_rest_and_polarity():
     assert len(record.padded(0.5).acceleration_m_s2) == 150
     np.testing.assert_array_equal(record.flipped().acceleration_m_s2, -record.acceleration_m_s2)
     assert record.flipped().flipped().sha256 == record.sha256
+
+
+def test_a_record_knows_whether_it_is_the_laboratorys() -> None:
+    """Only then can a run be compared with what the thesis measured."""
+    assert burst().scaled(THESIS.time_factor).is_as_in_the_laboratory
+    assert not burst().is_as_in_the_laboratory
+    assert not burst().scaled(0.2).is_as_in_the_laboratory
+    assert not burst().scaled(THESIS.time_factor, pga_g=0.1).is_as_in_the_laboratory
