@@ -21,6 +21,7 @@ from pounding.contact.laws import BUILT_IN, Law
 from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.contact_choice import ContactWish, chosen_parameters
 from pounding.experiments.rig.impacts import all_impacts
 from pounding.experiments.rig.motion import turning_points
 from pounding.experiments.rig.pounding import Pounding, built, built_in, floor_masses, pound, shaking
@@ -146,6 +147,8 @@ def run_case(
         _changed(built_in(one), frame_stiffness, frame_damping)
         for one in states_of([left, right], state, record)
     )
+    defined = [frame.definition for frame in (first_frame, second_frame)]
+    chosen_parameters(defined, table_scale(defined), ContactWish([law], "printed"))  # refuses another scale
     chosen = _law(law, contact, floor_masses(first_frame, second_frame), tension)
     chosen = dataclasses.replace(chosen, stiffness=contact_stiffness * chosen.stiffness)
     shaken = _shaken((first_frame, second_frame), record, folder, flip)
