@@ -163,6 +163,12 @@ def simulated(data: xr.Dataset, channel: Channel, frame: str) -> Real | None:
     return data[channel.quantity].sel(frame=frame, floor=channel.floor).values
 
 
+LOWEST_HZ = 0.8
+"""Where spectra begin, below the thesis' frames; further down for a building that sways slower [Hz]."""
+
+TICKS_HZ = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
+
+
 @matplotlib.rc_context(STYLE)
 def spectra(
     record: Record,
@@ -175,13 +181,14 @@ def spectra(
     """Plot displacement and acceleration response spectra and the Fourier spectrum of a motion.
 
     Args:
-        record: The motion, at model scale.
+        record: The motion, at the scale of the frame.
         path: File to write.
         damping_ratio: Of the oscillators, a fraction.
         marks_hz: Frequencies to mark by name, such as a frame's modes [Hz].
         title: Title.
     """
-    frequencies = np.geomspace(0.8, 60.0, 400)
+    lowest = min([LOWEST_HZ, *(0.5 * frequency for frequency in (marks_hz or {}).values())])
+    frequencies = np.geomspace(lowest, 60.0, 400)
     response = response_spectrum(record, 1.0 / frequencies, damping_ratio)
     fourier = fourier_spectrum(record)
     figure = _figure(height=6.4)
@@ -195,7 +202,7 @@ def spectra(
     axes[2].set_xlabel("frequency [Hz]")
     axes[2].set_xlim(frequencies[0], frequencies[-1])
     axes[2].xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes[2].set_xticks([1, 2, 5, 10, 20, 50])
+    axes[2].set_xticks([tick for tick in TICKS_HZ if tick >= lowest])
     for name, frequency in (marks_hz or {}).items():
         for axis in axes:
             axis.axvline(frequency, color=PUBLISHED, lw=0.8, ls="--")
