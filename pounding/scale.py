@@ -16,7 +16,7 @@ from pounding import bounds
 from pounding.errors import InputError
 
 RATIO = re.compile(r"\s*1\s*:\s*([0-9]*\.?[0-9]+)\s*")
-SAME = 1e-3
+SAME = 5e-3
 """Two scales closer than this share are one: 0.0333 is 1:30."""
 
 

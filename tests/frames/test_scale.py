@@ -35,6 +35,8 @@ def test_the_thesis_records_are_compressed_by_0_182() -> None:
     assert 1.0 / THESIS.time_factor == pytest.approx(5.48, rel=1e-3)
     assert pytest.approx(1.0 / 27000.0) == THESIS.force
     assert of_time_factor(THESIS.time_factor).is_near(THESIS)
+    assert Scale(0.0333).is_near(THESIS)
+    assert not Scale(0.033).is_near(THESIS)
     assert (str(THESIS), str(FULL_SCALE)) == ("1:30", "full scale")
 
 
