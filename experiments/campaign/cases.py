@@ -294,7 +294,7 @@ def peaks_table(text: str) -> pd.DataFrame:
     return found
 
 
-def _shaken(frames: Sequence[ReducedFrame], record: str, folder: str | None, flip: bool) -> Record:
+def _shaken(frames: Sequence[ReducedFrame], record: str, folder: str | None, flip: bool = False) -> Record:
     factor = table_scale([frame.definition for frame in frames]).time_factor
     return shaking(record, folder or None, time_factor=factor, flip=flip)
 

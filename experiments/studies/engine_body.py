@@ -20,6 +20,7 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.table_scale import table_scale
 from pounding.frames.definition import PlateFrame
 from pounding.frames.fe.assembly import Options, assemble
 from pounding.frames.fe.mesh import DEFAULT, Density
@@ -96,7 +97,7 @@ def main(
     frame = frames.load(name)
     if not isinstance(frame, PlateFrame):
         raise frames.FrameError(f"frame {name}: a stick has no finite elements to compare")
-    shaking = find(record, records).scaled()
+    shaking = find(record, records).scaled(table_scale([frame]).time_factor)
     result = stamp({"frame": name, "record": record, "floor_mm": floor_mm, "wanted": WANTED}, [shaking])
     result |= compare(frame, shaking, Density(floor_m=1e-3 * floor_mm))
     if out is not None:

@@ -17,7 +17,7 @@ import pandas as pd
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit
-from pounding.experiments.records import MODEL_TIME_FACTOR, find
+from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.studies import sap2000_gaps, sap2000_peaks
 from pounding.experiments.studies.chapter_4 import from_frame
@@ -25,6 +25,7 @@ from pounding.experiments.studies.sap2000_model import TIME_FACTOR, motions
 from pounding.experiments.studies.sap2000_picture import picture
 from pounding.experiments.studies.table_4_1 import RECORDS, measured, score, trusted
 from pounding.frames.files import write_whole
+from pounding.scale import THESIS
 
 TITLES = {
     "gaps_7": "78 gaps of Tables 7.2 to 7.4: mean error by direction and number of fitted values",
@@ -45,7 +46,7 @@ def study(folder: Path | None = None) -> dict[str, pd.DataFrame]:
     """
     shaking, rows = motions(folder), sap2000_gaps.rows()
     by_factor = sap2000_gaps.factors(rows, shaking, sap2000_gaps.FACTORS)
-    exact = sap2000_gaps.computed(rows, motions(folder, MODEL_TIME_FACTOR))
+    exact = sap2000_gaps.computed(rows, motions(folder, THESIS.time_factor))
     fits = sap2000_gaps.fits(rows, by_factor)
     pga = {name: find(name, folder).pga_g for name in RECORDS}
     gain = one_gain(fits)

