@@ -44,6 +44,7 @@ MAY_USE = {
     "pounding.frames.files",
     "pounding.experiments.errors",
     "pounding.experiments.records",
+    "pounding.scale",
 }
 """Frames as data, ground motions, whole files, and the format's reading, writing and units; nothing that knows an effect."""
 

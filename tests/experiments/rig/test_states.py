@@ -22,7 +22,7 @@ from pounding.scale import THESIS
 
 PAIRS = [(str(left), str(right)) for left, right, _ in published.table("4.2").index]
 STICK = (
-    'kind = "stick"\nname = "15B"\nstoreys = 2\nstorey_height_m = 0.1\n'
+    'kind = "stick"\nname = "15B"\nstoreys = 2\nstorey_height_m = 0.1\nscale = "1:30"\n'
     "floor_mass_kg = [6.0, 6.0]\nfrequency_hz = [3.0]\ndamping_ratio = 0.02\n"
 )
 

@@ -162,7 +162,7 @@ def test_a_yielding_that_cannot_be_is_refused_in_one_sentence(
 def test_the_command_reports_the_ductility(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "own.toml"
     path.write_text(
-        'kind = "stick"\nname = "own"\nstoreys = 1\nstorey_height_m = 0.1\nfloor_mass_kg = [6.0]\n'
+        'kind = "stick"\nname = "own"\nstoreys = 1\nscale = "1:30"\nstorey_height_m = 0.1\nfloor_mass_kg = [6.0]\n'
         "storey_stiffness_n_per_m = [5e3]\ndamping_ratio = 0.01\nyielding = { storey_shear_n = 12.0 }\n"
     )
     main(["shake", str(path), "--record", "elcentro-peer180", "--json"])
