@@ -20,6 +20,21 @@ from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
 
+def unmoved(found: Findings) -> None:
+    """Refine what leads once more from the baseline frame.
+
+    A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may stay in
+    that corner with a part of the effect.
+
+    Args:
+        found: The findings, to which the fit is added.
+    """
+    fit = best(found).fit
+    if fit.effects:
+        still = np.zeros(len(found.model.std))
+        keep(found, refine(found.model, found.null.fit.filtered, fit.effects, fit.values, nuisance=still))
+
+
 def softer(found: Findings, fit: Fit) -> Fit:
     """Refine a base that turns from one that is much softer: far from a fixed one its stiffness has other best values.
 

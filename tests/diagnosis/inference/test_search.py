@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.evidence import scales, score
+from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, judge
-from pounding.diagnosis.inference.other_starts import softer
+from pounding.diagnosis.inference.other_starts import softer, unmoved
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import calibrated
@@ -29,6 +32,24 @@ def test_a_soft_base_is_found_from_a_stiff_one() -> None:
     fit = softer(found, stuck)
     assert fit.log_posterior > stuck.log_posterior + 1000.0
     assert fit.values[0] == pytest.approx(truth, rel=0.02)
+
+
+def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseline_too() -> None:
+    mass = next(one for one in candidates(measured()) if one.name == "added_mass" and one.floor == 3)
+    truth = np.array([0.5])
+    model = measured([(mass, truth)])
+    start = calibrated(model, [0])
+    corner = run_filter(model, 3.0 * model.std, start.noise, [0])
+    null = refine(model, corner, iterations=0, thorough=False)
+    stuck = refine(model, corner, (mass,), (truth / 2,), iterations=0, thorough=False)
+    judged = judge(model, null, null, (0,), (1,))
+    empty = score(model, null.filtered, [mass], scales(model, null.filtered))
+    found = Findings(model, judged, empty, scales(model, null.filtered), (0,), (1,))
+    found.judged = [replace(judge(model, stuck, null, (0,), (1,)), ln_bayes=1.0)]
+    unmoved(found)
+    fit = found.judged[0].fit
+    assert fit.log_posterior > stuck.log_posterior + 100.0
+    assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]
