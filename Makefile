@@ -17,10 +17,11 @@ test: $(VENV)/installed
 	$(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal
 
 test-slow: $(VENV)/installed
-	$(BIN)/python -m pytest -m slow -n 2 --dist worksteal
+	$(BIN)/python -m pytest -m "slow and not guard" -n 2 --dist worksteal
 
-# Not part of .ci/run: half an hour or more. Another set: make guard GUARD="--only open --workers 1".
+# Not part of .ci/run: tests of a minute and more, then the cases, half an hour or more. Another set: make guard GUARD="--only open --workers 1".
 guard: $(VENV)/installed
+	$(BIN)/python -m pytest -m guard -n 2
 	$(BIN)/python -m tests.guard $(GUARD)
 
 # Not part of .ci/run either: it needs openseespy, which is no dependency (docs/diagnosis/hidden-cases.md).

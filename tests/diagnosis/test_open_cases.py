@@ -44,6 +44,8 @@ OTHER_WORLDS = {
     "real-oscillator": Expected("effect_named", [("cubic_stiffness", 1)]),
 }
 """Cases whose laws, frames or noise are not quite the diagnosis', a measured one among them."""
+LONGEST = ("foreign-drag", "real-oscillator")
+"""Those take more than a minute each; `make guard` runs them."""
 
 FAILING = [
     fails(
@@ -110,7 +112,10 @@ def test_the_effect_is_named_and_explains_the_misfit(
     assert "http://" not in html.replace("http://www.w3.org", "")
 
 
-@pytest.mark.parametrize("case", OTHER_WORLDS)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=[pytest.mark.guard] if case in LONGEST else []) for case in OTHER_WORLDS],
+)
 def test_laws_and_frames_that_are_not_quite_ours(case: str, open_cases: Path) -> None:
     check(diagnosed(open_cases / case), OTHER_WORLDS[case])
 

@@ -91,6 +91,7 @@ def test_a_pair_apart_moves_as_the_required_gap_says() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_the_exact_solver_gives_the_figures_of_the_page(test_records: Path) -> None:
     result, tables = study.study(test_records, workers=0, solver="exact")
     found = tables["misfits"]

@@ -68,7 +68,7 @@ def test_the_study_writes_json_data_and_a_picture(test_records, tmp_path, capsys
     table_4_1.main(records=test_records, json=True, out=tmp_path)
     result = json.loads(capsys.readouterr().out)
     assert len(result["peaks"]) == 64
-    assert len(result["scores"]) == 25
+    assert len(result["scores"]) == 26
     assert [record["name"] for record in result["records"]] == list(RECORDS)
     assert (tmp_path / "table-4-1.png").stat().st_size > 10_000
     data = xr.load_dataset(tmp_path / "table_4_1.nc", engine="h5netcdf")
