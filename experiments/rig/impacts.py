@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.experiments.rig.touches import Touch, restitution, touches_of
 from pounding.scale import THESIS, Scale
 
 Real = NDArray[np.floating]
-Pulse = tuple[Real, Real, Real, Real]
-"""Times [s], deformation [m], rate [m/s] and force [N] of one touch."""
 
 SAMPLE_RATE_HZ = 10_000.0
 THRESHOLD_N = 10.0
@@ -86,7 +85,8 @@ def impacts(
     times, force = history.sampled(SAMPLE_RATE_HZ)
     sampled = times[force >= threshold_n]
     above = np.union1d(sampled, _unseen(history, threshold_n))
-    return [_impact(history, start, end) for start, end in groups(above, merging_s)]
+    touches = touches_of(history)
+    return [_impact(touches, start, end) for start, end in groups(above, merging_s)]
 
 
 def all_impacts(motion: Motion, **options: float) -> list[Impact]:
@@ -118,32 +118,19 @@ def _unseen(history: ContactHistory, threshold_n: float) -> Real:
     return np.concatenate(found) if found else np.empty(0)
 
 
-def _impact(history: ContactHistory, start_s: float, end_s: float) -> Impact:
+def _impact(touches: list[Touch], start_s: float, end_s: float) -> Impact:
     whisker = 1.0 / SAMPLE_RATE_HZ
-    inside = [
-        history.pulse(first, last)
-        for first, last in history.pulses
-        if last >= start_s - whisker and first <= end_s + whisker
-    ]
-    inside = [pulse for pulse in inside if pulse[3].max() > 0.0]
-    pressed = [pulse[0][pulse[3] > 0.0] for pulse in inside]
+    inside = [one for one in touches if one.last_s >= start_s - whisker and one.first_s <= end_s + whisker]
     first, last = inside[0], inside[-1]
     return Impact(
-        time_s=float(first[0][0]),
-        duration_ms=1e3 * float(pressed[-1][-1] - first[0][0]),
-        peak_force_n=max(float(pulse[3].max()) for pulse in inside),
-        impulse_n_s=sum(float(np.trapezoid(pulse[3], pulse[0])) for pulse in inside),
-        approach_velocity_m_s=float(first[2][0]),
-        restitution=_restitution(first, last),
-        floor=history.floor,
+        time_s=first.first_s,
+        duration_ms=1e3 * (last.first_s + last.duration_s - first.first_s),
+        peak_force_n=max(one.peak_force_n for one in inside),
+        impulse_n_s=sum(one.impulse_n_s for one in inside),
+        approach_velocity_m_s=first.approach_m_s,
+        restitution=restitution(first, last),
+        floor=first.floor,
         touches=len(inside),
-        longest_touch_ms=1e3
-        * max(float(times[-1] - pulse[0][0]) for times, pulse in zip(pressed, inside, strict=True)),
-        touch_restitutions=[_restitution(pulse, pulse) for pulse in inside],
+        longest_touch_ms=1e3 * max(one.duration_s for one in inside),
+        touch_restitutions=[one.restitution for one in inside],
     )
-
-
-def _restitution(first: Pulse, last: Pulse) -> float | None:
-    """Return the rate of parting at the end of one pulse over that of approach at the start of another."""
-    approach = float(first[2][0])
-    return -float(last[2][last[3] > 0.0][-1]) / approach if approach > 0 else None

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from pounding import frames
 from pounding.contact.laws import LinearSpring
 from pounding.errors import InputError
-from pounding.experiments.rig.contact_checks import Touch, contact_warnings, touches_of
+from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contact_choice import ContactWish, choose_laws, chosen_parameters
 from pounding.experiments.rig.impacts import MERGING_S, merging_s
 from pounding.experiments.rig.motion import ContactHistory
 from pounding.experiments.rig.pounding import pound
 from pounding.experiments.rig.table_scale import table_scale
+from pounding.experiments.rig.touches import touches_of
 from pounding.scale import FULL_SCALE, THESIS
 from tests.experiments.rig.models import two_sines
 
@@ -124,18 +128,28 @@ def test_a_soft_contact_is_warned_of_and_a_stiff_one_is_not() -> None:
     assert not any("a duration" in one or "an overlap" in one for one in stiff)
 
 
-def test_a_touch_is_read_from_its_curve() -> None:
-    """Two floors press along half a sine of 10 ms and part half as fast as they met."""
+def half_sine(share: float) -> ContactHistory:
+    """Return a contact whose floors press along half a sine of 10 ms and part with a share of the velocity they met with."""
     time = np.linspace(-0.002, 0.012, 1401)
     phase = np.pi * time / 0.01
-    after = time > 0.005
-    depth = np.where(after, 0.5, 1.0) * 1e-3 * np.sin(phase)
-    rate = np.where(after, 0.5, 1.0) * 1e-3 * np.pi / 0.01 * np.cos(phase)
-    change = -np.where(after, 0.5, 1.0) * 1e-3 * (np.pi / 0.01) ** 2 * np.sin(phase)
-    history = ContactHistory(1, "a", "b", 0.02, 0.0, LinearSpring(1e8), time, depth, rate, change)
-    (touch,) = touches_of(history)
-    assert isinstance(touch, Touch)
-    assert touch.time_s == pytest.approx(0.0, abs=1e-5)
+    factor = np.where(time > 0.005, share, 1.0) * 1e-3
+    depth = factor * np.sin(phase)
+    rate = factor * np.pi / 0.01 * np.cos(phase)
+    change = -factor * (np.pi / 0.01) ** 2 * np.sin(phase)
+    return ContactHistory(1, "a", "b", 0.02, 0.0, LinearSpring(1e8), time, depth, rate, change)
+
+
+def test_a_touch_is_read_from_its_curve() -> None:
+    (touch,) = touches_of(half_sine(0.5))
+    assert touch.first_s == pytest.approx(0.0, abs=1e-5)
     assert touch.duration_s == pytest.approx(0.01, rel=1e-2)
     assert touch.restitution == pytest.approx(0.5, rel=1e-2)
     assert touch.depth_m == pytest.approx(1e-3, rel=1e-2)
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.9, 0), (1.3, 1)])
+def test_floors_that_part_faster_than_they_met_are_warned_of(share: float, said: int) -> None:
+    slow: Any = SimpleNamespace(reduced=SimpleNamespace(frequencies_hz=np.array([0.5])))
+    motion: Any = SimpleNamespace(contacts=[half_sine(share)], frames=[slow])
+    found = [one for one in contact_warnings(motion) if "1 of 1 touches has a restitution above 1" in one]
+    assert len(found) == said
