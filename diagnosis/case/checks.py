@@ -107,6 +107,9 @@ def _frame(table: FrameTable, index: int, folder: Path, places: Places) -> CaseF
         if not path.is_file():
             raise error(f"{path} is not there; correct `file`", "file")
         definition = _load(path, error)
+        if definition.yielding is not None:
+            what = "states `yielding`, and the baseline model is linear; leave that out, yielding is looked for as an effect"
+            raise error(f"{path} {what}", "file")
         return CaseFrame(
             table.name or definition.name, definition.storeys, file=path, **_options(table, error)
         )

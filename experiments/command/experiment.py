@@ -168,6 +168,9 @@ def _run_all(
     from pounding.experiments.configurations.every import run_all
     from pounding.experiments.configurations.measured import write_many
     from pounding.experiments.console import estimates
+    from pounding.experiments.records import records_folder
+
+    records_folder(records)  # a folder that is not there is said before the first experiment
 
     known = experiments()
     if state == "strong-motion":

@@ -189,6 +189,15 @@ def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: boo
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
+def _together(bases: Iterable[str]) -> Iterable[str]:
+    """Return what laws rest on, those that rest on the same in one sentence."""
+    laws: dict[str, list[str]] = {}
+    for sentence in bases:
+        name, _, basis = sentence.partition(": ")
+        laws.setdefault(basis, []).append(name)
+    return [f"{', '.join(names)}: {basis}" for basis, names in laws.items()]
+
+
 def _show(result: dict[str, Any], states: Iterable[FrameState], scale: TableScale) -> Iterable[Any]:
     for run in result["runs"]:
         title = (
@@ -222,7 +231,7 @@ def _show(result: dict[str, Any], states: Iterable[FrameState], scale: TableScal
     )
     yield from map(str, states)
     yield str(scale)
-    yield from result["parameters"]["contact_basis"]
+    yield from _together(result["parameters"]["contact_basis"])
     yield from keeping.written(result)
 
 

@@ -49,3 +49,14 @@ def test_what_cannot_be_is_one_sentence(tmp_path: Path, old: str, new: str, said
     with pytest.raises(CaseError, match=said) as refused:
         read_case(put(tmp_path, CASE.replace(old, new, 1)))
     assert "case.toml" in str(refused.value)
+
+
+def test_a_frame_that_yields_is_no_baseline_model(tmp_path: Path) -> None:
+    own = 'kind = "stick"\nname = "own"\nstoreys = 2\nscale = "1:30"\nstorey_height_m = 0.1\nfloor_mass_kg = [6.0, 6.0]\n'
+    own += "storey_stiffness_n_per_m = [5e3, 5e3]\ndamping_ratio = 0.01\n"
+    case = CASE.replace('name = "5B"\n', 'name = "5B"\nfile = "own.toml"\n', 1)
+    (tmp_path / "own.toml").write_text(own)
+    assert read_case(put(tmp_path, case)).frames[0].storeys == 2
+    (tmp_path / "own.toml").write_text(own + "yielding = { storey_shear_n = 12.0 }\n")
+    with pytest.raises(CaseError, match="states `yielding`, and the baseline model is linear"):
+        read_case(tmp_path)

@@ -252,6 +252,10 @@ def test_a_motion_enters_a_case_by_its_hash(tmp_path: Path, short: str) -> None:
     [
         (["--all"], "--all needs a folder"),
         (["--all", "--out", "x", "--record", "kobe"], "--record belongs to one experiment"),
+        (
+            ["--all", "--out", "x", "--records", "nowhere"],
+            "folder of records 'nowhere' (from --records) is not there",
+        ),
         (["push-5A", "--all", "--out", "x"], "name one experiment"),
         (["push-5A", "--record", "kobe"], "has no ground motion"),
         (["alone-5A-kobe", "--record", "kobee"], "kobee"),
