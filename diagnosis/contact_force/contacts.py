@@ -241,7 +241,7 @@ def _slopes(bodies: Bodies, hypothesis: Hypothesis, x: np.ndarray, residual: np.
     slope = np.zeros((count, 7, len(x)))
     shared = x[FILTER:COMMON]
     law = at(hypothesis, shared)
-    prior, hertz = bodies.packed[3], bodies.packed[6]
+    prior, hertz = bodies.packed.prior, bodies.packed.hertz
     each = np.arange(count)
     for j, step in enumerate((1e-7, 1e-5)):
         small = step / prior[:, j]

@@ -65,30 +65,36 @@ def foretold(case: Case, found: Findings, verdict: str, contact_findings: Contac
         return None
     met = sharper(met, contact_findings.error)
     model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
-    laws = contact_findings.null.law, contact_findings.ranked[0][1].law
-    likeliest = contacts.held(met, laws[1])
-    return Foretold(len(met.impacts), model.misfit, likeliest.misfit, *gains(met, *laws))
+    believed, other = contact_findings.null.law, contact_findings.ranked[0][1].law
+    nuisance, likeliest = compared(met, believed, other)
+    expected = expected_gain(met, believed, likeliest)
+    return Foretold(
+        len(met.impacts), model.misfit, likeliest.misfit, nuisance.cost - likeliest.cost, expected
+    )
 
 
-def gains(met: Bodies, law: Law, other: Law) -> tuple[float, float]:
-    """Return the gain of log likelihood of another law over one, as measured and if the other had made the impacts.
-
-    Args:
-        met: The impacts.
-        law: The law.
-        other: The other law.
-    """
-    nuisance, likeliest = _held(met, law, other)
-    missed, made = _held(contacts.as_fitted(met, likeliest), law, other)
-    return nuisance.cost - likeliest.cost, max(missed.cost - made.cost, 0.0)
-
-
-def _held(met: Bodies, one: Law, other: Law) -> tuple[Fitted, Fitted]:
+def compared(met: Bodies, one: Law, other: Law) -> tuple[Fitted, Fitted]:
     """Return two laws held on the same impacts, each fitted also from where the other has filter and impacts.
 
     Alone a descent may end in a corner, and the difference of two would be that of their corners.
+
+    Args:
+        met: The impacts.
+        one, other: The laws.
     """
     first, second = contacts.held(met, one), contacts.held(met, other)
     each = [(first, contacts.again(met, first, second)), (second, contacts.again(met, second, first))]
     left, right = (min(tried, key=lambda fitted: fitted.cost) for tried in each)
     return left, right
+
+
+def expected_gain(met: Bodies, law: Law, likeliest: Fitted) -> float:
+    """Return the gain of log likelihood over a law that impacts would give if the likeliest contact had made them.
+
+    Args:
+        met: The impacts.
+        law: The law.
+        likeliest: The likeliest contact, held on these impacts.
+    """
+    missed, made = compared(contacts.as_fitted(met, likeliest), law, likeliest.law)
+    return max(missed.cost - made.cost, 0.0)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -78,8 +79,18 @@ class Impact:
     impulse: float
 
 
-A = np.ndarray
-Packed = tuple[A, A, A, A, A, A, A, A, A]
+class Packed(NamedTuple):
+    """What is known of all impacts, one array for each, as `striking.differences` takes it, which says what they are."""
+
+    first: np.ndarray
+    free: np.ndarray
+    free_rate: np.ndarray
+    prior: np.ndarray
+    turn: np.ndarray
+    seen: np.ndarray
+    hertz: np.ndarray
+    held: np.ndarray
+    held_rate: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -97,20 +108,18 @@ class Bodies:
 
     @cached_property
     def packed(self) -> Packed:
-        """The impacts as `striking.differences` wants them: where each begins, and one array for what is known of all."""
+        """What is known of all impacts."""
         each = self.impacts
-        turn = np.concatenate([one.turn for one in each], axis=1)
-        hertz = np.array([-np.angle(one.turn[1:, 1] / one.turn[1:, 0]) / STEP_S for one in each])
-        return (
-            np.cumsum([0, *(len(one.free) for one in each)]),
-            np.concatenate([one.free for one in each]),
-            np.concatenate([one.free_rate for one in each]),
-            np.array([one.prior for one in each]),
-            np.ascontiguousarray(turn),
-            np.array([one.seen for one in each]),
-            hertz,
-            self.held,
-            self.held_rate,
+        return Packed(
+            first=np.cumsum([0, *(len(one.free) for one in each)]),
+            free=np.concatenate([one.free for one in each]),
+            free_rate=np.concatenate([one.free_rate for one in each]),
+            prior=np.array([one.prior for one in each]),
+            turn=np.ascontiguousarray(np.concatenate([one.turn for one in each], axis=1)),
+            seen=np.array([one.seen for one in each]),
+            hertz=np.array([-np.angle(one.turn[1:, 1] / one.turn[1:, 0]) / STEP_S for one in each]),
+            held=self.held,
+            held_rate=self.held_rate,
         )
 
     @cached_property

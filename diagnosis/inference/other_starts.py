@@ -20,7 +20,7 @@ from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
 
-def unmoved(found: Findings) -> None:
+def from_baseline(found: Findings) -> None:
     """Refine what leads once more from the baseline frame.
 
     A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may stay in

@@ -12,7 +12,7 @@ from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
-from pounding.diagnosis.inference.other_starts import faded, softer, ticked, turned, unmoved, weighed
+from pounding.diagnosis.inference.other_starts import faded, from_baseline, softer, ticked, turned, weighed
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
 from pounding.diagnosis.inference.rescue import rescue
@@ -104,7 +104,7 @@ def _refined_best(
     turned(found, effects)
     ticked(found)
     weighed(found)
-    unmoved(found)
+    from_baseline(found)
     if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
         progress("trying larger effects", 0.65)
         rescue(found, effects)

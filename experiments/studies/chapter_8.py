@@ -23,7 +23,8 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.separation.chapter_7 import parametric, tables_7
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.studies import chapter_6, chapter_7, chapter_8_printed, chapter_8_runs
-from pounding.experiments.studies.chapter_8_conclusions import Conclusion, Printed, Runs, conclusions
+from pounding.experiments.studies.chapter_8_conclusions import conclusions
+from pounding.experiments.studies.chapter_8_tables import Conclusion, Printed, Runs
 from pounding.experiments.studies.shared import Workers, write_tables
 from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, build, table_motion
 

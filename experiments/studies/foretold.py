@@ -17,23 +17,22 @@ from pounding.experiments.records import Record
 from pounding.experiments.rig.pounding import floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import required_gap
 from pounding.experiments.rig.rig import Solver
-from pounding.experiments.rig.states import first_frequency, strong_frequencies
+from pounding.experiments.rig.states import Frequency, first_frequency, strong_frequencies
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.separation.gaps.gap import published_gap
 from pounding.experiments.studies.frame_states import (
     Setting,
-    State,
     displacements,
     in_state,
 )
 
 LAW = "linear_viscoelastic"
 """Impact law with its printed parameters; all five give the same counts within the table's own scatter."""
-States = Callable[[str, str], tuple[State, State]]
+States = Callable[[str, str], tuple[Frequency, Frequency]]
 """The states of the left and of the right frame of a pair."""
 
 
-def by_configuration(left: str, right: str) -> tuple[State, State]:
+def by_configuration(left: str, right: str) -> tuple[Frequency, Frequency]:
     """Return the states that the thesis prints for a pair: of the sweep beside a frame as tall, else of unequal pairs.
 
     Args:
@@ -44,7 +43,7 @@ def by_configuration(left: str, right: str) -> tuple[State, State]:
     return first, second
 
 
-def kept(states: Mapping[str, State]) -> States:
+def kept(states: Mapping[str, Frequency]) -> States:
     """Return the rule by which each frame stays in its own state, whatever stands beside it."""
     return lambda left, right: (states[left], states[right])
 

@@ -1,7 +1,8 @@
 """Frames of the thesis with other first frequencies and damping ratios than the baseline model's, to search for effects.
 
-The printed first frequencies are those of `pounding.experiments.rig.states`. Here all frequencies of a frame move by one
-factor, so that one decomposition into modes serves all models; an experiment takes a state through the joints instead.
+The printed first frequencies are those of `pounding.experiments.rig.states`, and what these studies fit as the state of a
+frame is the place where its first frequency is printed. Here all frequencies of a frame move by one factor, so that one
+decomposition into modes serves all models; an experiment takes a state through the joints instead.
 """
 
 from __future__ import annotations
@@ -21,9 +22,7 @@ from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]
-State = Frequency
-"""What these studies fit as the state of a frame: the place where its first frequency is printed."""
-TWO_STATES: dict[str, State] = {name: strong_frequencies([name])[0] for name in LABORATORY}
+TWO_STATES: dict[str, Frequency] = {name: strong_frequencies([name])[0] for name in LABORATORY}
 """The states of strong motion of the frames alone, under any record: chosen with all peaks seen."""
 MODES = 5
 """Modes that are followed; the sixth of 15A is at 25 Hz, above what a scaled record shakes."""
@@ -50,7 +49,7 @@ def baseline(frame: str) -> Storeys:
     return storeys(build(frame, BLIND))
 
 
-def in_state(frame: str, state: State, setting: Setting) -> ReducedFrame:
+def in_state(frame: str, state: Frequency, setting: Setting) -> ReducedFrame:
     """Return a frame for a rig in a state: stiffness by its first frequency, damping ratio of every mode as set.
 
     Args:

@@ -24,8 +24,9 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, plain, progress_console, table
 from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.states import Frequency
 from pounding.experiments.studies import foretold
-from pounding.experiments.studies.frame_states import TWO_STATES, Setting, State
+from pounding.experiments.studies.frame_states import TWO_STATES, Setting
 from pounding.experiments.studies.missing_picture import picture
 from pounding.experiments.studies.peak_lattice import Chosen, Freedom, PeakLattice
 from pounding.experiments.studies.table_4_1 import (
@@ -180,7 +181,7 @@ def and_back(lattice: PeakLattice, records: Path | None) -> dict[str, Any]:
         records: Folder with ground motions; None for the default.
     """
     motions = {name: table_motion(name, BLIND, records) for name in RECORDS}
-    rules: dict[str, tuple[foretold.States, dict[str, State]]] = {
+    rules: dict[str, tuple[foretold.States, dict[str, Frequency]]] = {
         "free vibration": (
             lambda left, right: ("free vibration", "free vibration"),
             dict.fromkeys(FRAMES, "free vibration"),
@@ -311,7 +312,7 @@ def _setting(one: dict[str, Any]) -> str:
     """Return fitted numbers and states in words."""
     setting, states = one["setting"], one["states"]
     damping = "own" if setting["damping"] is None else f"{100 * setting['damping']:.2g} %"
-    short: dict[State, str] = {"free vibration": "f", "sweep": "s", "unequal pair": "u"}
+    short: dict[Frequency, str] = {"free vibration": "f", "sweep": "s", "unequal pair": "u"}
     letters = " ".join(f"{name} {short[state]}" for name, state in states.items())
     return f"damping {damping}, f x {setting['factor']:.3g}, gain {setting['gain']:.3g}; {letters}"
 

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 
 from pounding.experiments.records import Record
 from pounding.experiments.rig.states import FREQUENCIES as PLACES
-from pounding.experiments.rig.states import first_frequency
+from pounding.experiments.rig.states import Frequency, first_frequency
 from pounding.experiments.studies.frame_states import (
     Setting,
-    State,
     displacements,
 )
 from pounding.experiments.studies.single_changes import extremes
@@ -67,9 +66,9 @@ class Freedom:
     """
 
     numbers: tuple[str, ...] = ()
-    states: str | tuple[tuple[str, State], ...] = "baseline"
+    states: str | tuple[tuple[str, Frequency], ...] = "baseline"
 
-    def allowed(self, frame: str) -> tuple[State, ...]:
+    def allowed(self, frame: str) -> tuple[Frequency, ...]:
         """Return the states that a frame may be in."""
         if self.states == "fitted":
             return PLACES
@@ -86,7 +85,7 @@ class Chosen:
     """A model of the lattice: numbers for all frames, a state for each, and its mean error where it was fitted [-]."""
 
     setting: Setting
-    states: dict[str, State]
+    states: dict[str, Frequency]
     error: float
 
 
@@ -123,7 +122,7 @@ class PeakLattice:
                     found[:, column, :, i, j] = 1e3 * extremes(moved)
         return found
 
-    def peaks(self, frame: str, state: State, factor: float) -> Real:
+    def peaks(self, frame: str, state: Frequency, factor: float) -> Real:
         """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios).
 
         Args:
@@ -160,7 +159,7 @@ class PeakLattice:
             frames: Frames whose peaks are used; the others keep the first state that they may be in.
             every: Whether contested peaks are used, too.
         """
-        states: dict[str, State] = {}
+        states: dict[str, Frequency] = {}
         each = {name: self._summed(name, freedom, records, every) for name in frames}
         total = np.sum([sums.min(axis=0) for sums, _ in each.values()], axis=0)
         count = sum(counted for _, counted in each.values())

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.contact_force import contacts
-from pounding.diagnosis.contact_force.foretelling import Foretold, gains
+from pounding.diagnosis.contact_force.foretelling import Foretold, compared, expected_gain
 from pounding.diagnosis.contact_force.hypotheses import baseline_law
 from pounding.diagnosis.contact_force.impacts import Bodies, sharper
 from pounding.diagnosis.contact_force.pair import met_in, prepare
@@ -43,13 +43,15 @@ def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact()
     bodies = met()
     true = baseline_law(TRUE, bodies.mass)
     other = replace(true, restitution=true.restitution + 0.03)
-    gained, expected = gains(bodies, other, true)
+    believed, likeliest = compared(bodies, other, true)
+    gained, expected = believed.cost - likeliest.cost, expected_gain(bodies, other, likeliest)
     assert expected > 0.0
     # A normal likelihood ratio has its mean twice as a variance; four standard deviations hold whatever the noise.
     assert abs(gained - expected) < 4.0 * np.sqrt(2.0 * expected) + 1.0
     # Impacts that are known half as well tell a quarter.
-    assert gains(sharper(bodies, 2.0), other, true)[1] < 0.6 * expected
-    assert gains(bodies, true, true)[1] == pytest.approx(0.0, abs=1e-6)
+    blunt = sharper(bodies, 2.0)
+    assert expected_gain(blunt, other, contacts.held(blunt, true)) < 0.6 * expected
+    assert expected_gain(bodies, true, likeliest) == pytest.approx(0.0, abs=1e-6)
 
 
 def test_impacts_without_an_opinion_veto_nothing_and_those_with_one_do() -> None:

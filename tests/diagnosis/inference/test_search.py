@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, judge
-from pounding.diagnosis.inference.other_starts import softer, unmoved
+from pounding.diagnosis.inference.other_starts import from_baseline, softer
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import calibrated
@@ -46,7 +46,7 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     empty = score(model, null.filtered, [mass], scales(model, null.filtered))
     found = Findings(model, judged, empty, scales(model, null.filtered), (0,), (1,))
     found.judged = [replace(judge(model, stuck, null, (0,), (1,)), ln_bayes=1.0)]
-    unmoved(found)
+    from_baseline(found)
     fit = found.judged[0].fit
     assert fit.log_posterior > stuck.log_posterior + 100.0
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
