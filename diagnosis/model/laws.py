@@ -8,7 +8,7 @@ both alone.
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -106,6 +106,28 @@ class PlacedLaw:
     row: np.ndarray
     parameters: tuple[float, ...]
     in_room: float = 0.0
+
+
+def placed_arrays(
+    placed: Sequence[PlacedLaw], floors: np.ndarray, end_s: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return laws at their places as the compiled predictor takes them.
+
+    Args:
+        placed: The laws.
+        floors: Shapes of the modes at the floors [kg^-0.5], shape (floors, modes).
+        end_s: End of the run [s].
+
+    Returns:
+        Addresses (laws,), what the modes contribute to each drift (laws, modes), shares of the table's rate (laws,), and
+        parameters (laws, PARAMETERS).
+    """
+    rows, parameters = np.zeros((len(placed), floors.shape[1])), np.zeros((len(placed), PARAMETERS))
+    for j, one in enumerate(placed):
+        rows[j] = one.row @ floors
+        parameters[j] = filled(one.parameters, end_s)
+    laws = np.array([one.law.address for one in placed], np.int64)
+    return laws, rows, np.array([one.in_room for one in placed], float), parameters
 
 
 def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:

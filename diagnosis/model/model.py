@@ -7,10 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from scipy.fft import next_fast_len
-from scipy.interpolate import CubicSpline
 
-from pounding.calling import PARAMETERS
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.kalman import (
     DISCREPANCY,
@@ -20,18 +17,15 @@ from pounding.diagnosis.model.kalman import (
     linear_system,
 )
 from pounding.diagnosis.model.known_forces import KnownForces
-from pounding.diagnosis.model.laws import filled
+from pounding.diagnosis.model.laws import placed_arrays
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
+from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
-
-FINER = 4
-"""Points in a sampling step between which a series is interpolated for another clock."""
-
 
 SHIFTED = 2_000_000
 """About how many samples of delayed channels are kept: 16 MB."""
@@ -292,14 +286,16 @@ class Model:
         storeys = self.structure.floors
         states = 2 * len(modes.omega) + storeys + 3
         substep = run.step_s / run.substeps
-        laws, rows, room, parameters = _laws(assembly, modes, run.step_s * (len(run.table) - 1))
+        laws, rows, room, parameters = placed_arrays(
+            assembly.laws, modes.floors, run.step_s * (len(run.table) - 1)
+        )
         known, table_mid, added = self._inputs(assembly, modes, number, run)
         measured = self._corrected(assembly, number, run, added)
         channels = len(self.observed.names)
         innovations, before, after, outputs = predict(
             np.stack([modes.omega, modes.ratio], axis=1),
-            _steps(modes, substep / 2),
-            _steps(modes, substep),
+            modes.step(substep / 2),
+            modes.step(substep),
             modes.participation,
             np.ascontiguousarray(modes.floors),
             np.ascontiguousarray(self.structure.drift @ modes.floors),
@@ -404,62 +400,3 @@ def _untimely(assembly: Assembly) -> np.ndarray:
     """Return the channels that are late or have a clock of another rate."""
     late = (assembly.channel_delay_s != 0.0) | (assembly.channel_clock != 0.0)
     return np.asarray(np.flatnonzero(late))
-
-
-def shift(series: np.ndarray, step_s: float, delay_s: float, clock: float = 0.0) -> np.ndarray:
-    """Return a series as it was before a delay and a clock of another rate, shape (samples,); NaN samples stay NaN.
-
-    At time t it is what the series shows at (t + delay) (1 + clock). The shift is a phase and nothing else: an
-    interpolation between samples would average their noise away, and a likelihood would pay for that. For the clock
-    the series is interpolated between samples FINER times as close, which leaves the noise as it is.
-
-    Args:
-        series: Samples, NaN where missing, shape (samples,).
-        step_s: Sampling step [s].
-        delay_s: The delay [s].
-        clock: Relative change of the clock's rate [-].
-    """
-    good = np.isfinite(series)
-    if good.sum() < 4:
-        return series
-    index = np.arange(len(series))
-    filled = np.interp(index, index[good], series[good])
-    pad = min(256, len(series) - 1)
-    padded = np.concatenate(
-        [2 * filled[0] - filled[pad:0:-1], filled, 2 * filled[-1] - filled[-2 : -pad - 2 : -1]]
-    )
-    length = next_fast_len(len(padded), real=True)
-    ramp = np.linspace(padded[-1], padded[0], length - len(padded) + 2)[1:-1]
-    frequency = np.fft.rfftfreq(length, step_s)
-    spectrum = np.fft.rfft(np.concatenate([padded, ramp])) * np.exp(2j * np.pi * frequency * delay_s)
-    if clock == 0.0:
-        moved = np.fft.irfft(spectrum, length)[pad : pad + len(series)]
-        moved[~good] = np.nan
-        return moved
-    # The delay is the phase's, in time of the channel's own clock.
-    spectrum *= np.exp(2j * np.pi * frequency * delay_s * clock)
-    finer = FINER * np.fft.irfft(spectrum, FINER * length)[FINER * pad : FINER * (pad + len(series))]
-    at = FINER * index * (1 + clock)
-    moved = np.asarray(CubicSpline(np.arange(len(finer)), finer)(np.clip(at, 0, len(finer) - 1)))
-    moved[~good[np.clip(np.rint(at / FINER).astype(int), 0, len(series) - 1)]] = np.nan
-    return moved
-
-
-def _steps(modes: Modes, step: float) -> np.ndarray:
-    """Return the exact step of each mode under a constant force, shape (6, modes)."""
-    a11, a12, a21, a22 = (one[0] for one in modes.swing(np.array([step])))
-    return np.stack([a11, a12, a21, a22, (1 - a11) / modes.omega**2, a12])
-
-
-def _laws(
-    assembly: Assembly, modes: Modes, end: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    placed = assembly.laws
-    count = len(placed)
-    rows = np.zeros((count, len(modes.omega)))
-    parameters = np.zeros((count, PARAMETERS))
-    for j, one in enumerate(placed):
-        rows[j] = one.row @ modes.floors
-        parameters[j] = filled(one.parameters, end)
-    laws = np.array([one.law.address for one in placed], np.int64)
-    return laws, rows, np.array([one.in_room for one in placed], float), parameters

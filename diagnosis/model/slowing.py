@@ -8,8 +8,8 @@ import numpy as np
 from scipy.signal import fftconvolve, firwin, resample_poly
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import Observations, RunData
+from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.storeys import Structure, solve_modes
 from pounding.diagnosis.model.table_motion import HELD, SMOOTH
 from pounding.diagnosis.settings import SETTINGS

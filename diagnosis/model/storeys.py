@@ -146,6 +146,17 @@ class Modes:
         lost, moved = ratio * self.omega / damped * sine, sine / damped
         return cosine + lost, moved, -(self.omega**2) * moved, cosine - lost
 
+    def step(self, step_s: float) -> np.ndarray:
+        """Return the exact step of each mode under a constant force, shape (6, modes).
+
+        `swing` over the step, then displacement and rate by a unit of modal force.
+
+        Args:
+            step_s: Length of the step [s].
+        """
+        a11, a12, a21, a22 = (one[0] for one in self.swing(np.array([step_s])))
+        return np.stack([a11, a12, a21, a22, (1 - a11) / self.omega**2, a12])
+
 
 @dataclass(frozen=True)
 class Structure:

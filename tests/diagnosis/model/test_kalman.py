@@ -18,8 +18,8 @@ from pounding.diagnosis.inference.filtering import (
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.kalman import discretise
 from pounding.diagnosis.model.laws import PlacedLaw
-from pounding.diagnosis.model.model import shift
 from pounding.diagnosis.model.observations import root_mean_square
+from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
