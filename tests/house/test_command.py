@@ -2,16 +2,46 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from pounding.experiments.command import main
 from pounding.experiments.command.app import STUDIES, VERBS, described
+from pounding.experiments.console.exit_status import run_script
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a command left: its exit status and what it wrote."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def here(capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+    """The command in this process, which has its libraries loaded already; `pounding` is it in one of its own."""
+
+    def called(*words: str, function: Callable[[], object] | None = None) -> Done:
+        status = 0
+        try:
+            main(list(words)) if function is None else function()
+        except SystemExit as left:
+            status = int(left.code or 0)
+        return Done(status, *capsys.readouterr())
+
+    return called
 
 
 def pounding(*words: str) -> subprocess.CompletedProcess[str]:
@@ -24,8 +54,8 @@ def pounding(*words: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.parametrize("words", [[], *([verb] for verb in VERBS), *(["study", name] for name in STUDIES)])
-def test_help(words: list[str]) -> None:
-    done = pounding(*words, "--help")
+def test_help(words: list[str], here: Callable[..., Done]) -> None:
+    done = here(*words, "--help")
     assert done.returncode == 0, done.stderr
     assert "Usage: pounding" in done.stdout
 
@@ -91,7 +121,7 @@ SCRIPTS = [
 
 @pytest.mark.parametrize("module", [SCRIPTS[0], *SCRIPTS[len(STUDIES) :]])
 def test_a_script_has_help(module: str) -> None:
-    """One study for all, because `test_help` asks each for its help, and what is no study."""
+    """One study for all, because `test_help` asks each for its help, and what is no study, as processes of their own."""
     helped = subprocess.run(
         [sys.executable, "-m", module, "--help"], capture_output=True, text=True, timeout=300
     )
@@ -99,11 +129,15 @@ def test_a_script_has_help(module: str) -> None:
     assert f"Usage: python -m {module}" in helped.stdout
 
 
+@pytest.mark.filterwarnings("ignore:Cyclopts application invoked without tokens")
 @pytest.mark.parametrize("module", SCRIPTS)
-def test_a_script_says_what_is_wrong_as_the_command_does(module: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", module, "--nonsense"], capture_output=True, text=True, timeout=300
-    )
+def test_a_script_says_what_is_wrong_as_the_command_does(
+    module: str, here: Callable[..., Done], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = import_module(module)
+    assert 'if __name__ == "__main__":\n    run_script(main)' in inspect.getsource(script)
+    monkeypatch.setattr(sys, "argv", [str(script.__file__), "--nonsense"])
+    done = here(function=lambda: run_script(script.main))
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.startswith("pounding: ")
@@ -151,8 +185,10 @@ def test_list_as_json() -> None:
         (["experiment"], "name one experiment"),
     ],
 )
-def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) -> None:
-    done = pounding(*words)
+def test_bad_input_is_one_sentence_and_status_2(
+    words: list[str], named: str, here: Callable[..., Done]
+) -> None:
+    done = here(*words)
     assert done.returncode == 2
     assert done.stdout == ""
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
@@ -166,8 +202,8 @@ def test_bad_input_is_one_sentence_and_status_2(words: list[str], named: str) ->
         ["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"],
     ],
 )
-def test_bad_input_leaves_no_folder(words: list[str], tmp_path: Path) -> None:
-    assert pounding(*words, "--out", str(tmp_path / "results")).returncode == 2
+def test_bad_input_leaves_no_folder(words: list[str], tmp_path: Path, here: Callable[..., Done]) -> None:
+    assert here(*words, "--out", str(tmp_path / "results")).returncode == 2
     assert not (tmp_path / "results").exists()
 
 
