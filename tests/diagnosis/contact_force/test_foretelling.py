@@ -33,16 +33,16 @@ def test_impacts_as_a_fit_makes_them_leave_that_fit_nothing() -> None:
     bodies = met()
     law = baseline_law(TRUE, bodies.mass)
     fitted = contacts.held(bodies, law)
-    made = contacts.held(contacts.as_fitted(bodies, fitted), law)
-    # What is left is the prior of the filter and of the states, and some of the impacts that did not fit.
-    assert made.cost < 0.5 * float(fitted.unknowns @ fitted.unknowns) + 1e-3
+    # From where it ended, no descent can leave more than the prior of the filter and of the states before the impacts.
+    made = contacts.again(contacts.as_fitted(bodies, fitted), fitted, fitted)
+    assert made.cost <= 0.5 * float(fitted.unknowns @ fitted.unknowns) + 1e-6
     assert made.cost < fitted.cost
 
 
 def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact() -> None:
     bodies = met()
     true = baseline_law(TRUE, bodies.mass)
-    other = replace(true, restitution=true.restitution + 0.03)
+    other = replace(true, restitution=true.restitution + 0.05)
     believed, likeliest = compared(bodies, other, true)
     gained, expected = believed.cost - likeliest.cost, expected_gain(bodies, other, likeliest)
     assert expected > 0.0
@@ -50,7 +50,7 @@ def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact()
     assert abs(gained - expected) < 4.0 * np.sqrt(2.0 * expected) + 1.0
     # Impacts that are known half as well tell a quarter.
     blunt = sharper(bodies, 2.0)
-    assert expected_gain(blunt, other, contacts.held(blunt, true)) < 0.6 * expected
+    assert expected_gain(blunt, other, compared(blunt, other, true)[1]) < 0.6 * expected
     assert expected_gain(bodies, true, likeliest) == pytest.approx(0.0, abs=1e-6)
 
 
