@@ -339,10 +339,10 @@ class PairDecision:
     (35bffd9: 13 for a restitution off by 0.14) to 8 (287634a)."""
     parameter_cost: float = 3.0
     """[ln Bayes factor] A gap, gain or delay that one number tells pays this for being free. Origin: chosen."""
-    foretold_spread: float = 1.96
+    held_out_spread: float = 1.96
     """[standard deviations] Held-out impacts may gain so much less than they would if an effect of the contact had made
     them. Origin: 2.5 % of the effects that are there lack more by chance."""
-    foretold_most: float = 10.0
+    held_out_most: float = 10.0
     """[ln likelihood] They need not gain more than this. Origin: a development pair whose effect was vetoed although they
     agreed (950931f)."""
 

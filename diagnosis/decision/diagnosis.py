@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.contact_force.foretelling import foretold
+from pounding.diagnosis.contact_force.held_out import predicted_impacts
 from pounding.diagnosis.contact_force.pair import ContactFindings, judge_contact
 from pounding.diagnosis.decision.conclusion import Conclusion, of_frames
 from pounding.diagnosis.decision.decision import Decision
@@ -48,13 +48,13 @@ def conclude(case: Case, found: Findings, decision: Decision) -> Diagnosis:
     if pair is None:
         return Diagnosis(case, found, decision, of_frames(case, found, decision))
     contact = judge_contact(case, found, decision.verdict)
-    held_out = foretold(case, found, decision.verdict, contact)
+    held_out = predicted_impacts(case, found, decision.verdict, contact)
     if decision.named and claims_of(case, pair, contact, decision.verdict, held_out):
         found = replace(found, pair=replace(pair, contact_claimed=True))
         before, decision = decision, decide(found)
         if decision.verdict != before.verdict:
             contact = judge_contact(case, found, decision.verdict)
-            held_out = foretold(case, found, decision.verdict, contact)
+            held_out = predicted_impacts(case, found, decision.verdict, contact)
     frames = of_frames(case, found, decision)
     conclusion = joined(case, pair, contact, frames, held_out, bool(decision.model_checks))
     return Diagnosis(case, found, decision, conclusion, contact)

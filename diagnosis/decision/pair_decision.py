@@ -10,7 +10,7 @@ import numpy as np
 from pounding.contact.laws import DAMPED
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.foretelling import Foretold
+from pounding.diagnosis.contact_force.held_out import HeldOutImpacts
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.decision.claims import Claim, Parameter, Place, candidate, claim, finite, parameter
 from pounding.diagnosis.decision.conclusion import Conclusion, ContactMisfit
@@ -25,7 +25,7 @@ def claims_of(
     pair: Pair,
     contact_findings: ContactFindings,
     frames: Verdict,
-    foretold: Foretold | None = None,
+    held_out: HeldOutImpacts | None = None,
 ) -> list[Claim]:
     """Return what is claimed of the contact, of a second one and of the force cell.
 
@@ -34,7 +34,7 @@ def claims_of(
         pair: Its frames and contacts.
         contact_findings: What the impacts say.
         frames: The verdict on the frames.
-        foretold: How well held-out impacts are predicted.
+        held_out: How well held-out impacts are predicted.
     """
     claims = [*_cell(case, pair), *_second(case, pair, contact_findings)]
     found = contact_claims(case, contact_findings)
@@ -46,7 +46,7 @@ def claims_of(
     if (
         found
         and found[0].log_evidence > needed
-        and _holds(pair, found[0], needed, contact_findings, foretold)
+        and _holds(pair, found[0], needed, contact_findings, held_out)
     ):
         best = found[0]
         alike = [one for one in found[1:] if one.log_evidence > best.log_evidence - SETTINGS.decision.alike]
@@ -60,7 +60,7 @@ def joined(
     pair: Pair,
     contact_findings: ContactFindings,
     frames: Conclusion,
-    foretold: Foretold | None = None,
+    held_out: HeldOutImpacts | None = None,
     objections: bool = False,
 ) -> Conclusion:
     """Return what is concluded of the frames with what the contact and its force cell add to it.
@@ -70,7 +70,7 @@ def joined(
         pair: Its frames and contacts.
         contact_findings: What the impacts say.
         frames: What is concluded of the frames.
-        foretold: How well held-out impacts are predicted.
+        held_out: How well held-out impacts are predicted.
         objections: Whether the frames' own parameters, or a tone, speak against the model.
     """
     found = contact_claims(case, contact_findings)
@@ -78,7 +78,7 @@ def joined(
     unknown = frames.verdict == "unknown_effect"
     # The force of a contact that nobody listed is what the motion asks for: it may leave more than noise.
     poor = unknown and bool(second) and not objections
-    claims = [] if unknown else claims_of(case, pair, contact_findings, frames.verdict, foretold)
+    claims = [] if unknown else claims_of(case, pair, contact_findings, frames.verdict, held_out)
     if poor:
         claims = second
     tried = [
@@ -90,7 +90,7 @@ def joined(
         frames,
         candidates=tuple(sorted(tried, key=lambda one: -one.log_evidence)),
         warnings=(*frames.warnings, *warnings),
-        contact_misfit=None if foretold is None else _contact_misfit(foretold, claims),
+        contact_misfit=None if held_out is None else _contact_misfit(held_out, claims),
     )
     return _with_claims(whole, claims, found) if claims else whole
 
@@ -124,7 +124,7 @@ def _holds(
     best: Claim,
     needed: float,
     contact_findings: ContactFindings,
-    foretold: Foretold | None,
+    held_out: HeldOutImpacts | None,
 ) -> bool:
     """Return whether the held-out impacts like an effect too that was fitted to the others.
 
@@ -133,16 +133,16 @@ def _holds(
     """
     if not contact_findings.ranked or best.effect != contact_findings.ranked[0][1].hypothesis.effect:
         return True
-    if foretold is None:
+    if held_out is None:
         return pair.cell is not None or best.log_evidence > SETTINGS.pair_decision.unmeasured_factor * needed
-    return foretold.supports
+    return held_out.supports
 
 
-def _contact_misfit(foretold: Foretold, claims: list[Claim]) -> ContactMisfit:
+def _contact_misfit(held_out: HeldOutImpacts, claims: list[Claim]) -> ContactMisfit:
     """Return what held-out impacts are left with before and after; after only what is claimed."""
     claimed = any(one.contact is not None for one in claims)
-    after = foretold.likeliest if claimed else foretold.model
-    return ContactMisfit(impacts=foretold.impacts, before=finite(foretold.model), after=finite(after))
+    after = held_out.likeliest if claimed else held_out.model
+    return ContactMisfit(impacts=held_out.impacts, before=finite(held_out.model), after=finite(after))
 
 
 def contact_claims(case: Case, contact_findings: ContactFindings) -> list[Claim]:

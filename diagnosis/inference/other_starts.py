@@ -23,8 +23,8 @@ from pounding.diagnosis.settings import SETTINGS
 def from_baseline(found: Findings) -> None:
     """Refine what leads once more from the baseline frame.
 
-    A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may stay in
-    that corner with a part of the effect.
+    A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may end in a
+    local optimum with a part of the effect.
 
     Args:
         found: The findings, to which the fit is added.

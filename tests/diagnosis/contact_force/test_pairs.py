@@ -12,7 +12,7 @@ import pytest
 from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
-from pounding.diagnosis.contact_force.foretelling import Foretold, foretold
+from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, predicted_impacts
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law
 from pounding.diagnosis.contact_force.pair import ContactFindings, found_again, prepare
@@ -106,7 +106,7 @@ def test_what_is_different_in_a_contact_is_named(
         ):
             sure = replace(found, ranked=((ln_bayes, best), *others))
             assert claimed(joined(case, pair, sure, NOTHING)) == expected
-        told = foretold_by(case, pair, found)
+        told = predicted_by(case, pair, found)
         assert told is not None
         assert told.gained > 0
         concluded = joined(case, pair, found, NOTHING, told)
@@ -115,9 +115,9 @@ def test_what_is_different_in_a_contact_is_named(
     assert value(concluded, parameter) == pytest.approx(wanted, abs=within)
 
 
-def foretold_by(case: Case, pair: Pair, found: ContactFindings) -> Foretold | None:
+def predicted_by(case: Case, pair: Pair, found: ContactFindings) -> HeldOutImpacts | None:
     """Return what the third run says of what the first two did, the frames being as believed."""
-    return foretold(case, cast(Findings, still_frames(pair)), NOTHING.verdict, found)
+    return predicted_impacts(case, cast(Findings, still_frames(pair)), NOTHING.verdict, found)
 
 
 def still_frames(pair: Pair) -> SimpleNamespace:
@@ -297,7 +297,7 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     case = colliding(replace(CONTACT, restitution=0.45), runs=3)
     pair, found, _ = judged(case)
     findings = still_frames(pair)
-    told = foretold(case, cast(Findings, findings), NOTHING, found)
+    told = predicted_impacts(case, cast(Findings, findings), NOTHING, found)
     assert told is not None
     assert told.impacts >= 5
     assert told.model > 1.25 * told.likeliest
@@ -320,7 +320,7 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     few = replace(told, gained=-0.5, impacts=1, expected=0.3)
     assert claimed(joined(case, pair, found, NOTHING, few)) == ["contact_damping"]
     findings.held_out = ()
-    assert foretold(case, cast(Findings, findings), NOTHING, found) is None
+    assert predicted_impacts(case, cast(Findings, findings), NOTHING, found) is None
 
 
 def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:

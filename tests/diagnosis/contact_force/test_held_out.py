@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.contact_force import contacts
-from pounding.diagnosis.contact_force.foretelling import Foretold, compared, expected_gain
+from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, compared, expected_gain
 from pounding.diagnosis.contact_force.hypotheses import baseline_law
 from pounding.diagnosis.contact_force.impacts import Bodies, sharper
 from pounding.diagnosis.contact_force.pair import met_in, prepare
@@ -25,8 +25,8 @@ def met() -> Bodies:
     return met_in(prepare(case, model), np.zeros(len(model.std)), (), (0,))[2]
 
 
-def told(gained: float, expected: float) -> Foretold:
-    return Foretold(10, 1.0, 1.0, gained, expected)
+def told(gained: float, expected: float) -> HeldOutImpacts:
+    return HeldOutImpacts(10, 1.0, 1.0, gained, expected)
 
 
 def test_impacts_as_a_fit_makes_them_leave_that_fit_nothing() -> None:
@@ -43,8 +43,8 @@ def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact()
     bodies = met()
     true = baseline_law(TRUE, bodies.mass)
     other = replace(true, restitution=true.restitution + 0.05)
-    believed, likeliest = compared(bodies, other, true)
-    gained, expected = believed.cost - likeliest.cost, expected_gain(bodies, other, likeliest)
+    baseline, likeliest = compared(bodies, other, true)
+    gained, expected = baseline.cost - likeliest.cost, expected_gain(bodies, other, likeliest)
     assert expected > 0.0
     # A normal likelihood ratio has its mean twice as a variance; four standard deviations hold whatever the noise.
     assert abs(gained - expected) < 4.0 * np.sqrt(2.0 * expected) + 1.0

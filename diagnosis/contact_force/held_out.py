@@ -1,4 +1,4 @@
-"""How well a contact as fitted to some impacts foretells others, and what these could have said at best."""
+"""How well a contact fitted to some impacts predicts others, and the most that these could have told."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
-class Foretold:
-    """How well held-out impacts are foretold, root mean square in standard deviations of the forces: 1 is as it should be.
+class HeldOutImpacts:
+    """How well held-out impacts are predicted, root mean square in standard deviations of the forces: 1 is as it should be.
 
     Attributes:
         impacts: How many impacts.
@@ -41,11 +41,13 @@ class Foretold:
         If it did, the gain is normal about `expected` with twice that as its variance, as of any likelihood ratio.
         """
         needs = SETTINGS.pair_decision
-        least = self.expected - needs.foretold_spread * math.sqrt(2.0 * self.expected)
-        return self.gained > min(least, needs.foretold_most)
+        least = self.expected - needs.held_out_spread * math.sqrt(2.0 * self.expected)
+        return self.gained > min(least, needs.held_out_most)
 
 
-def foretold(case: Case, found: Findings, verdict: str, contact_findings: ContactFindings) -> Foretold | None:
+def predicted_impacts(
+    case: Case, found: Findings, verdict: str, contact_findings: ContactFindings
+) -> HeldOutImpacts | None:
     """Return how well the contact of the baseline model and the likeliest one predict held-out impacts; None without any.
 
     Each impact is predicted from the measured motion before it: a run through several impacts departs from the measured
@@ -65,10 +67,10 @@ def foretold(case: Case, found: Findings, verdict: str, contact_findings: Contac
         return None
     met = sharper(met, contact_findings.error)
     model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
-    believed, other = contact_findings.null.law, contact_findings.ranked[0][1].law
-    nuisance, likeliest = compared(met, believed, other)
-    expected = expected_gain(met, believed, likeliest)
-    return Foretold(
+    baseline, other = contact_findings.null.law, contact_findings.ranked[0][1].law
+    nuisance, likeliest = compared(met, baseline, other)
+    expected = expected_gain(met, baseline, likeliest)
+    return HeldOutImpacts(
         len(met.impacts), model.misfit, likeliest.misfit, nuisance.cost - likeliest.cost, expected
     )
 
@@ -76,7 +78,7 @@ def foretold(case: Case, found: Findings, verdict: str, contact_findings: Contac
 def compared(met: Bodies, one: Law, other: Law) -> tuple[Fitted, Fitted]:
     """Return two laws held on the same impacts, each fitted also from where the other has filter and impacts.
 
-    Alone a descent may end in a corner, and the difference of two would be that of their corners.
+    Alone a descent may end in a local optimum, and the difference of two costs would be that of two such optima.
 
     Args:
         met: The impacts.
