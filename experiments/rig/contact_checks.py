@@ -1,4 +1,4 @@
-"""What a touch must not do if its contact is to be believed: push back more than it took, last long, sink in deep."""
+"""Warnings of touches that no impact law describes: a restitution above 1, a long duration, a deep overlap."""
 
 from __future__ import annotations
 
