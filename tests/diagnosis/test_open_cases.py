@@ -44,7 +44,7 @@ OTHER_WORLDS = {
     "real-oscillator": Expected("effect_named", [("cubic_stiffness", 1)]),
 }
 """Cases whose laws, frames or noise are not quite the diagnosis', a measured one among them."""
-LONGEST = ("foreign-drag", "real-oscillator")
+LONGEST = ("foreign-hysteresis", "foreign-drag", "real-oscillator")
 """Those take more than a minute each; `make guard` runs them."""
 
 FAILING = [

@@ -273,6 +273,7 @@ def test_a_benchmark_runs_resumes_and_does_not_show_the_truth(
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_small_seeded_set_is_diagnosed_as_well_as_before(tmp_path: Path) -> None:
     """Five plain cases: nothing, friction, a cubic spring, a sensor's gain, an appendage."""
     judged = {}
