@@ -52,6 +52,7 @@ STUDIES = {
     "engine-accuracy": "pounding.experiments.studies.engine_accuracy:main",
     "engine-body": "pounding.experiments.studies.engine_body:main",
     "figure-4-11": "pounding.experiments.studies.figure_4_11:main",
+    "thesis-figures": "pounding.experiments.studies.thesis_figures:main",
     "table-4-1": "pounding.experiments.studies.table_4_1:main",
     "table-4-1-missing": "pounding.experiments.studies.table_4_1_missing:main",
     "missing-in-the-thesis": "pounding.experiments.studies.missing_in_the_thesis:main",
