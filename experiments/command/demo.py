@@ -1,7 +1,8 @@
-"""`pounding demo`: from the frames' geometry to a collision, on real input, in a few minutes."""
+"""`pounding demo`: from the frames' geometry to a collision and to a missing effect that is found, in a few minutes."""
 
 from __future__ import annotations
 
+import json as jsonlib
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -13,12 +14,15 @@ from rich.text import Text
 
 from pounding import frames
 from pounding.contact import thesis_law
+from pounding.experiments.command.diagnose import diagnose
+from pounding.experiments.command.hide import hide
 from pounding.experiments.command.pound import pound
 from pounding.experiments.command.shake import shake
 from pounding.experiments.console import options
 from pounding.experiments.console.output import printer, progress_console, warn
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.output.index_page import Section, write_index
 from pounding.experiments.pictures.films import film, require
 from pounding.experiments.pictures.scenes import picture
 from pounding.experiments.records import Record, find
@@ -37,6 +41,9 @@ PAIR = ("15B", "5B")
 SHARE_OF_REQUIRED_GAP = 0.8
 """The gaps of the thesis are between 0.67 and 0.98 of the required gaps of the same frames."""
 
+HIDDEN, STRENGTH, HIDDEN_S = "coulomb_friction:3", 6.0, 6.0
+"""What is hidden in frame 5A: friction in its third storey, its signal-to-noise ratio, and the length of the runs [s]."""
+
 MOTIONS = ("elcentro", "elcentro-peer180")
 """The El Centro of the tests if the user has it, else the one that an installed package contains, under its own name."""
 
@@ -49,7 +56,7 @@ def demo(
     ] = Path("results/demo"),
     records: options.Records = None,
 ) -> None:
-    """Build, test and shake the five frames, let two collide, and print the results beside the published values."""
+    """Build, test and shake the five frames, let two collide, find a hidden effect; print published values beside ours."""
     console = printer()
     began = time.perf_counter()
     keeping.prepare(out)
@@ -67,10 +74,15 @@ def demo(
             f"5. {PAIR[0]} beside {PAIR[1]}, five impact laws",
             lambda: collide(motion, records, out / "pounding", filmed),
         ),
+        ("6. An effect is hidden in a frame, found and named", lambda: find_hidden(out / "missing-effect")),
     ):
         console.rule(Text(title, style="bold"))
         step()
-    console.print(f"\nAll of it in {time.perf_counter() - began:.0f} s; pictures, films and VTK files: {out}")
+    write_index("pounding demo", _sections(out, motion.name), out / "index.html")
+    console.print(f"\nAll of it in {time.perf_counter() - began:.0f} s.")
+    console.print(
+        f"Open {out / 'index.html'} in a browser: it shows the pictures and links the films and VTK files."
+    )
 
 
 def draw_frames(folder: Path) -> None:
@@ -115,6 +127,76 @@ def collide(motion: Record, records: Path | None, folder: Path, filmed: bool = T
                 progress=lambda share: progress.update(bar, completed=share),
             )
         )  # fmt: skip
+
+
+def find_hidden(folder: Path) -> None:
+    """Hide an effect in measurements of frame 5A, and let the diagnosis find it.
+
+    Args:
+        folder: Where the measured case and the report go; a case that is there already is diagnosed again.
+    """
+    case, truth = folder / "case", folder / "truth.json"
+    if not (truth.exists() and (case / "case.toml").exists()):
+        hide(
+            HIDDEN,
+            frame=["5A"],
+            visibility=STRENGTH,
+            duration=HIDDEN_S,
+            motions="artificial",
+            seed=1,
+            out=case,
+            truth=truth,
+        )
+    diagnose(case, out=folder / "report")
+    (effect,) = jsonlib.loads(truth.read_text(encoding="utf-8"))["effects"]
+    (force,) = effect["parameters"]
+    printer().print(
+        f"What was hidden: {effect['effect'].replace('_', ' ')} of {force['value']:.3f} {force['unit']} in storey "
+        f"{effect['storey']} of {effect['frame']} ({truth})"
+    )
+
+
+def _sections(out: Path, record: str) -> list[Section]:
+    """Return the parts of the page: what each step shows, and the command for it alone."""
+    left, right = PAIR
+    return [
+        Section(
+            "Frames",
+            "Five steel frames from plate and column elements: mesh and mode shapes of the frame with ten storeys.",
+            out / "frames",
+            "pounding modal 10",
+        ),
+        Section(
+            "Table 3.1",
+            "First three frequencies and roof stiffness of the frames beside the published values.",
+            out / "table-3-1",
+            "pounding study table-3-1",
+        ),
+        Section(
+            "Tests of the laboratory",
+            "Free vibration, sweep and push of each frame, read as the laboratory read them.",
+            out / "laboratory",
+            "pounding study laboratory",
+        ),
+        Section(
+            f"15B under {record}",
+            "The frame with fifteen storeys alone on the table: motion, spectra, largest stress.",
+            out / "shaking",
+            f"pounding shake 15B --record {record} --out DIR",
+        ),
+        Section(
+            f"{left} beside {right}",
+            "Two frames with too small a gap: contact force of five impact laws, and a film of the hardest impact.",
+            out / "pounding",
+            f"pounding pound {left} {right} --gap 10 --record {record} --law all --out DIR",
+        ),
+        Section(
+            "The missing effect",
+            "Friction was hidden in the third storey of frame 5A. The report says what the model lacks and where.",
+            out / "missing-effect" / "report",
+            "pounding diagnose CASE --out DIR",
+        ),
+    ]
 
 
 def _viscoelastic(
