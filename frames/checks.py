@@ -91,6 +91,7 @@ def stick_frame(frame: StickFrame) -> None:
     for storey, stiffness in enumerate(frame.storey_stiffness_n_per_m, 1):
         _within(name, f"storey_stiffness_n_per_m of storey {storey}", stiffness, bounds.STIFFNESS)
     _frequencies(name, frame.frequency_hz, frame.storeys)
+    _bending_shear(name, frame)
     ratios = frame.damping_ratio if isinstance(frame.damping_ratio, list) else [frame.damping_ratio]
     if not 1 <= len(ratios) <= frame.storeys:
         raise FrameError(f"{name}: damping_ratio has {len(ratios)} values, needs 1 to {frame.storeys}")
@@ -105,6 +106,18 @@ def stick_frame(frame: StickFrame) -> None:
     _scale(name, frame.scale)
     if frame.slab is not None:
         _slab(name, frame.slab)
+
+
+def _bending_shear(name: str, frame: StickFrame) -> None:
+    if frame.stiffness_ratio is None:
+        return
+    _within(name, "stiffness_ratio", frame.stiffness_ratio, bounds.STIFFNESS_RATIO)
+    if len(frame.frequency_hz) != 1:
+        raise FrameError(f"{name}: stiffness_ratio needs frequency_hz with the first frequency alone")
+    if frame.yielding is not None:
+        raise FrameError(
+            f"{name}: stiffness_ratio and yielding exclude each other; only a chain's storeys yield"
+        )
 
 
 def _yielding(name: str, frame: PlateFrame | StickFrame) -> None:

@@ -254,6 +254,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
             take the last); fractions.
         storey_stiffness_n_per_m: Stiffness of each storey, from the first up [N/m].
         frequency_hz: The lowest frequencies, at least the first [Hz].
+        stiffness_ratio: Miranda's alpha of a bending-shear stick [-], 0 a wall that bends, 30 nearly a shear
+            frame; it needs the first frequency alone. None: a chain of storey springs.
         plan_m: Sides along x and y [m].
         title: One line that describes the frame.
         published: What is known from tests, for comparison.
@@ -269,6 +271,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     damping_ratio: float | list[float]
     storey_stiffness_n_per_m: list[float] = []
     frequency_hz: list[float] = []
+    stiffness_ratio: float | None = None
     plan_m: tuple[float, float] = (0.4, 0.4)
     title: str = ""
     published: Published = Published()

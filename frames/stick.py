@@ -30,7 +30,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
         FrameError: No chain of storeys with these masses has the stated frequencies.
     """
     mass = np.diag(np.asarray(frame.floor_mass_kg, float))
-    stiffness = chain(storey_stiffnesses(frame))
+    stiffness = stiffness_matrix(frame)
     frequencies, shapes = dense_modes(stiffness, mass)
     ratios = np.array(frame.damping_ratios if damping is None else [damping] * frame.storeys)
     return ReducedFrame(
@@ -52,6 +52,33 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
         moving_mass_kg=frame.moving_mass_kg,
         basis=np.eye(frame.storeys),
     )
+
+
+def stiffness_matrix(frame: StickFrame) -> Real:
+    """Return the stiffness matrix (storeys, storeys) [N/m] of a stick; raises as `storey_stiffnesses`."""
+    if frame.stiffness_ratio is None:
+        return chain(storey_stiffnesses(frame))
+    unit = bending_shear(np.asarray(frame.floor_heights_m), frame.stiffness_ratio)
+    first = dense_modes(unit, np.diag(np.asarray(frame.floor_mass_kg, float)))[0][0]
+    return np.asarray(unit * (frame.frequency_hz[0] / first) ** 2)
+
+
+def bending_shear(heights_m: Real, ratio: float) -> Real:
+    """Return the stiffness (n, n) of a bending and a shear cantilever that the floors couple, of EI/H^3 = 1.
+
+    The bending cantilever's floors have the flexibility a^2 (3 b - a) / (6 EI), a the lower and b the upper of the two
+    heights. A storey of height h of the shear cantilever has the stiffness GA/h with GA = alpha^2 EI / H^2. In the limit
+    of many floors this is the beam of Miranda and Taghavi (2005), J. Struct. Eng. 131(2).
+
+    Args:
+        heights_m: Height of each floor above the base (n,) [m].
+        ratio: Lateral stiffness ratio alpha = H sqrt(GA / EI) [-].
+    """
+    height = heights_m / heights_m[-1]
+    low, high = np.minimum.outer(height, height), np.maximum.outer(height, height)
+    bending = np.linalg.inv(low**2 * (3.0 * high - low) / 6.0)
+    shear = chain(ratio**2 / np.diff(height, prepend=0.0))
+    return np.asarray((bending + bending.T) / 2.0 + shear)
 
 
 def chain(storeys: Real) -> Real:

@@ -133,6 +133,8 @@ SWAY = Bound(0.0, 100.0, "m", "no building sways so far")
 PEAK = Bound(1e-9, 1e3, "m", "no sensor resolves less, and no building is taller")
 FORCE = Bound(-1e12, 1e12, "N", "no contact carries more than the weight of a hundred towers")
 
+STIFFNESS_RATIO = Bound(0.0, 1e3, "", "0 is a wall that bends, 30 nearly a shear frame")
+
 # Counts.
 STOREYS = Bound(1, 200, "", "the tallest building has some 160 storeys")
 MESH_NODES = Bound(4, 1e6, "", "a mesh beyond that does not fit into a computer")

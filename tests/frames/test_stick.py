@@ -38,6 +38,23 @@ def test_one_frequency_gives_equal_storeys():
     assert -np.diag(stiffness, 1) == pytest.approx(stiffness[2, 2])
 
 
+@pytest.mark.parametrize(("ratio", "second"), [(0.0, 6.267), (1000.0, 3.0)])
+def test_a_bending_shear_stick_lies_between_a_cantilever_that_bends_and_one_that_shears(ratio, second):
+    # The continuous beams: (4.6941 / 1.8751)^2 and 3.
+    tall = stick(storeys=80, floor_mass_kg=[6.5] * 80, frequency_hz=[0.2], stiffness_ratio=ratio)
+    frequencies = frames.build(tall).frequencies_hz
+    assert frequencies[0] == pytest.approx(0.2)
+    assert frequencies[1] / frequencies[0] == pytest.approx(second, rel=0.01)
+
+
+def test_the_ratios_of_the_docs_are_the_computed_ones():
+    printed = {0.0: 6.30, 1.0: 5.54, 2.0: 4.53, 5.0: 3.44, 10.0: 3.15, 30.0: 3.00}
+    for ratio, second in printed.items():
+        tall = stick(storeys=10, floor_mass_kg=[300e3] * 10, frequency_hz=[0.8], stiffness_ratio=ratio)
+        frequencies = frames.build(tall).frequencies_hz
+        assert frequencies[1] / frequencies[0] == pytest.approx(second, abs=0.006)
+
+
 def test_damping_ratios_belong_to_their_modes():
     reduced = frames.build(stick(frequency_hz=[2.1, 6.0], damping_ratio=[0.004, 0.01]))
     modal = reduced.shapes.T @ reduced.damping @ reduced.shapes
@@ -54,6 +71,9 @@ def test_damping_ratios_belong_to_their_modes():
         ({"frequency_hz": [6.0, 2.1]}, "must rise"),
         ({"frequency_hz": [2.1], "floor_mass_kg": [6.5, -6.5, 6.5]}, "floor 2 is -6.5"),
         ({"frequency_hz": [2.1], "floor_mass_kg": [6.5]}, "one for each of 3 storeys"),
+        ({"frequency_hz": [2.1], "stiffness_ratio": -1.0}, "stiffness_ratio"),
+        ({"frequency_hz": [2.1], "stiffness_ratio": float("nan")}, "stiffness_ratio"),
+        ({"frequency_hz": [2.1, 6.0], "stiffness_ratio": 2.0}, "first frequency alone"),
         ({}, "either storey_stiffness_n_per_m or frequency_hz"),
         ({"frequency_hz": [2.1], "storeys": 0}, "storeys is 0"),
         ({"frequency_hz": [2.1], "damping_ratio": 0.5e2}, "0.5 % is 0.005"),
