@@ -42,7 +42,7 @@ def load(name_or_path: str | Path) -> Frame:
     path = Path(text)
     if path.suffix != ".toml" and not os.path.isfile(path):
         raise FrameError(
-            f"frame {shown(text)}: not known{_near(text, names())}; shipped are {', '.join(names())}"
+            f"frame {shown(text)} is not known{_near(text, names())} Shipped are {', '.join(names())}"
         )
     try:
         content = path.read_bytes()
@@ -116,7 +116,7 @@ def _meant(key: str, fields: list[str]) -> str:
 def _near(name: str, known: list[str]) -> str:
     lowered = {candidate.lower(): candidate for candidate in known}
     near = difflib.get_close_matches(name.lower().replace("-", "").strip(), lowered, 1, 0.5)
-    return f", did you mean {lowered[near[0]]}?" if near else ""
+    return f"; did you mean {lowered[near[0]]}?" if near else "."
 
 
 @cache

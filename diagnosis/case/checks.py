@@ -210,10 +210,12 @@ def _channel(
     if table.quantity not in UNITS:
         raise error(f"unknown quantity {table.quantity!r}{suggest(table.quantity, list(UNITS))}", "quantity")
     units = UNITS[table.quantity]
-    if table.unit not in units:
-        meant = named(table.unit)
-        end = f"; did you mean {meant!r}?" if meant in units else f"; use one of {', '.join(units)}"
-        raise error(f"unit {table.unit!r} is none of {table.quantity}'s{end}", "unit")
+    unit = table.unit if table.unit in units else named(table.unit)
+    if unit not in units:
+        raise error(
+            f"unit {table.unit!r} is none of {table.quantity}'s; use one of {', '.join(units)}", "unit"
+        )
+    table = msgspec.structs.replace(table, unit=unit)
     channel = _placed(table, known, contacts, error)
     if table.interpolation is None:
         return channel
@@ -359,7 +361,10 @@ def _check_what_is_measured(channels: tuple[Channel, ...], places: Places) -> No
 
 
 def suggest(word: str, known: list[str]) -> str:
-    """Return the end of a sentence: the nearest known word, or all of them."""
+    """Return the end of a sentence: the known words that the word is a part of, else the nearest one, else all of them."""
+    of_it = [item for item in known if word.lower() in item.lower().split("_")]
+    if len(of_it) > 1:
+        return f"; say which: {', '.join(of_it)}"
     close = difflib.get_close_matches(word.lower(), [item.lower() for item in known], n=1, cutoff=0.5)
     nearest = next((item for item in known if close and item.lower() == close[0]), None)
     return f"; did you mean {nearest!r}?" if nearest else f"; use one of {', '.join(known)}"

@@ -14,6 +14,7 @@ from pounding.diagnosis.case.number_tables import ModalTable, PeakTable
 from pounding.diagnosis.case.places import FILE, Places
 from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable, RunTable
 from pounding.diagnosis.errors import CaseError
+from pounding.frames.definition import PlateFrame, StickFrame
 from pounding.toml_text import tree_of
 
 TABLES: dict[str, type[msgspec.Struct]] = {
@@ -69,7 +70,8 @@ def _convert(raw: dict[str, Any], places: Places) -> Description:
         name = _name(raw, table, number)
         if unknown:
             known = list(TABLES.get(table, Description).__struct_fields__)
-            what = f"{name}unknown key {unknown[1]!r}{suggest(unknown[1], known)}"
+            meant = _of_a_frame_file(unknown[1]) if table == "frame" else ""
+            what = f"{name}unknown key {unknown[1]!r}{meant or suggest(unknown[1], known)}"
             raise places.error(what, table, number, unknown[1]) from None
         if missing:
             what = f"{name}the key {missing[1]!r} is missing; add it"
@@ -77,6 +79,13 @@ def _convert(raw: dict[str, Any], places: Places) -> Description:
         named = f"`{key}`: " if key else ""
         what = f"{name}{named}{message[0].lower()}{message[1:]}; correct the value"
         raise places.error(what, table, number, key) from None
+
+
+def _of_a_frame_file(key: str) -> str:
+    """Return the end of a sentence for a key that belongs into a frame file, else nothing."""
+    if not any(key in definition.__struct_fields__ for definition in (StickFrame, PlateFrame)):
+        return ""
+    return "; it belongs into a frame file: write the frame there, and name the file by the key 'file' here"
 
 
 def _name(raw: dict[str, Any], table: str, index: int) -> str:

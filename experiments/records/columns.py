@@ -53,8 +53,8 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
         unit = unit or said
     if not unit:
         raise ExperimentError(
-            f"{path}: no unit of acceleration; name it in the header (time_s,acceleration_m_s2 or"
-            " time_s,acceleration_g) or give it beside the file"
+            f"{path}: no unit of acceleration; make 'time_s,acceleration_g' or"
+            " 'time_s,acceleration_m_s2' its first line"
         )
     factor = to_metric(unit, str(path))
     values = np.array([_pair(path, number, cells) for number, cells in rows]).reshape(-1, 2)

@@ -141,9 +141,9 @@ GUIDE = Path(__file__).parents[2] / "docs" / "your-own-frame.md"
 
 
 # A table of yielding storeys goes at the end of a frame's file.
-@pytest.mark.parametrize(("parts", "first_hz"), [((0,), 4.87), ((0, 1), 4.87), ((2,), 1.1)])
+@pytest.mark.parametrize(("parts", "first_hz"), [((0,), 4.87), ((0, 1), 4.87), ((2,), 1.1), ((3,), 0.8)])
 def test_the_guides_frames_can_be_built(parts, first_hz):
     blocks = re.findall(r"```toml\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) == 3
+    assert len(blocks) == 4
     text = "".join(blocks[number] for number in parts)
     assert frames.build(parse(text, "guide")).frequencies_hz[0] == pytest.approx(first_hz, rel=1e-3)
