@@ -19,6 +19,7 @@ app = command(
 VERBS = {
     "list": "pounding.experiments.command.listing:listing",
     "demo": "pounding.experiments.command.demo:demo",
+    "new-frame": "pounding.experiments.command.new_frame:new_frame",
     "modal": "pounding.experiments.command.modal:modal",
     "shake": "pounding.experiments.command.shake:shake",
     "pound": "pounding.experiments.command.pound:pound",

@@ -31,6 +31,7 @@ ELCENTRO = ["--record", "elcentro-peer180"]
 WORDS = {
     "list": ["list"],
     "demo": ["demo", "--out", "OUT"],
+    "new-frame": ["new-frame", "OUT/mine.toml"],
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],
