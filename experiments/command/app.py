@@ -26,6 +26,7 @@ VERBS = {
     "gap": "pounding.experiments.command.gap:gap",
     "experiment": "pounding.experiments.command.experiment:experiment",
     "design": "pounding.experiments.command.design:design",
+    "new-case": "pounding.experiments.command.new_case:new_case",
     "diagnose": "pounding.experiments.command.diagnose:diagnose",
     "hide": "pounding.experiments.command.hide:hide",
 }

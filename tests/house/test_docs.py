@@ -20,7 +20,7 @@ A_NAME = re.compile(r"(?<![\w/.-])pounding(?:\.[A-Za-z_]\w*)+")
 A_TEST = re.compile(r"(?<![\w/])test_\w+\.py")
 A_BARE_IMPORT = re.compile(r"^\s*(?:import|from) (?:frames|contact|experiments|diagnosis)\b", re.MULTILINE)
 A_STUDY = re.compile(r"pounding study ([a-z][a-z0-9-]*)")
-A_VERB = re.compile(r"^(?:\$ )?(?:\.venv/bin/)?pounding ([a-z]+)\b", re.MULTILINE)
+A_VERB = re.compile(r"^(?:\$ )?(?:\.venv/bin/)?pounding ([a-z]+(?:-[a-z]+)*)\b", re.MULTILINE)
 CODE = re.compile(r"^```.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 
 GENERATED = ("docs/_build", "docs/reference/")

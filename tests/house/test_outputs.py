@@ -17,7 +17,7 @@ from pounding.experiments.console import options
 from pounding.frames.errors import FrameError
 from pounding.frames.files import tried_file, tried_folder
 
-READ_ONLY = {"case", "cases", "records", "measured_file", "candidates", "folder", "pairs"}
+READ_ONLY = {"files", "case", "cases", "records", "measured_file", "candidates", "folder", "pairs"}
 """Paths that are read."""
 SCRIPTS = ("pounding.diagnosis.benchmark.fitting:main", "pounding.diagnosis.benchmark.reliability:main")
 RECORD = ["--record", "elcentro-chopra"]

@@ -1,0 +1,187 @@
+"""A first `case.toml` from the headers of a logger's CSV files: what a column measures is guessed from its name."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pounding import units
+from pounding.diagnosis.case.quantities import UNITS
+from pounding.diagnosis.case.time_stamps import TIME
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments import csv_table
+from pounding.experiments.text_file import read_text
+
+_TIME = re.compile(r"t|time|seconds|zeit", re.IGNORECASE)
+_TABLE = re.compile(r"table|base|ground|shaker|platen|floor ?0|(?<![a-z])(?:tbl|gnd)(?![a-z])", re.IGNORECASE)
+_FORCE = re.compile(r"force|load ?cell|contact", re.IGNORECASE)
+_ABSOLUTE = re.compile(r"abs", re.IGNORECASE)
+_WORDS = {
+    "acceleration": re.compile(r"acc|(?<![a-z])a(?![a-z])", re.IGNORECASE),
+    "displacement": re.compile(r"disp|lvdt|laser|(?<![a-z])[du](?![a-z])", re.IGNORECASE),
+    "velocity": re.compile(r"vel|(?<![a-z])v(?![a-z])", re.IGNORECASE),
+}
+_KINDS = {
+    "acceleration": units.ACCELERATION,
+    "displacement": units.LENGTH,
+    "velocity": units.VELOCITY,
+    "force": units.FORCE,
+}
+_USUAL = {"acceleration": "m/s^2", "displacement": "mm", "velocity": "mm/s", "force": "N"}
+
+
+@dataclass(frozen=True)
+class Column:
+    """What a column of a CSV file seems to measure.
+
+    Attributes:
+        name: Its name in the header.
+        quantity: One of `UNITS`; None where the name says nothing.
+        unit: The unit it seems to be in.
+        floor: The floor it seems to be on; None on the table.
+        doubts: What of it the name does not say.
+    """
+
+    name: str
+    quantity: str | None
+    unit: str
+    floor: int | None
+    doubts: tuple[str, ...] = ()
+
+
+def guess(name: str, storeys: int) -> Column:
+    """Return what a column seems to measure, by its name alone.
+
+    Args:
+        name: Its name in the header, such as ``acc floor 3 [g]``.
+        storeys: Storeys of the frame: a name without a number is taken to be of the roof.
+    """
+    words, unit = _parted(name)
+    doubts = []
+    kind = next((kind for kind, known in _KINDS.items() if unit in known), None)
+    if kind is None:
+        kind = "force" if _FORCE.search(words) else _by_word(words)
+        if kind is None and not _TABLE.search(words):
+            return Column(name, None, "", None)
+        kind = kind or "acceleration"
+        unit = _USUAL[kind]
+        doubts.append("the name has no unit")
+    on_table = bool(_TABLE.search(words))
+    quantity = _quantity(kind, on_table, bool(_ABSOLUTE.search(words)))
+    if quantity == "relative_displacement" and not re.search("rel", words, re.IGNORECASE):
+        doubts.append("relative to the table, or absolute_displacement in the room")
+    if unit not in UNITS[quantity]:
+        unit = next(iter(UNITS[quantity]))
+        doubts.append("the column's unit is not read: convert it")
+    if on_table or kind == "force":
+        return Column(name, quantity, unit, None, tuple(doubts))
+    numbers = [int(number) for number in re.findall(r"\d+", words)]
+    floor = numbers[-1] if numbers else storeys
+    if not numbers:
+        doubts.append("the name has no floor, so the roof is taken")
+    elif not 1 <= floor <= storeys:
+        doubts.append(f"the frame has the floors 1 to {storeys}")
+    return Column(name, quantity, unit, floor, tuple(doubts))
+
+
+def _parted(name: str) -> tuple[str, str | None]:
+    """Return the words of a name and the unit in it: in brackets, or after the last underscore, slash or blank."""
+    inside = re.search(r"[\[(]([^\])]+)[\])]", name)
+    if inside:
+        return (name[: inside.start()] + name[inside.end() :]).replace("_", " "), units.named(inside[1])
+    for sign in ("_m_s2", "_cm_s2", "_m_s", "_mm_s"):
+        if name.lower().endswith(sign):
+            return name[: -len(sign)].replace("_", " "), units.named(sign[1:])
+    head, _, tail = name.rpartition("_") if "_" in name else name.rpartition(" ")
+    known = units.named(tail) if head else None
+    return (head if known else name).replace("_", " "), known
+
+
+def _by_word(words: str) -> str | None:
+    return next((kind for kind, pattern in _WORDS.items() if pattern.search(words)), None)
+
+
+def _quantity(kind: str, on_table: bool, absolute: bool) -> str:
+    if kind == "force":
+        return "contact_force"
+    if kind == "velocity":
+        return "relative_velocity"
+    if on_table:
+        return f"table_{kind}"
+    return f"{'absolute' if kind == 'acceleration' or absolute else 'relative'}_{kind}"
+
+
+def header_of(path: Path) -> list[str]:
+    """Return the names of the columns of a CSV file.
+
+    Args:
+        path: The file.
+
+    Raises:
+        CaseError: It cannot be read, or its first column is not the time in seconds.
+    """
+    try:
+        text = read_text(path, path.name, CaseError)
+    except FileNotFoundError:
+        raise CaseError(f"{path} is not there; name the CSV files of the runs") from None
+    except (OSError, ValueError):
+        raise CaseError(f"{path} cannot be read; name the CSV files of the runs") from None
+    cells = csv_table.split(text, path.name, CaseError)
+    if not cells.rows:
+        raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
+    header = cells.rows[0]
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
+    if all(csv_table.is_number(cell) for cell in header):
+        raise CaseError(f"{path.name} line 1: there is no header; name the columns, the first one {TIME}")
+    words, unit = _parted(header[0])
+    if header[0] != TIME and not (_TIME.fullmatch(words.strip()) and unit in (None, "s")):
+        raise CaseError(
+            f"{path.name} line 1: the first column is {header[0]!r}; it must be the time in seconds, {TIME!r}"
+        )
+    return header
+
+
+def draft(
+    frame: str, storeys: int, files: Sequence[str], columns: Sequence[str], *, is_file: bool = False
+) -> str:
+    """Return the text of a `case.toml`, with a comment at everything that is a guess.
+
+    Args:
+        frame: Name of a shipped frame, or a frame file's path relative to the case.
+        storeys: Its storeys.
+        files: Names of the CSV files of the runs, in the folder of the case.
+        columns: Names of their columns without the time.
+        is_file: Whether `frame` is a file.
+    """
+    lines = ["# A first draft from the headers of the CSV files. Check every line that says 'guess'.", ""]
+    lines += ["[[frame]]", f"{'file' if is_file else 'name'} = {json.dumps(frame)}", ""]
+    for number, file in enumerate(files):
+        lines += ["[[run]]", f"file = {json.dumps(file)}"]
+        if number == len(files) - 1 and number:
+            lines.append('# role = "held_out"   # the last run is not fitted: it judges the result')
+        lines.append("")
+    for column in (guess(name, storeys) for name in columns):
+        lines += [*_channel(column), ""]
+    return "\n".join(lines)
+
+
+def _channel(column: Column) -> list[str]:
+    if column.quantity is None:
+        said = f"# column {json.dumps(column.name)}: its name says nothing. A channel needs name, quantity and unit:"
+        return [said, f"# {', '.join(UNITS)}"]
+    doubts = f"   # guess: {'; '.join(column.doubts)}" if column.doubts else "   # guess, from the name"
+    lines = ["[[channel]]", f"name = {json.dumps(column.name, ensure_ascii=False)}"]
+    lines.append(f"quantity = {json.dumps(column.quantity)}{doubts}")
+    lines.append(f"unit = {json.dumps(column.unit)}")
+    if column.floor is not None:
+        lines.append(f"floor = {column.floor}")
+    if column.quantity == "contact_force":
+        lines = [f"# {line}" for line in lines]
+        lines.insert(
+            0, "# A force needs two frames and a [[contact]] between them (docs/diagnosis/case-format.md):"
+        )
+    return lines

@@ -1,0 +1,79 @@
+"""`pounding new-case`: a measured case from a logger's CSV files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from pounding.diagnosis.case.drafting import draft, header_of
+from pounding.diagnosis.case.places import FILE
+from pounding.diagnosis.case.time_stamps import TIME
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments.console import options
+from pounding.experiments.console.output import printer
+from pounding.experiments.output import result_folder
+from pounding.frames import load
+from pounding.frames.files import write_whole
+
+
+def new_case(
+    *files: Path,
+    frame: Annotated[str, Parameter(help="Name of a shipped frame, or a frame file of your own.")],
+    out: Annotated[
+        Path, Parameter(help="Folder of the case; created if missing.", validator=options.writable_folder)
+    ],
+) -> None:
+    """Write a measured case from CSV files: what each column measures is guessed from its name and marked as a guess.
+
+    The CSV files are copied into the folder beside case.toml. Nothing is overwritten.
+
+    Args:
+        files: CSV files of the runs, of one header: the time in seconds first, then one column for each sensor.
+    """
+    if not files:
+        raise CaseError("no CSV file was given; name the file of each run")
+    if (out / FILE).exists():
+        raise CaseError(f"{out / FILE} is there already; name another folder, or remove it first")
+    headers = [header_of(file) for file in files]
+    _check_alike(files, headers)
+    own = Path(frame).suffix == ".toml"
+    storeys = load(frame).storeys
+    result_folder.prepare(out)
+    for file, header in zip(files, headers, strict=True):
+        write_whole(out / file.name, _with_time(file, header))
+    if own:
+        write_whole(out / Path(frame).name, Path(frame).read_bytes())
+    names = [file.name for file in files]
+    text = draft(Path(frame).name if own else frame, storeys, names, headers[0][1:], is_file=own)
+    write_whole(out / FILE, text.encode())
+    printer().print(f"written: {out / FILE}; check each line that says 'guess'", markup=False)
+    printer().print(_next_step(out), markup=False)
+
+
+def _check_alike(files: tuple[Path, ...], headers: list[list[str]]) -> None:
+    for number, file in enumerate(files):
+        if file.name in [other.name for other in files[:number]]:
+            raise CaseError(f"two files are called {file.name}; a case has all in one folder, so rename one")
+        missing = [name for name in headers[0][1:] if name not in headers[number]]
+        if missing:
+            raise CaseError(
+                f"{file.name} has no column {missing[0]!r} that {files[0].name} has; a case has one header"
+            )
+
+
+def _with_time(file: Path, header: list[str]) -> bytes:
+    """Return the file's bytes with the first column called as a case calls it."""
+    content = file.read_bytes()
+    return content if header[0] == TIME else TIME.encode() + content[content.index(b",") :]
+
+
+def _next_step(out: Path) -> str:
+    from pounding.diagnosis.case.reading import read_case
+
+    try:
+        read_case(out)
+    except CaseError as error:
+        return f"still to do: {error}"
+    return f"{out} can be read; next: pounding diagnose {out} --out DIR"

@@ -1,0 +1,101 @@
+"""What a column measures is guessed from its name, and what the name does not say is marked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.case.drafting import draft, guess, header_of
+from pounding.diagnosis.case.reading import read_case
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments.command.new_case import new_case
+
+
+@pytest.mark.parametrize(
+    ("name", "quantity", "unit", "floor", "doubts"),
+    [
+        ("table_acc [g]", "table_acceleration", "g", None, 0),
+        ("Base acceleration (m/s2)", "table_acceleration", "m/s^2", None, 0),
+        ("acc_floor_3_g", "absolute_acceleration", "g", 3, 0),
+        ("a5_m_s2", "absolute_acceleration", "m/s^2", 5, 0),
+        ("roof acc (gal)", "absolute_acceleration", "cm/s^2", 5, 1),
+        ("rel disp 2 (mm)", "relative_displacement", "mm", 2, 0),
+        ("LVDT 4", "relative_displacement", "mm", 4, 2),
+        ("table disp [mm]", "table_displacement", "mm", None, 0),
+        ("table", "table_acceleration", "m/s^2", None, 1),
+        ("acc 9 [g]", "absolute_acceleration", "g", 9, 1),
+        ("impact load cell [kN]", "contact_force", "kN", None, 0),
+        ("roof acc [ft/s2]", "absolute_acceleration", "m/s^2", 5, 2),
+    ],
+)
+def test_a_column_is_guessed_from_its_name(name, quantity, unit, floor, doubts):
+    found = guess(name, storeys=5)
+    assert (found.quantity, found.unit, found.floor, len(found.doubts)) == (quantity, unit, floor, doubts)
+
+
+def test_a_name_that_says_nothing_stays_a_comment():
+    assert guess("CH07", storeys=5).quantity is None
+    text = draft("5A", 5, ["run1.csv"], ["CH07"])
+    assert '# column "CH07": its name says nothing' in text
+    assert "[[channel]]" not in text
+
+
+def _logger(path: Path, header: str = "Time (s),Table acc [g],acc floor 5 [g]") -> Path:
+    time = 0.002 * np.arange(400)
+    shaken = np.sin(30.0 * time)
+    rows = np.column_stack([time, shaken, 2.0 * shaken])
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.6f")
+    return path
+
+
+def test_a_logger_s_files_become_a_case_that_can_be_read(tmp_path, capsys):
+    files = [_logger(tmp_path / f"run{number}.csv") for number in (1, 2)]
+    new_case(*files, frame="5A", out=tmp_path / "case")
+    case = read_case(tmp_path / "case")
+    assert [(c.name, c.quantity, c.unit, c.floor) for c in case.channels] == [
+        ("Table acc [g]", "table_acceleration", "g", None),
+        ("acc floor 5 [g]", "absolute_acceleration", "g", 5),
+    ]
+    assert len(case.runs) == 2
+    assert files[0].read_text().startswith("Time (s)")
+    assert "guess" in (tmp_path / "case" / "case.toml").read_text()
+    assert "can be read" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("header", "said"),
+    [
+        ("Sample,Table acc [g],acc 5 [g]", "the first column is 'Sample'; it must be the time in seconds"),
+        ("Time (ms),Table acc [g],acc 5 [g]", "it must be the time in seconds"),
+        ("time_s;table;a5", "not separated by commas"),
+    ],
+)
+def test_a_header_that_cannot_be_read_is_one_sentence(tmp_path, header, said):
+    with pytest.raises(CaseError, match=said):
+        header_of(_logger(tmp_path / "run1.csv", header))
+
+
+def test_what_is_missing_is_said_and_nothing_is_overwritten(tmp_path, capsys):
+    file = _logger(tmp_path / "run1.csv", "time_s,CH1,acc floor 5 [g]")
+    new_case(file, frame="5A", out=tmp_path / "case")
+    assert "still to do: " in capsys.readouterr().out
+    with pytest.raises(CaseError, match="is there already"):
+        new_case(file, frame="5A", out=tmp_path / "case")
+    other = _logger(tmp_path / "run2.csv")
+    with pytest.raises(CaseError, match=r"has no column .CH1. that run1\.csv has"):
+        new_case(file, other, frame="5A", out=tmp_path / "second")
+    assert not (tmp_path / "second").exists()
+
+
+def test_a_frame_of_one_s_own_is_copied_beside_the_case(tmp_path):
+    from pounding.experiments.command.new_frame import new_frame
+
+    new_frame(tmp_path / "office.toml")
+    new_case(
+        _logger(tmp_path / "run1.csv", "time_s,table acc [g],acc roof [g]"),
+        frame=str(tmp_path / "office.toml"),
+        out=tmp_path / "case",
+    )
+    assert read_case(tmp_path / "case").channels[1].floor == 4
