@@ -51,7 +51,7 @@ SOURCES: dict[str, tuple[str, str]] = {
 }
 
 
-class Roof(NamedTuple):
+class FrameFloor(NamedTuple):
     """A floor of a frame that shakes alone."""
 
     frame: str
@@ -59,21 +59,21 @@ class Roof(NamedTuple):
 
 
 DISPLACEMENTS = {
-    "4.3": Roof("5A", 5),
-    "4.4": Roof("5B", 5),
-    "4.5": Roof("10", 5),
-    "4.6": Roof("10", 10),
-    "4.7": Roof("15A", 15),
-    "4.8": Roof("15B", 5),
-    "4.9": Roof("15B", 10),
-    "4.10": Roof("15B", 15),
+    "4.3": FrameFloor("5A", 5),
+    "4.4": FrameFloor("5B", 5),
+    "4.5": FrameFloor("10", 5),
+    "4.6": FrameFloor("10", 10),
+    "4.7": FrameFloor("15A", 15),
+    "4.8": FrameFloor("15B", 5),
+    "4.9": FrameFloor("15B", 10),
+    "4.10": FrameFloor("15B", 15),
 }
 ACCELERATIONS = {
-    "E.1": Roof("5A", 5),
-    "E.2": Roof("5B", 5),
-    "E.3": Roof("10", 10),
-    "E.4": Roof("15A", 15),
-    "E.5": Roof("15B", 15),
+    "E.1": FrameFloor("5A", 5),
+    "E.2": FrameFloor("5B", 5),
+    "E.3": FrameFloor("10", 10),
+    "E.4": FrameFloor("15A", 15),
+    "E.5": FrameFloor("15B", 15),
 }
 GAPS = {
     "4.13": ("5A", "5B"),
@@ -122,7 +122,7 @@ def main(
     return result
 
 
-def displacement_figure(number: str, roof: Roof, motions: Iterable[Record], out: Path | None) -> Any:
+def displacement_figure(number: str, roof: FrameFloor, motions: Iterable[Record], out: Path | None) -> Any:
     """Return a floor's peaks [mm] by record and state, and draw its motion with the printed peaks.
 
     Args:
@@ -154,7 +154,7 @@ def displacement_figure(number: str, roof: Roof, motions: Iterable[Record], out:
     return numbers
 
 
-def acceleration_figure(number: str, roof: Roof, motions: Iterable[Record], out: Path | None) -> Any:
+def acceleration_figure(number: str, roof: FrameFloor, motions: Iterable[Record], out: Path | None) -> Any:
     """Return a roof's largest acceleration in the room [g] by record and state, and draw it; as `displacement_figure`.
 
     Args:
