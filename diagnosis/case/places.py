@@ -47,4 +47,6 @@ class Places:
         """
         line = self.line(table, index, key) if table else None
         where = f"{FILE} line {line}" if line else FILE
-        return CaseError(f"{where}: {what}")
+        error = CaseError(f"{where}: {what}")
+        error.table, error.index, error.key = table, index, key
+        return error

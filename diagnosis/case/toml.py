@@ -47,9 +47,23 @@ def read_description(folder: Path) -> tuple[Case, list[tuple[str, str | None]]]:
         raise CaseError(f"{folder} holds no {FILE}; a case is a folder with {FILE} and its CSV files")
     content = path.read_bytes()
     raw = tree_of(content, str(path), CaseError)
-    places = Places(path, content.decode("utf-8-sig"))
-    described = _convert(raw, places)
-    return check(described, folder, places)
+    return described_by(raw, folder, Places(path, content.decode("utf-8-sig")))
+
+
+def described_by(
+    raw: dict[str, Any], folder: Path, places: Places
+) -> tuple[Case, list[tuple[str, str | None]]]:
+    """Return what `read_description` does, of the tree of a `case.toml`.
+
+    Args:
+        raw: The tree.
+        folder: Folder of the case.
+        places: Where things stand in the file.
+
+    Raises:
+        CaseError: The tree contradicts itself, or is none of a case.
+    """
+    return check(_convert(raw, places), folder, places)
 
 
 def _convert(raw: dict[str, Any], places: Places) -> Description:

@@ -27,6 +27,7 @@ VERBS = {
     "experiment": "pounding.experiments.command.experiment:experiment",
     "design": "pounding.experiments.command.design:design",
     "new-case": "pounding.experiments.command.new_case:new_case",
+    "check-case": "pounding.experiments.command.check_case:check_case",
     "diagnose": "pounding.experiments.command.diagnose:diagnose",
     "hide": "pounding.experiments.command.hide:hide",
 }

@@ -48,8 +48,8 @@ def new_case(
     names = [file.name for file in files]
     text = draft(Path(frame).name if own else frame, storeys, names, headers[0][1:], is_file=own)
     write_whole(out / FILE, text.encode())
-    printer().print(f"written: {out / FILE}; check each line that says 'guess'", markup=False)
-    printer().print(_next_step(out), markup=False)
+    printer().print(f"written: {out / FILE}; check each line that says 'guess'", markup=False, soft_wrap=True)
+    printer().print(_next_step(out), markup=False, soft_wrap=True)
 
 
 def _check_alike(files: tuple[Path, ...], headers: list[list[str]]) -> None:

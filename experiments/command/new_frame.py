@@ -41,4 +41,6 @@ def new_frame(
     if file.exists():
         raise ExperimentError(f"{file} is there already; name another file, or remove it first")
     write_whole(file, template("plate" if plates else "stick", file.stem).encode())
-    printer().print(f"written: {file}; change its numbers, then try pounding modal {file}", markup=False)
+    printer().print(
+        f"written: {file}; change its numbers, then try pounding modal {file}", markup=False, soft_wrap=True
+    )

@@ -39,6 +39,7 @@ WORDS = {
     "gap": ["gap", "10", "5B", *ELCENTRO, "--report", "OUT/gap.html"],
     "design": ["design", "--tall", "30", "--short", "15", "--pga", "0.3", "--report", "OUT/design.html"],
     "diagnose": ["diagnose", "CASE", "--out", "OUT"],
+    "check-case": ["check-case", "CASE"],
     "new-case": ["new-case", "CASE/run1.csv", "--frame", "5A", "--out", "OUT"],
     "hide": ["hide", "nothing", "--out", "OUT", "--motions", "artificial"],
     "benchmark": ["diagnose", "--benchmark", "4", "--out", "OUT"],

@@ -1,0 +1,116 @@
+"""All that is wrong with a case is listed at once, each with its line in the file as it stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.case.all_faults import all_faults
+from pounding.diagnosis.errors import CaseError
+from pounding.experiments.command.check_case import check_case
+
+CASE = """\
+[[frame]]
+name = "5A"
+
+[[run]]
+file = "run1.csv"
+
+[[run]]
+file = "run2.csv"
+rle = "training"
+
+[[channel]]
+name = "table"
+quantity = "table_acceleration"
+unit = "g"
+
+[[channel]]
+name = "a3"
+floor = 3
+quantity = "acceleration"
+unit = "g"
+
+[[channel]]
+name = "a4"
+floor = 9
+quantity = "absolute_acceleration"
+unit = "g"
+
+[[channel]]
+name = "a5"
+floor = 5
+quantity = "absolute_acceleration"
+unit = "furlong"
+
+[[channel]]
+name = "d5"
+floor = 5
+quantity = "relative_displacement"
+unit = "mm"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    time = 0.002 * np.arange(64)
+    for number, header in ((1, "time_s,table,d5"), (2, "time_s,table,d_5")):
+        rows = np.column_stack([time, np.sin(time), np.sin(time)])
+        np.savetxt(tmp_path / f"run{number}.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
+    (tmp_path / "case.toml").write_text(CASE)
+    return tmp_path
+
+
+def test_all_faults_are_found_with_their_lines(folder: Path):
+    said = [
+        "case.toml line 9: run 'run2.csv': unknown key 'rle'; did you mean 'role'?",
+        "case.toml line 19: channel 'a3': unknown quantity 'acceleration'; say which: table_acceleration, absolute",
+        "case.toml line 24: channel 'a4': floor 9 is not on 5A, which has 5",
+        "case.toml line 32: channel 'a5': unit 'furlong' is none of absolute_acceleration's; use one of m/s^2, g, cm/s^2",
+        "run2.csv line 1: no column for channel 'd5'; did you mean 'd_5'?",
+    ]
+    found = all_faults(folder)
+    assert len(found) == len(said)
+    for fault, begins in zip(found, said, strict=True):
+        assert fault.startswith(begins)
+
+
+def test_a_case_that_can_be_read_has_none(folder: Path, capsys: pytest.CaptureFixture[str]):
+    text = CASE.replace('rle = "training"\n', "").replace('"acceleration"', '"absolute_acceleration"')
+    text = text.replace("floor = 9", "floor = 4").replace("furlong", "g")
+    (folder / "case.toml").write_text(text)
+    time = 0.002 * np.arange(64)
+    for number in (1, 2):
+        rows = np.column_stack([time, *[np.sin(time)] * 5])
+        header = "time_s,table,a3,a4,a5,d5"
+        np.savetxt(folder / f"run{number}.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
+    assert all_faults(folder) == []
+    check_case(folder)
+    assert "can be read" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[[frame", "is not TOML"),
+        (CASE.replace('"5A"', '"5Z"'), "frame '5Z' is not known"),
+        (CASE.replace("table_acceleration", "relative_displacement"), "channel 'table'"),
+    ],
+)
+def test_what_nothing_more_can_be_said_of_ends_the_list(folder: Path, text: str, said: str):
+    (folder / "case.toml").write_text(text)
+    assert any(said in fault for fault in all_faults(folder))
+
+
+def test_the_command_numbers_them_and_ends_with_an_error(folder: Path, capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(CaseError, match="5 things have to be corrected"):
+        check_case(folder)
+    assert [line[:2] for line in capsys.readouterr().out.splitlines()] == [f"{n}." for n in range(1, 6)]
+
+
+def test_a_folder_without_a_case_is_one_sentence(tmp_path: Path):
+    assert all_faults(tmp_path) == [
+        f"{tmp_path} holds no case.toml; a case is a folder with case.toml and its CSV files"
+    ]
