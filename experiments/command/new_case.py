@@ -40,11 +40,13 @@ def new_case(
     _check_alike(files, headers)
     own = Path(frame).suffix == ".toml"
     storeys = load(frame).storeys
-    result_folder.prepare(out)
-    for file, header in zip(files, headers, strict=True):
-        write_whole(out / file.name, _with_time(file, header))
+    copies = {file.name: _with_time(file, header) for file, header in zip(files, headers, strict=True)}
     if own:
-        write_whole(out / Path(frame).name, Path(frame).read_bytes())
+        copies[Path(frame).name] = Path(frame).read_bytes()
+    missing = _missing(out, copies)
+    result_folder.prepare(out)
+    for name in missing:
+        write_whole(out / name, copies[name])
     names = [file.name for file in files]
     text = draft(Path(frame).name if own else frame, storeys, names, headers[0][1:], is_file=own)
     write_whole(out / FILE, text.encode())
@@ -61,6 +63,19 @@ def _check_alike(files: tuple[Path, ...], headers: list[list[str]]) -> None:
             raise CaseError(
                 f"{file.name} has no column {missing[0]!r} that {files[0].name} has; a case has one header"
             )
+
+
+def _missing(out: Path, copies: dict[str, bytes]) -> list[str]:
+    """Return the names of the files that are still to be copied; refuse to copy over another file."""
+    if FILE in copies:
+        raise CaseError(f"a file is called {FILE}, as the case itself will be; rename yours")
+    there = [name for name in copies if (out / name).exists()]
+    for name in there:
+        if not (out / name).is_file() or (out / name).read_bytes() != copies[name]:
+            raise CaseError(
+                f"{out / name} is there already and would be changed; name another folder by --out"
+            )
+    return [name for name in copies if name not in there]
 
 
 def _with_time(file: Path, header: list[str]) -> bytes:

@@ -11,6 +11,7 @@ from pounding.diagnosis.case.drafting import draft, guess, header_of
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments.command.new_case import new_case
+from pounding.frames.templates import template
 
 
 @pytest.mark.parametrize(
@@ -99,3 +100,25 @@ def test_a_frame_of_one_s_own_is_copied_beside_the_case(tmp_path):
         out=tmp_path / "case",
     )
     assert read_case(tmp_path / "case").channels[1].floor == 4
+
+
+def test_a_file_that_is_there_is_not_changed(tmp_path):
+    raw, ready = _logger(tmp_path / "raw.csv"), _logger(tmp_path / "ready.csv", "time_s,table [g],a5 [g]")
+    before = raw.read_bytes()
+    with pytest.raises(CaseError, match=r"raw\.csv is there already and would be changed"):
+        new_case(raw, frame="5A", out=tmp_path)
+    frame, other = tmp_path / "office.toml", tmp_path / "other" / "office.toml"
+    frame.write_bytes(template("stick", "office").encode())
+    other.parent.mkdir()
+    other.write_text("mine")
+    with pytest.raises(CaseError, match=r"office\.toml is there already and would be changed"):
+        new_case(ready, frame=str(frame), out=other.parent)
+    assert (raw.read_bytes(), other.read_text()) == (before, "mine")
+    assert [path.name for path in other.parent.iterdir()] == ["office.toml"]
+    new_case(ready, frame="5A", out=tmp_path)  # A file that can stay as it is stays.
+    assert len(read_case(tmp_path).runs) == 1
+
+
+def test_no_copy_has_the_name_of_the_case(tmp_path):
+    with pytest.raises(CaseError, match=r"a file is called case\.toml"):
+        new_case(_logger(tmp_path / "case.toml"), frame="5A", out=tmp_path / "case")
