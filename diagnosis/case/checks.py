@@ -50,6 +50,8 @@ INTERPOLATIONS = ("zoh", "linear")
 def check(described: Description, folder: Path, places: Places) -> tuple[Case, list[tuple[str, str | None]]]:
     """Return the case without its runs, and the runs' files and roles.
 
+    Whether something of use is measured at all is left to `check_what_is_measured`.
+
     Args:
         described: The tables of `case.toml`.
         folder: Folder of the case, from which files are found.
@@ -69,8 +71,6 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
     )
     if described.run:
         _check_roles(described, places)
-    if described.run and not described.peak:
-        _check_what_is_measured(channels, places)
     for name, value in msgspec.structs.asdict(described.prior).items():
         fault = bounds.PRIOR.fault(value, f"[prior] {name}")
         if fault:
@@ -155,7 +155,7 @@ def _load(frame: str | Path, error: Callable[..., CaseError]) -> Frame:
         own = (
             ""
             if key == "file"
-            else " A frame of your own needs storeys, floor_mass_kg, frequency_hz, ..., or file."
+            else ". A frame of your own needs storeys, floor_mass_kg, frequency_hz, ..., or file."
         )
         raise error(f"{wrong}{own}", key) from None
 
@@ -352,7 +352,16 @@ def _check_references(described: Description, index: int, places: Places) -> Non
         raise places.error(f"run {described.run[index].file!r}: {what}", "run", index, "role")
 
 
-def _check_what_is_measured(channels: tuple[Channel, ...], places: Places) -> None:
+def check_what_is_measured(channels: Sequence[Channel], places: Places) -> None:
+    """Refuse channels of which none says how the table moved, or none how a frame answered.
+
+    Args:
+        channels: The channels of a case with runs.
+        places: Where things stand in `case.toml`, for messages.
+
+    Raises:
+        CaseError: Such a channel is missing.
+    """
     if not any(channel.is_table for channel in channels):
         what = "no channel says how the table moved; add one of table_acceleration or table_displacement"
         raise places.error(what)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from pounding import bounds
 from pounding.diagnosis.case.case import Channel, Run
-from pounding.diagnosis.case.time_stamps import TIME, grid
+from pounding.diagnosis.case.time_stamps import TIME, Grid, grid
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments import csv_table
 from pounding.experiments.measurements.quantities import BOUNDS
@@ -37,15 +38,7 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     """
     header, cells, ended = _cells(path)
     _check_header(path, header)
-    if len(cells.rows) < MIN_SAMPLES:
-        raise CaseError(f"{path.name} has {len(cells.rows)} samples; a run needs at least {MIN_SAMPLES}")
-    numbers = csv_table.numbers(header, cells, path.name, CaseError, column="channel")
-    found = grid(path.name, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
-    bounds.STEP.check(found.step_s, f"{path.name}: the step of {TIME}", CaseError)
-    bounds.DURATION.check(found.step_s * (found.samples - 1), f"{path.name}: the run's length", CaseError)
-    columns = [_column(path, header, channel) for channel in channels]
-    values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
-    _check_values(path, cells.lines, channels, values)
+    found, values = _values(path, header, cells, channels)
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
     unused = [name for name in header[1:] if name not in {channel.name for channel in channels}]
     if unused:
@@ -66,6 +59,58 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
         warnings.append(f"{path.name}: {lost} of {found.samples} row{several[0]} {said}")
     run = Run(path.name, role, found.times_s(), found.step_s, found.spread(values))
     return run, [warning for warning in warnings if warning]
+
+
+def faults_of_run(path: Path, names: Sequence[str], channels: Sequence[Channel]) -> list[str]:
+    """Return a sentence for each thing that keeps a run from being read; of a column the first fault only.
+
+    Args:
+        path: The CSV file.
+        names: Names of the columns that it must have.
+        channels: Channels whose quantity and unit are known, so that their values can be judged.
+    """
+    try:
+        header, cells, _ = _cells(path)
+        _check_header(path, header)
+    except CaseError as error:
+        return [str(error)]
+    tries: list[Callable[[], object]] = [partial(_column, path, header, name) for name in names]
+    if len(header) < 2 or any(len(row) != len(header) for row in cells.rows):
+        tries.append(partial(_values, path, header, cells, ()))
+    else:
+        tries += [_alone(path, header, cells, channels, index) for index in range(1, len(header))]
+    found: dict[str, None] = {}
+    for attempt in tries:
+        try:
+            attempt()
+        except CaseError as error:
+            found.setdefault(str(error))
+    return list(found)
+
+
+def _alone(
+    path: Path, header: list[str], cells: csv_table.Cells, channels: Sequence[Channel], index: int
+) -> Callable[[], object]:
+    """Return the reading of one column beside the time, so that its fault hides none of another column."""
+    part = csv_table.Cells(cells.lines, [[row[0], row[index]] for row in cells.rows])
+    of_it = [channel for channel in channels if channel.name == header[index]]
+    return partial(_values, path, [header[0], header[index]], part, of_it)
+
+
+def _values(
+    path: Path, header: list[str], cells: csv_table.Cells, channels: Sequence[Channel]
+) -> tuple[Grid, np.ndarray]:
+    """Return the grid of times and the channels' values in SI, shape (rows, channels)."""
+    if len(cells.rows) < MIN_SAMPLES:
+        raise CaseError(f"{path.name} has {len(cells.rows)} samples; a run needs at least {MIN_SAMPLES}")
+    numbers = csv_table.numbers(header, cells, path.name, CaseError, column="channel")
+    found = grid(path.name, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
+    bounds.STEP.check(found.step_s, f"{path.name}: the step of {TIME}", CaseError)
+    bounds.DURATION.check(found.step_s * (found.samples - 1), f"{path.name}: the run's length", CaseError)
+    columns = [_column(path, header, channel.name) for channel in channels]
+    values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
+    _check_values(path, cells.lines, channels, values)
+    return found, values
 
 
 def _cells(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
@@ -108,13 +153,13 @@ def _check_values(path: Path, lines: list[int], channels: Sequence[Channel], val
             bound.check(series[row] / channel.to_si, where, CaseError, per=channel.to_si, unit=channel.unit)
 
 
-def _column(path: Path, header: list[str], channel: Channel) -> int:
-    if channel.name in header[1:]:
-        return header.index(channel.name)
-    close = difflib.get_close_matches(channel.name, header[1:], n=1)
+def _column(path: Path, header: list[str], name: str) -> int:
+    if name in header[1:]:
+        return header.index(name)
+    close = difflib.get_close_matches(name, header[1:], n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
     raise CaseError(
-        f"{path.name} line 1: no column for channel {channel.name!r}; {hint}add the column (with empty cells "
+        f"{path.name} line 1: no column for channel {name!r}; {hint}add the column (with empty cells "
         "if it was not recorded in this run) or remove the [[channel]]"
     )
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from pounding.diagnosis.case.case import Case, Prior
-from pounding.diagnosis.case.checks import check, suggest
+from pounding.diagnosis.case.checks import check, check_what_is_measured, suggest
 from pounding.diagnosis.case.number_tables import ModalTable, PeakTable
 from pounding.diagnosis.case.places import FILE, Places
 from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable, RunTable
@@ -63,15 +64,48 @@ def described_by(
     Raises:
         CaseError: The tree contradicts itself, or is none of a case.
     """
+    for error in missing_tables(raw, places):
+        raise error
+    case, files = described_in_part(raw, folder, places)
+    if files and not case.peaks:
+        check_what_is_measured(case.channels, places)
+    return case, files
+
+
+def missing_tables(raw: Mapping[str, Any], places: Places) -> list[CaseError]:
+    """Return an error for each table that a case needs and that is not there.
+
+    Args:
+        raw: The tree of a `case.toml`.
+        places: Where things stand in the file.
+    """
+    # Modal data need no shaking: a case may hold nothing else.
+    needed = ("frame",) if raw.get("modal") else ("frame", "run", "channel")
+    return [
+        places.error(f"there is no [[{table}]]; a case needs at least one")
+        for table in needed
+        if not raw.get(table)
+    ]
+
+
+def described_in_part(
+    raw: dict[str, Any], folder: Path, places: Places
+) -> tuple[Case, list[tuple[str, str | None]]]:
+    """Return what `described_by` does, of a tree in which runs and channels may be missing.
+
+    Args:
+        raw: The tree, with a frame at least.
+        folder: Folder of the case.
+        places: Where things stand in the file.
+
+    Raises:
+        CaseError: What is in the tree contradicts itself, or is not of a case.
+    """
     return check(_convert(raw, places), folder, places)
 
 
 def _convert(raw: dict[str, Any], places: Places) -> Description:
     """Return the structs, or an error in which msgspec's path has become a line and a suggestion."""
-    # Modal data need no shaking: a case may hold nothing else.
-    for table in ("frame",) if raw.get("modal") else ("frame", "run", "channel"):
-        if not raw.get(table):
-            raise places.error(f"there is no [[{table}]]; a case needs at least one")
     try:
         return msgspec.convert(raw, Description)
     except (msgspec.ValidationError, OverflowError) as error:

@@ -56,8 +56,9 @@ unit = "mm"
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     time = 0.002 * np.arange(64)
-    for number, header in ((1, "time_s,table,d5"), (2, "time_s,table,d_5")):
-        rows = np.column_stack([time, np.sin(time), np.sin(time)])
+    for number, last in ((1, "d5"), (2, "d_5")):
+        rows = np.column_stack([time, *[np.sin(time)] * 5])
+        header = f"time_s,table,a3,a4,a5,{last}"
         np.savetxt(tmp_path / f"run{number}.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
     (tmp_path / "case.toml").write_text(CASE)
     return tmp_path
@@ -114,3 +115,64 @@ def test_a_folder_without_a_case_is_one_sentence(tmp_path: Path):
     assert all_faults(tmp_path) == [
         f"{tmp_path} holds no case.toml; a case is a folder with case.toml and its CSV files"
     ]
+
+
+def _said(folder: Path, *changes: tuple[str, str]) -> list[str]:
+    """Return the faults of the case without its faults, but with some changes."""
+    text = CASE.replace('rle = "training"\n', "").replace('"acceleration"', '"absolute_acceleration"')
+    text = text.replace("floor = 9", "floor = 4").replace("furlong", "g")
+    run = (folder / "run1.csv").read_text()
+    (folder / "run2.csv").write_text(run)
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (folder / "case.toml").write_text(text)
+    return all_faults(folder)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('[[frame]]\nname = "5A"', '[[frame]]\nname = "5Z"'), "15B, 8, 12. A frame of your own needs"),
+        (('name = "5A"', 'name = "5A"\ncolor = "red"'), "unknown key 'color'"),
+        (('name = "5A"', 'name = "5A"\njoints = "soft"'), "joints is 'soft'"),
+        (('[[frame]]\nname = "5A"', 'titel = "x"\n[[frame]]\nname = "5A"'), "unknown key 'titel'"),
+        (("table_acceleration", "absolute_acceleration"), "channel 'table': the key 'floor' is missing"),
+        (('"run1.csv"', '"run1.csv"\nrole = "heldout"'), "unknown role 'heldout'"),
+        (('[[frame]]\nname = "5A"', ""), "there is no [[frame]]"),
+    ],
+)
+def test_one_fault_hides_no_other(folder: Path, change: tuple[str, str], said: str):
+    found = _said(
+        folder, change, ('"mm"\n', '"furlong"\n[prior]\nfloor_mass = -1\n'), ('"run2.csv"', '"run9.csv"')
+    )
+    assert len(found) == 4
+    for words in (said, "unit 'furlong'", "[prior] floor_mass", "run9.csv is not there"):
+        assert sum(words in fault for fault in found) == 1
+
+
+def test_what_only_follows_from_a_fault_is_none(folder: Path):
+    assert len(_said(folder, ('[[frame]]\nname = "5A"', '[[frame]]\nname = "5Z"'))) == 1
+    held_out = ('"run2.csv"', '"run2.csv"\nrole = "held_out"')
+    assert len(_said(folder, held_out, ('"run1.csv"', '"run1.csv"\nrole = "heldout"'))) == 1
+    assert len(_said(folder, ('"table_acceleration"', '"acceleration"'))) == 1
+
+
+def test_unit_and_floor_of_one_channel(folder: Path):
+    found = _said(folder, ('floor = 3\nquantity = "absolute_acceleration"\nunit = "g"', ODD))
+    assert len(_said(folder, ('floor = 3\nquantity = "absolute_acceleration"\nunit = "g"', "unit = 3"))) == 1
+    assert [words in fault for words, fault in zip(("'furlong'", "floor 9"), found, strict=True)] == [
+        True
+    ] * 2
+
+
+ODD = 'floor = 9\nquantity = "absolute_acceleration"\nunit = "furlong"'
+
+
+def test_each_column_of_a_run_is_read_alone(folder: Path):
+    lines = (folder / "run1.csv").read_text().splitlines()
+    lines[4] = ",".join([lines[4].split(",")[0], "x", "y", *lines[4].split(",")[3:]])
+    (folder / "run1.csv").write_text("\n".join(lines) + "\n")
+    found = _said(folder, ('name = "d5"', 'name = "zzz"'))
+    begins = [f"run{run}.csv line {line}" for run in (1, 2) for line in (1, 5, 5)]
+    assert [fault[: len(begin)] for fault, begin in zip(found, begins, strict=True)] == begins
