@@ -111,7 +111,9 @@ def pound(
     estimates.announce(*map(estimates.of_frame, definitions))
     pair = built_in(states[0], joints, p_delta), built_in(states[1], joints, p_delta)
     floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
-    laws, bases = choose_laws(pair, floors[0], chosen_set, wish)
+    by_floor = {number: choose_laws(pair, number, chosen_set, wish) for number in floors}
+    laws = list(zip(*(chosen for chosen, _ in by_floor.values()), strict=True))
+    bases = _bases({number: said for number, (_, said) in by_floor.items()})
     gaps_m = [1e-3 * value for value in gap]
     rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
     estimates.announce(estimates.of_run(pair, shaken.duration_s, len(laws)))
@@ -124,7 +126,7 @@ def pound(
     runs = []
     with _progress() as progress:
         for chosen in laws:
-            bar = progress.add_task(chosen.name, total=shaken.duration_s)
+            bar = progress.add_task(chosen[0].name, total=shaken.duration_s)
             runs.append(
                 run_one(
                     *pair,
@@ -144,7 +146,7 @@ def pound(
         "floors": floors,
         "law": law,
         "parameters": chosen_set,
-        "contact": {chosen.name: vars(chosen) for chosen in laws},
+        "contact": {of[0].name: vars(of[0]) if len(of) == 1 else [vars(one) for one in of] for of in laws},
         "contact_basis": bases,
         "flip": flip,
         "pga_g": pga,
@@ -187,6 +189,16 @@ def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: boo
             progress.update(bar, completed=share)
 
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
+
+
+def _bases(by_floor: dict[int, list[str]]) -> list[str]:
+    """Return what the laws rest on; what differs from floor to floor with the floor."""
+    said = list(by_floor.values())
+    if all(one == said[0] for one in said):
+        return said[0]
+    return [
+        f"{sentence} (floor {number})" for number, sentences in by_floor.items() for sentence in sentences
+    ]
 
 
 def _together(bases: Iterable[str]) -> Iterable[str]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures.plots import STYLE
+from pounding.experiments.rig.impacts import impacts
 from pounding.frames.files import replacing
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ def force_histories(
     """Plot the force of several runs over each other: the whole run, and the first impact of each, aligned.
 
     Args:
-        runs: Runs that differ in their law; the first contact of each is shown.
+        runs: Runs that differ in their law; of several contacts the one that is hit hardest is shown.
         path: File to write; its suffix says the format.
         labels: Of the runs; the names of their laws when None.
         window_s: Length of the close view [s]; that of the longest first touch, and at least `CLOSE_S`, when None.
@@ -59,22 +60,25 @@ def force_histories(
     _require_touch(runs)
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
-    window_s = _first_touch_s(runs) if window_s is None else window_s
-    for index, run in enumerate(runs):
-        history = run.motion.contacts[0]
+    shown = hit_hardest(runs)
+    window_s = _first_touch_s(shown) if window_s is None else window_s
+    starts = [[impact.time_s for impact in impacts(history)] for history in shown]
+    for index, history in enumerate(shown):
         name = labels[index] if labels else _label(history)
         colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
         times, force = history.sampled()
         whole.plot(times, force, color=colour, label=name, linewidth=0.9)
-        if run.impacts:
-            start = run.impacts[0].time_s
+        if starts[index]:
+            start = starts[index][0]
             near = np.linspace(start - 0.1 * window_s, start + window_s, 1500)
             close.plot(1e3 * (near - start), history.at(near)[2], color=colour)
-    touches = [impact.time_s for run in runs for impact in run.impacts]
+    touches = [time for each in starts for time in each]
     margin = 0.03 + 0.1 * (max(touches) - min(touches))
     whole.set_xlim(max(0.0, min(touches) - margin), max(touches) + margin)
     first, (left, right) = runs[0], runs[0].motion.frames
-    gap = f"gap {1e3 * first.motion.contacts[0].gap_m:g} mm"
+    gap = f"gap {1e3 * shown[0].gap_m:g} mm"
+    if len(first.motion.contacts) > 1:
+        gap += f" at floor {shown[0].floor}"
     whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
     # Below the axes: the peaks take whatever room there is inside.
@@ -84,9 +88,20 @@ def force_histories(
     _save(figure, path)
 
 
-def _first_touch_s(runs: Sequence[Pounding]) -> float:
+def hit_hardest(runs: Sequence[Pounding]) -> list[ContactHistory]:
+    """Return the same contact of each run: the one with the largest force in any of them.
+
+    Args:
+        runs: Runs of the same frames with the same contacts.
+    """
+    peaks = [[contact.sampled()[1].max(initial=0.0) for contact in run.motion.contacts] for run in runs]
+    place = int(np.max(peaks, axis=0).argmax())
+    return [run.motion.contacts[place] for run in runs]
+
+
+def _first_touch_s(shown: Sequence[ContactHistory]) -> float:
     """Return how long the longest first touch lasts [s], at least `CLOSE_S`."""
-    first = [run.motion.contacts[0].pulses[0] for run in runs if run.motion.contacts[0].pulses]
+    first = [history.pulses[0] for history in shown if history.pulses]
     return max([CLOSE_S, *(last - begin for begin, last in first)])
 
 
@@ -95,7 +110,7 @@ def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] |
     """Plot force over deformation of the hardest touch of each run; the area of a loop is the energy lost.
 
     Args:
-        runs: Runs; the first contact of each is shown.
+        runs: Runs; of several contacts the one that is hit hardest is shown.
         path: File to write.
         labels: Of the runs; the names of their laws when None.
 
@@ -105,8 +120,7 @@ def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] |
     _require_touch(runs)
     figure = Figure(figsize=(5.4, 3.8), layout="constrained")
     axes = figure.subplots()
-    for index, run in enumerate(runs):
-        history = run.motion.contacts[0]
+    for index, history in enumerate(hit_hardest(runs)):
         if history.pulses:
             colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
             _loop(axes, history, labels[index] if labels else _label(history), colour)
@@ -159,7 +173,7 @@ def _label(history: ContactHistory) -> str:
 
 
 def _require_touch(runs: Sequence[Pounding]) -> None:
-    if not any(run.motion.contacts[0].pulses for run in runs):
+    if not any(contact.pulses for run in runs for contact in run.motion.contacts):
         raise ExperimentError("nothing to plot: the floors did not touch; narrow the gap")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pounding import frames
 from pounding.contact.laws import Law
@@ -25,6 +25,8 @@ from pounding.scale import THESIS
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +89,7 @@ def pound(
     left: ReducedFrame,
     right: ReducedFrame,
     record: Record,
-    law: Law,
+    law: Law | Sequence[Law],
     gap_m: float | Sequence[float],
     *,
     floors: Sequence[int] = (),
@@ -102,7 +104,7 @@ def pound(
     Args:
         left, right: Reduced frames.
         record: The shaking, at the scale of the frames.
-        law: Impact law of all contacts.
+        law: Impact law, one for all floors or one a floor.
         gap_m: Gap at rest [m], one for all floors or one a floor.
         floors: Floors of the lower frame that can touch; default: its roof.
         duration_s: End of the run [s]; default: the end of the record.
@@ -112,7 +114,7 @@ def pound(
         merging_s: Touches closer than this are one impact [s].
 
     Raises:
-        ExperimentError: A floor that one of the frames does not have, the wrong number of gaps, or a run
+        ExperimentError: A floor that one of the frames does not have, the wrong number of gaps or laws, or a run
             that grows without bound.
         ContactError: A negative gap.
     """
@@ -124,7 +126,7 @@ def pound(
 def rig_of(
     left: ReducedFrame,
     right: ReducedFrame,
-    law: Law,
+    law: Law | Sequence[Law],
     gap_m: float | Sequence[float],
     floors: Sequence[int] = (),
 ) -> Rig:
@@ -133,17 +135,20 @@ def rig_of(
     Args:
         left: Frame that moves in +x towards the other.
         right: The other frame.
-        law: Impact law of every contact.
+        law: Impact law, one for all floors or one a floor.
         gap_m: Gap at rest [m], one for all floors or one a floor.
         floors: Floors of the lower frame; its roof when empty.
     """
     chosen: list[int | None] = list(floors) or [None]
-    gaps = _one_each(gap_m, chosen)
+    if len(set(chosen)) != len(chosen):
+        raise ExperimentError(f"floors {', '.join(map(str, chosen))}: each can be given once")
+    gaps = _one_each("gaps", [gap_m] if isinstance(gap_m, int | float) else gap_m, chosen)
+    laws = _one_each("laws", law if isinstance(law, Sequence) else [law], chosen)
     return Rig(
         [left, right],
         [
-            Contact(law, gap, contact_floors(left, right, floor))
-            for gap, floor in zip(gaps, chosen, strict=True)
+            Contact(law, float(gap), contact_floors(left, right, floor))
+            for law, gap, floor in zip(laws, gaps, chosen, strict=True)
         ],
     )
 
@@ -223,14 +228,11 @@ def shaking(
     return record.flipped() if flip else record
 
 
-def _one_each(gap_m: float | Sequence[float], floors: Sequence[int | None]) -> list[float]:
-    gaps = [float(gap_m)] if isinstance(gap_m, int | float) else [float(gap) for gap in gap_m]
-    if len(gaps) == 1:
-        gaps *= len(floors)
-    if len(gaps) != len(floors):
+def _one_each(what: str, given: Sequence[Value], floors: Sequence[int | None]) -> list[Value]:
+    """Return one value a floor, of one that is given for all or of as many as there are floors."""
+    values = list(given) * (len(floors) if len(given) == 1 else 1)
+    if len(values) != len(floors):
         raise ExperimentError(
-            f"{len(gaps)} gaps for {len(floors)} floor(s): give one for all, or one a floor"
+            f"{len(values)} {what} for {len(floors)} floor(s): give one for all, or one a floor"
         )
-    if len(set(floors)) != len(floors):
-        raise ExperimentError(f"floors {', '.join(map(str, floors))}: each can be given once")
-    return gaps
+    return values

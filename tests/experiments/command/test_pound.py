@@ -122,6 +122,68 @@ def test_a_gap_a_floor(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["floors"] == [5, 3]
 
 
+def test_plots_show_the_contact_that_is_hit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = [
+        "pound",
+        "10",
+        "5B",
+        "--gap",
+        "50",
+        "--gap",
+        "3",
+        "--floor",
+        "1",
+        "--floor",
+        "5",
+        "--solver",
+        "exact",
+    ]
+    run([*words, "--record", RECORD, "--out", str(tmp_path)], capsys)
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"forces.png", "loops.png", "pound.json"} <= written
+    impacts = json.loads((tmp_path / "pound.json").read_text())["runs"][0]["impacts"]
+    assert {impact["floor"] for impact in impacts} == {5}
+
+
+HOUSE = """kind = "stick"
+name = "{name}"
+storeys = 2
+storey_height_m = 3.0
+floor_mass_kg = [400e3, 100e3]
+frequency_hz = [{hz}]
+damping_ratio = 0.05
+plan_m = [20.0, 10.0]
+slab = {{ thickness_m = 0.2 }}
+"""
+
+
+def test_each_floor_has_the_damping_of_its_own_masses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, hz in (("left", 2.0), ("right", 1.0)):
+        (tmp_path / f"{name}.toml").write_text(HOUSE.format(name=name, hz=hz))
+    pair = [str(tmp_path / "left.toml"), str(tmp_path / "right.toml")]
+    words = [
+        "pound",
+        *pair,
+        "--gap",
+        "20",
+        "--floor",
+        "1",
+        "--floor",
+        "2",
+        "--record",
+        RECORD,
+        "--solver",
+        "exact",
+    ]
+    said = json.loads(run([*words, "--json"], capsys)[0])["parameters"]
+    first, second = said["contact"]["linear_viscoelastic"]
+    assert first["stiffness"] == second["stiffness"]
+    # The damping of a Kelvin-Voigt contact grows with the root of the reduced mass (thesis eq. 2.6).
+    assert first["damping"] == pytest.approx(2.0 * second["damping"])
+
+
 def test_restitution_of_one_is_the_spring_alone_and_any_stiffness_is_resolved(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
