@@ -6,13 +6,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from pounding import bounds
 from pounding.diagnosis.case.case import Case, Channel
 from pounding.diagnosis.case.checks import check_what_is_measured
 from pounding.diagnosis.case.csv import faults_of_run
 from pounding.diagnosis.case.places import FILE, Places
 from pounding.diagnosis.case.quantities import UNITS
+from pounding.diagnosis.case.tables import Description
 from pounding.diagnosis.case.time_stamps import TIME
-from pounding.diagnosis.case.toml import described_in_part, missing_tables, read_description
+from pounding.diagnosis.case.toml import TABLES, described_in_part, missing_tables, read_description
 from pounding.diagnosis.errors import CaseError
 from pounding.toml_text import tree_of
 
@@ -102,7 +104,8 @@ class _Faults:
             return self._tree.pop(key, None) is not None
         items = self._tree.get(table)
         item = _item(items, error.index)
-        if key in item and ("unknown key" in str(error) or key in OPTIONAL or table == "prior"):
+        unknown = key not in TABLES.get(table, Description).__struct_fields__
+        if key in item and (unknown or key in OPTIONAL or table == "prior"):
             del item[key]
         elif table == "frame":
             return self._without_frame(error.index)
@@ -143,7 +146,7 @@ class _Faults:
                 self._set_aside("channel", index)
 
     def _stand_in(self, frame: Mapping[str, Any]) -> dict[str, Any]:
-        storeys, name = 200, frame.get("name")
+        storeys, name = int(bounds.STOREYS.high), frame.get("name")
         stand_in = {
             "name": name if isinstance(name, str) and name else "frame",
             "storeys": storeys,

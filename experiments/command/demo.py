@@ -188,7 +188,7 @@ def _sections(out: Path, record: str) -> list[Section]:
             f"{left} beside {right}",
             "Two frames with too small a gap: contact force of five impact laws, and a film of the hardest impact.",
             out / "pounding",
-            f"pounding pound {left} {right} --gap 10 --record {record} --law all --out DIR",
+            f"pounding pound {left} {right} --gap MM --record {record} --law all --out DIR",
         ),
         Section(
             "The missing effect",

@@ -213,6 +213,18 @@ def spectra(
     _save(figure, path)
 
 
+def end_of_motion(times_s: Real, motions: Iterable[Real], *, rest: float = 0.05) -> float:
+    """Return when all motions have fallen below a share of their peaks for good [s], so that rest is not drawn.
+
+    Args:
+        times_s: Instants (m,) [s].
+        motions: Motions at these instants (m,).
+        rest: The share.
+    """
+    last = max(int(np.flatnonzero(np.abs(m) >= rest * np.abs(m).max()).max(initial=1)) for m in motions)
+    return float(times_s[min(int(1.05 * last) + 1, len(times_s) - 1)])
+
+
 def _mark(axis: Axes, peaks_mm: tuple[float, float]) -> None:
     for sign, value in zip((1.0, -1.0), peaks_mm, strict=True):
         label = "published peaks" if sign > 0 else None

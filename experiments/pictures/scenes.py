@@ -6,8 +6,7 @@ touch in the picture touch in the run.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -23,7 +22,6 @@ from pounding.frames.drawing.pictures import (
     STRESS_MAP,
     Margins,
     add_lines,
-    add_plain,
     add_surface,
     add_table,
     bar,
@@ -56,8 +54,6 @@ ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
 RED = "#b3262e"
 
-SIDE_BY_SIDE_M, APART_M = 0.02, 0.5
-"""Room between the frames of a group at rest, and between two groups, for frames of the usual plan [m]."""
 BEHIND = "#0072b2"
 """Colour of the lines of another run."""
 
@@ -196,49 +192,6 @@ def picture(
         stage = Stage(scene, setting(motion, title=title))
         stage.add_rest()
         stage.show(instants(motion, [moment], behind=behind)[0])
-        save(scene, path)
-
-
-def at_rest(
-    groups: Mapping[str, Sequence[ReducedFrame]], path: str | Path, *, size: tuple[int, int] = (1120, 460)
-) -> None:
-    """Draw groups of frames at rest, each on a table of its own with its name before it, all at one scale.
-
-    Args:
-        groups: Frames of each group from left to right, by what is written.
-        path: Image file to write.
-        size: Width and height [pixels].
-
-    Raises:
-        FrameError: The machine cannot render, or the file cannot be written.
-    """
-    with plotter(size) as scene:
-        start, unit = 0.0, 1.0
-        points, words, heights = [], [], [0.0]
-        for name, frames in groups.items():
-            unit = frames[0].plan_m[0] / USUAL_PLAN_M
-            first = start
-            for frame in frames:
-                shape, (left, right, _, _) = shape_of(frame), plan(frame)
-                nodes = shape.nodes + [start - left, 0.0, 0.0]
-                add_plain(scene, replace(shape, nodes=nodes))
-                start += right - left + SIDE_BY_SIDE_M * unit
-                heights.append(float(frame.heights_m[-1]))
-            front, back = min(plan(f)[2] for f in frames), max(plan(f)[3] for f in frames)
-            add_table(scene, (first, start - SIDE_BY_SIDE_M * unit, front, back), unit=unit)
-            points.append([0.5 * (first + start), front - 3.0 * RIM * unit, -6.0 * RIM * unit])
-            words.append(name)
-            start += APART_M * unit
-        style = {
-            "font_size": letters(scene, 20),
-            "text_color": "black",
-            "bold": False,
-            "font_family": "arial",
-        }
-        style |= {"shape": None, "show_points": False, "always_visible": True}
-        scene.add_point_labels(points, words, justification_horizontal="center", **style)
-        low, high = np.array([0.0, points[0][1], points[0][2]]), np.array([start, 0.5 * unit, max(heights)])
-        look(scene, low, high, margins=Margins(top=0.03))
         save(scene, path)
 
 

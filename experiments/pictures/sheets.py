@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pounding.experiments.pictures.contact_plots import COLOURS
-from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
+from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS, end_of_motion
 from pounding.frames.files import replacing
 
 if TYPE_CHECKING:
@@ -90,13 +90,7 @@ def motion(axis: Axes, lines: Sequence[Line], levels: Iterable[Level] = ()) -> N
         for place, value in enumerate(level.values):
             label = level.label if place == 0 else None
             axis.axhline(value, color=level.colour, lw=1.0, ls="--", label=label)
-    axis.set_xlim(0.0, max(_end(line) for line in lines))
-
-
-def _end(line: Line) -> float:
-    size = np.abs(line.values)
-    last = int(np.flatnonzero(size >= REST * size.max()).max(initial=1))
-    return float(line.time_s[min(int(1.05 * last) + 1, len(line.time_s) - 1)])
+    axis.set_xlim(0.0, max(end_of_motion(line.time_s, [line.values], rest=REST) for line in lines))
 
 
 def forces(axis: Axes, contacts: Mapping[str, ContactHistory]) -> None:

@@ -13,7 +13,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
+from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS, end_of_motion
 from pounding.experiments.separation.chapter_7.regression import Fit
 from pounding.experiments.separation.gaps.maps import GapMap
 from pounding.extras import extra_module
@@ -50,16 +50,10 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
     lower.plot(result["time_s"], required, "o", color=PUBLISHED, ms=5)
     lower.set_ylabel("closing motion [mm]")
     lower.set_xlabel("time on the model's clock [s]")
-    lower.set_xlim(0.0, _end_of_motion(times_s, left_m, right_m))
+    lower.set_xlim(0.0, end_of_motion(times_s, (left_m, right_m)))
     lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     upper.set_title(f"{result['left']} beside {result['right']} under {result['record']}", loc="left")
     return figure
-
-
-def _end_of_motion(times_s: Real, *motions: Real) -> float:
-    """Return when all motions have fallen below a twentieth of their peaks, so that rest is not drawn."""
-    last = max(int(np.flatnonzero(np.abs(m) >= 0.05 * np.abs(m).max()).max(initial=1)) for m in motions)
-    return float(times_s[min(int(1.05 * last) + 1, len(times_s) - 1)])
 
 
 @matplotlib.rc_context(STYLE)
