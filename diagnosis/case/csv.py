@@ -36,7 +36,7 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     Raises:
         CaseError: The file cannot be read.
     """
-    header, cells, ended = _cells(path)
+    header, cells, ended = cells_of(path)
     _check_header(path, header)
     found, values = _values(path, header, cells, channels)
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
@@ -70,7 +70,7 @@ def faults_of_run(path: Path, names: Sequence[str], channels: Sequence[Channel])
         channels: Channels whose quantity and unit are known, so that their values can be judged.
     """
     try:
-        header, cells, _ = _cells(path)
+        header, cells, _ = cells_of(path)
         _check_header(path, header)
     except CaseError as error:
         return [str(error)]
@@ -113,8 +113,15 @@ def _values(
     return found, values
 
 
-def _cells(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
-    """Return the header, the rows below it, and whether the last of them has an end."""
+def cells_of(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
+    """Return the header, the rows below it, and whether the last of them has an end.
+
+    Args:
+        path: The CSV file.
+
+    Raises:
+        CaseError: It cannot be read, or its columns are not separated by commas.
+    """
     if path.exists() and not path.is_file():
         raise CaseError(f"{path} is not a file; correct `file` of the [[run]]")
     try:
@@ -129,12 +136,12 @@ def _cells(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
     cells = csv_table.split(text, path.name, CaseError)
     if not cells.rows:
         raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
+    if len(cells.rows[0]) == 1 and any(mark in cells.rows[0][0] for mark in ";\t"):
+        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
     return cells.rows[0], csv_table.Cells(cells.lines[1:], cells.rows[1:]), is_ended(text)
 
 
 def _check_header(path: Path, header: list[str]) -> None:
-    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
-        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
     if header[0] != TIME:
         first = csv_table.shown(header[0])
         raise CaseError(f"{path.name} line 1: the first column is {first}; it must be {TIME!r} [s]")

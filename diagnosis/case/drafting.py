@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding import units
+from pounding.diagnosis.case.csv import cells_of
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.case.time_stamps import TIME
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments import csv_table
-from pounding.experiments.text_file import read_text
 
 _TIME = re.compile(r"t|time|seconds|zeit", re.IGNORECASE)
 _TABLE = re.compile(r"table|base|ground|shaker|platen|floor ?0|(?<![a-z])(?:tbl|gnd)(?![a-z])", re.IGNORECASE)
@@ -42,14 +42,14 @@ class Column:
         quantity: One of `UNITS`; None where the name says nothing.
         unit: The unit it seems to be in.
         floor: The floor it seems to be on; None on the table.
-        doubts: What of it the name does not say.
+        doubts: What the name does not say, by the key of `case.toml` that it concerns.
     """
 
     name: str
     quantity: str | None
     unit: str
     floor: int | None
-    doubts: tuple[str, ...] = ()
+    doubts: Mapping[str, str] = field(default_factory=dict)
 
 
 def guess(name: str, storeys: int) -> Column:
@@ -60,7 +60,7 @@ def guess(name: str, storeys: int) -> Column:
         storeys: Storeys of the frame: a name without a number is taken to be of the roof.
     """
     words, unit = _parted(name)
-    doubts = []
+    doubts: dict[str, str] = {}
     kind = next((kind for kind, known in _KINDS.items() if unit in known), None)
     if kind is None:
         kind = "force" if _FORCE.search(words) else _by_word(words)
@@ -68,36 +68,35 @@ def guess(name: str, storeys: int) -> Column:
             return Column(name, None, "", None)
         kind = kind or "acceleration"
         unit = _USUAL[kind]
-        doubts.append("the name has no unit")
+        doubts["unit"] = "the name has no unit"
     on_table = bool(_TABLE.search(words))
     quantity = _quantity(kind, on_table, bool(_ABSOLUTE.search(words)))
     if quantity == "relative_displacement" and not re.search("rel", words, re.IGNORECASE):
-        doubts.append("relative to the table, or absolute_displacement in the room")
+        doubts["quantity"] = "relative to the table, or absolute_displacement in the room"
     if unit not in UNITS[quantity]:
         unit = next(iter(UNITS[quantity]))
-        doubts.append("the column's unit is not read: convert it")
+        doubts["unit"] = "the column's unit is not read: convert it"
     if on_table or kind == "force":
-        return Column(name, quantity, unit, None, tuple(doubts))
+        return Column(name, quantity, unit, None, doubts)
     numbers = [int(number) for number in re.findall(r"\d+", words)]
     floor = numbers[-1] if numbers else storeys
     if not numbers:
-        doubts.append("the name has no floor, so the roof is taken")
+        doubts["floor"] = "the name has none, so the roof is taken"
     elif not 1 <= floor <= storeys:
-        doubts.append(f"the frame has the floors 1 to {storeys}")
-    return Column(name, quantity, unit, floor, tuple(doubts))
+        doubts["floor"] = f"the frame has the floors 1 to {storeys}"
+    return Column(name, quantity, unit, floor, doubts)
 
 
 def _parted(name: str) -> tuple[str, str | None]:
-    """Return the words of a name and the unit in it: in brackets, or after the last underscore, slash or blank."""
+    """Return the words of a name and the unit in it: in brackets, or the longest end after a blank or underscore."""
     inside = re.search(r"[\[(]([^\])]+)[\])]", name)
     if inside:
         return (name[: inside.start()] + name[inside.end() :]).replace("_", " "), units.named(inside[1])
-    for sign in ("_m_s2", "_cm_s2", "_m_s", "_mm_s"):
-        if name.lower().endswith(sign):
-            return name[: -len(sign)].replace("_", " "), units.named(sign[1:])
-    head, _, tail = name.rpartition("_") if "_" in name else name.rpartition(" ")
-    known = units.named(tail) if head else None
-    return (head if known else name).replace("_", " "), known
+    for place in (found.start() for found in re.finditer(r"[ _]", name)):
+        unit = units.named(name[place + 1 :])
+        if unit:
+            return name[:place].replace("_", " "), unit
+    return name.replace("_", " "), None
 
 
 def _by_word(words: str) -> str | None:
@@ -123,18 +122,9 @@ def header_of(path: Path) -> list[str]:
     Raises:
         CaseError: It cannot be read, or its first column is not the time in seconds.
     """
-    try:
-        text = read_text(path, path.name, CaseError)
-    except FileNotFoundError:
-        raise CaseError(f"{path} is not there; name the CSV files of the runs") from None
-    except (OSError, ValueError):
-        raise CaseError(f"{path} cannot be read; name the CSV files of the runs") from None
-    cells = csv_table.split(text, path.name, CaseError)
-    if not cells.rows:
-        raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
-    header = cells.rows[0]
-    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
-        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
+    if not path.is_file():
+        raise CaseError(f"{path} is not there; name the CSV files of the runs")
+    header, _, _ = cells_of(path)
     if all(csv_table.is_number(cell) for cell in header):
         raise CaseError(f"{path.name} line 1: there is no header; name the columns, the first one {TIME}")
     words, unit = _parted(header[0])
@@ -173,15 +163,18 @@ def _channel(column: Column) -> list[str]:
     if column.quantity is None:
         said = f"# column {json.dumps(column.name)}: its name says nothing. A channel needs name, quantity and unit:"
         return [said, f"# {', '.join(UNITS)}"]
-    doubts = f"   # guess: {'; '.join(column.doubts)}" if column.doubts else "   # guess, from the name"
-    lines = ["[[channel]]", f"name = {json.dumps(column.name, ensure_ascii=False)}"]
-    lines.append(f"quantity = {json.dumps(column.quantity)}{doubts}")
-    lines.append(f"unit = {json.dumps(column.unit)}")
+    values = {"quantity": json.dumps(column.quantity), "unit": json.dumps(column.unit)}
     if column.floor is not None:
-        lines.append(f"floor = {column.floor}")
+        values["floor"] = str(column.floor)
+    lines = ["[[channel]]", f"name = {json.dumps(column.name, ensure_ascii=False)}"]
+    lines += [f"{key} = {value}   # guess{_reason(column, key)}" for key, value in values.items()]
     if column.quantity == "contact_force":
         lines = [f"# {line}" for line in lines]
         lines.insert(
             0, "# A force needs two frames and a [[contact]] between them (docs/diagnosis/case-format.md):"
         )
     return lines
+
+
+def _reason(column: Column, key: str) -> str:
+    return f": {column.doubts[key]}" if key in column.doubts else ", from the name"

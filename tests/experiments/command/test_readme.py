@@ -45,3 +45,14 @@ def test_the_impacts_are_as_the_readme_says(capsys: pytest.CaptureFixture[str]):
         assert f"{impact['time_s']:.4f}" == time
         assert (f"{impact['floor']}", f"{impact['peak_force_n']:.0f}") == (floor, peak)
         assert (f"{impact['approach_velocity_m_s']:.3f}", f"{impact['touches']}") == (approach, touches)
+
+
+def test_the_diagnosis_says_what_the_tutorial_that_is_run_says():
+    (commands, said) = re.findall(
+        r"\$ pounding (hide .*?) --out .*?\n.*?\n(Missing is .*?)```",
+        README.read_text(encoding="utf-8"),
+        re.DOTALL,
+    )[0]
+    page = (README.parent / "docs" / "tutorials" / "measurement.md").read_text(encoding="utf-8")
+    assert f"pounding {commands} --out" in page
+    assert said in page
