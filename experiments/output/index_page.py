@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from html import escape
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from pounding.frames.files import write_whole
 
 IMAGES = (".png", ".gif")
 
-_STYLE = (
-    "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222;background:#fff}"
-    "img{max-width:100%;height:auto;border:1px solid #ddd}figure{margin:1rem 0}figcaption{color:#555}"
-    "h2{margin-top:2.5rem}code{background:#f2f2f2;padding:0 .2rem}"
+_TEMPLATES = Environment(
+    loader=PackageLoader("pounding.experiments.output", "templates"),
+    autoescape=True,
+    undefined=StrictUndefined,
 )
 
 
@@ -25,7 +26,7 @@ class Section(NamedTuple):
     Attributes:
         title: Its heading.
         words: What the files show.
-        folder: Folder with the files; its subfolders are left out.
+        folder: Folder with the files; its subfolders are left out, which hold what a series file opens.
         command: What makes the same on its own.
     """
 
@@ -46,31 +47,19 @@ def write_index(title: str, sections: Sequence[Section], path: Path) -> None:
     Raises:
         FrameError: The file cannot be written.
     """
-    parts = [_section(one, path.parent) for one in sections if one.folder.is_dir()]
-    page = (
-        f"<!doctype html><html lang='en'><meta charset='utf-8'><title>{escape(title)}</title><style>{_STYLE}</style>"
-        f"<h1>{escape(title)}</h1>{''.join(parts)}</html>\n"
-    )
+    parts = []
+    for section in sections:
+        if section.folder.is_dir():
+            files = sorted(
+                one for one in section.folder.iterdir() if one.is_file() and not one.name.startswith(".")
+            )
+            images = [one for one in files if one.suffix in IMAGES]
+            others = [one for one in files if one.suffix not in IMAGES]
+            links = {"images": _links(images, path.parent), "files": _links(others, path.parent)}
+            parts.append({"title": section.title, "words": section.words, "command": section.command} | links)
+    page = _TEMPLATES.get_template("index.html").render(title=title, parts=parts)
     write_whole(path, page.encode())
 
 
-def _section(section: Section, base: Path) -> str:
-    files = sorted(
-        path for path in section.folder.iterdir() if path.is_file() and not path.name.startswith(".")
-    )
-    pictures = [path for path in files if path.suffix in IMAGES]
-    others = [path for path in files if path.suffix not in IMAGES]
-    shown = "".join(
-        f"<figure><img src='{_link(path, base)}' alt='{escape(path.stem)}' loading='lazy'>"
-        f"<figcaption>{escape(path.name)}</figcaption></figure>"
-        for path in pictures
-    )
-    linked = ", ".join(f"<a href='{_link(path, base)}'>{escape(path.name)}</a>" for path in others)
-    return (
-        f"<h2>{escape(section.title)}</h2><p>{escape(section.words)}</p><p><code>{escape(section.command)}</code></p>"
-        f"{f'<p>Files: {linked}</p>' if linked else ''}{shown}"
-    )
-
-
-def _link(path: Path, base: Path) -> str:
-    return quote(path.relative_to(base).as_posix())
+def _links(files: Iterable[Path], base: Path) -> list[dict[str, str]]:
+    return [{"name": one.name, "link": quote(one.relative_to(base).as_posix())} for one in files]

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from pounding import frames
 from pounding.frames.errors import FrameError
@@ -47,6 +48,34 @@ def test_a_bending_shear_stick_lies_between_a_cantilever_that_bends_and_one_that
     assert frequencies[1] / frequencies[0] == pytest.approx(second, rel=0.01)
 
 
+def _of_the_beam(ratio, count):
+    """The lowest frequencies of the continuous beam, EI = m = H = 1, clamped below and free above."""
+
+    def boundary(w):
+        half = ratio**2 / 2
+        g, b = np.sqrt(np.hypot(half, w) - half), np.sqrt(np.hypot(half, w) + half)
+        # Deflection in cos(g x), sin(g x), cosh(b x), sinh(b x): none and no slope below, no moment and no shear above.
+        rows = [
+            [1, 0, 1, 0],
+            [0, g, 0, b],
+            [-(g**2) * np.cos(g), -(g**2) * np.sin(g), b**2 * np.cosh(b), b**2 * np.sinh(b)],
+            [g * b**2 * np.sin(g), -g * b**2 * np.cos(g), b * g**2 * np.sinh(b), b * g**2 * np.cosh(b)],
+        ]
+        return np.linalg.det(rows) / np.cosh(b)
+
+    grid = np.linspace(0.5, 400.0, 4000)
+    values = [boundary(w) for w in grid]
+    signs = np.flatnonzero(np.diff(np.sign(values)))
+    return np.array([brentq(boundary, grid[i], grid[i + 1]) for i in signs[:count]])
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0, 8.0])
+def test_a_bending_shear_stick_of_many_storeys_is_the_beam(ratio):
+    tall = stick(storeys=120, floor_mass_kg=[6.5] * 120, frequency_hz=[0.2], stiffness_ratio=ratio)
+    found, exact = frames.build(tall).frequencies_hz[:3], _of_the_beam(ratio, 3)
+    assert found / found[0] == pytest.approx(exact / exact[0], rel=0.01)
+
+
 def test_the_ratios_of_the_docs_are_the_computed_ones():
     printed = {0.0: 6.30, 1.0: 5.54, 2.0: 4.53, 5.0: 3.44, 10.0: 3.15, 30.0: 3.00}
     for ratio, second in printed.items():
@@ -74,6 +103,10 @@ def test_damping_ratios_belong_to_their_modes():
         ({"frequency_hz": [2.1], "stiffness_ratio": -1.0}, "stiffness_ratio is -1"),
         ({"frequency_hz": [2.1], "stiffness_ratio": float("nan")}, "stiffness_ratio is "),
         ({"frequency_hz": [2.1, 6.0], "stiffness_ratio": 2.0}, "first frequency alone"),
+        (
+            {"frequency_hz": [2.1], "stiffness_ratio": 2.0, "yielding": {"storey_shear_n": 1e3}},
+            "stiffness_ratio and yielding exclude each other",
+        ),
         ({}, "either storey_stiffness_n_per_m or frequency_hz"),
         ({"frequency_hz": [2.1], "storeys": 0}, "storeys is 0"),
         ({"frequency_hz": [2.1], "damping_ratio": 0.5e2}, "0.5 % is 0.005"),
