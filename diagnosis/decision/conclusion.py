@@ -12,6 +12,7 @@ from pounding.diagnosis.decision.claims import (
     Candidate,
     Claim,
     Parameter,
+    Place,
     candidate,
     claim,
     parameter,
@@ -123,14 +124,17 @@ def parameters(
 
 
 def _candidates(found: Findings) -> tuple[Candidate, ...]:
-    """Return every single effect of the catalogue that has a finite evidence, the likeliest first."""
+    """Return every single effect of the catalogue that has a finite evidence, the likeliest first, each place once.
+
+    A sensor's delay and that of its logger have one name and one place.
+    """
     ln_bayes: dict[Effect, float] = {one.effect: one.ln_bayes for one in found.scores.ranked}
     for judged in (*found.judged, *found.claimable()):
         if len(judged.effects) == 1:
             ln_bayes[judged.effects[0]] = judged.ln_bayes
     ranked = sorted(ln_bayes.items(), key=lambda item: -item[1])
-    return tuple(
-        candidate(place_of(effect), value)
-        for effect, value in ranked
-        if not effect.rival and np.isfinite(value)
-    )
+    best: dict[Place, float] = {}
+    for effect, value in ranked:
+        if not effect.rival and np.isfinite(value):
+            best.setdefault(place_of(effect), value)
+    return tuple(candidate(place, value) for place, value in best.items())

@@ -19,6 +19,8 @@ def test_what_is_hidden_is_named_added_and_shrinks_the_misfit(
     report = json.loads((tmp_path / "missing-effect" / "report" / "report.json").read_text())
     assert report["verdict"] == "effect_named"
     (found,) = report["effects"]
+    places = [json.dumps(one | {"log_evidence": None}) for one in report["candidates"]]
+    assert len(set(places)) == len(places)
     assert (found["effect"], found["storey"]) == ("coulomb_friction", 3)
     (truth,) = json.loads((tmp_path / "missing-effect" / "truth.json").read_text())["effects"]
     assert found["parameters"][0]["value"] == pytest.approx(truth["parameters"][0]["value"], rel=0.02)
