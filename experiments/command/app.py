@@ -20,6 +20,7 @@ VERBS = {
     "list": "pounding.experiments.command.listing:listing",
     "demo": "pounding.experiments.command.demo:demo",
     "new-frame": "pounding.experiments.command.new_frame:new_frame",
+    "new-street": "pounding.experiments.command.new_street:new_street",
     "modal": "pounding.experiments.command.modal:modal",
     "shake": "pounding.experiments.command.shake:shake",
     "pound": "pounding.experiments.command.pound:pound",

@@ -54,7 +54,7 @@ def design(
     )
     result = stamp(asdict(site)) | answer(site)
     if report is not None:
-        write_report("design", result, report, pictures.design_bars(result))
+        write_report("design", result, report, [pictures.design_bars(result)])
     emit(result, as_json=json, show=lambda: _tables(result))
 
 

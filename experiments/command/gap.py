@@ -1,25 +1,34 @@
-"""`pounding gap`: the clearance that two frames need under a record."""
+"""`pounding gap`: the clearance that two frames, or the neighbours of a street, need under a record."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import msgspec
 from cyclopts import Parameter
 from rich.console import RenderableType
 
 from pounding import frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
-from pounding.experiments.records import find
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.street import Building, Gap, Street, is_street_file, load_street, named
 from pounding.experiments.rig.table_scale import TableScale, table_scale
-from pounding.experiments.separation import pictures
 from pounding.experiments.separation.gaps.gap import gap_answer, history
+from pounding.experiments.separation.pictures import gap_history
 from pounding.experiments.separation.report import write_report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Floor = Annotated[int | None, Parameter(help="Floor of the lower frame; default: its roof.")]
 Report = Annotated[
@@ -33,7 +42,7 @@ Report = Annotated[
 
 def gap(
     left: str,
-    right: str,
+    right: str | None = None,
     *,
     record: str,
     pga: options.Pga = None,
@@ -50,53 +59,132 @@ def gap(
     """Compute the gap that keeps two frames apart under a record, beside the gaps by the codes' rules.
 
     The required gap is the largest closing motion of an exact run without contact. All lengths are those of
-    the frames, whose scale their files state.
+    the frames, whose scale their files state. Of a street each pair of neighbours is answered, beside the gap that it has.
 
     Args:
-        left: Frame on the left, a name or a frame file; it moves in +x towards the right one.
+        left: Frame on the left, a name or a frame file; it moves in +x towards the right one. Or, alone, a street file.
         right: Frame on the right.
         record: Name or file of the ground motion.
     """
-    definitions = [frames.load(name) for name in (left, right)]
+    street = _street(left, right, floor)
+    names = [building.frame for building in street.building]
+    definitions = [frames.load(name) for name in names]
     scale = table_scale(definitions, time_factor)
     motion = find(record, records).scaled(scale.time_factor, pga)
-    states = states_of([left, right], state, motion.name, joints=joints, damping=damping)
+    states = states_of(names, state, motion.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
-    built = [
-        frames.build(
-            definition, joints=joints, p_delta=p_delta, damping=one.damping_ratio, calibration=one.calibration
-        )
-        for definition, one in zip(definitions, states, strict=True)
-    ]
+    row = named(street, [built_in(one, joints, p_delta) for one in states])
     step_s = motion.step_s / fine_step(motion.step_s)
-    estimates.announce(estimates.of_gap(built, motion.duration_s, step_s))
-    answer = gap_answer(
-        built[0],
-        built[1],
-        motion,
-        floor=floor,
-        own_peak=pga is None and scale.is_laboratory,
-        length_scale=scale.scale.buildings_length,
-    )
+    estimates.announce(*(estimates.of_gap(pair, motion.duration_s, step_s) for pair in pairwise(row)))
+    places = [
+        _Place(one, other, number, present)
+        for (one, other), between in zip(pairwise(row), street.gap, strict=True)
+        for number, present in between.by_floor()
+    ]
+    own_peak = pga is None and scale.is_laboratory
+    length = scale.scale.buildings_length
+    answers = [place.answer(motion, own_peak=own_peak, length_scale=length) for place in places]
     asked = {
-        "left": left,
-        "right": right,
+        **(
+            {"left": left, "right": right, "floor": floor}
+            if right is not None
+            else {"street": left, **msgspec.to_builtins(street)}
+        ),
         "record": record,
         "pga_g": pga,
-        "floor": floor,
         "joints": joints,
         "p_delta": p_delta,
-        "damping_ratio": [frame.damping_ratio for frame in built],
+        "damping_ratio": [frame.damping_ratio for frame in row],
         "states": [one.as_dict() for one in states],
         **scale.as_dict(),
     }
-    result = stamp(asked, [motion]) | answer
+    result = stamp(asked, [motion]) | (_of_street(answers) if right is None else answers[0])
     if report is not None:
-        times, one, other = history(built[0], built[1], motion, floor=floor)
-        write_report("gap", result, report, pictures.gap_history(times, one, other, result))
-    emit(result, as_json=json, show=lambda: _tables(result, states, scale))
-    for sentence in result["warnings"]:
+        pictures = [place.picture(motion, answer) for place, answer in zip(places, answers, strict=True)]
+        write_report("gap" if right is not None else "street", result, report, pictures)
+    show = _tables if right is not None else _street_tables
+    emit(result, as_json=json, show=lambda: show(result, states, scale))
+    for sentence in map(str, result["warnings"]):
         warn(sentence)
+
+
+def _street(left: str, right: str | None, floor: int | None) -> Street:
+    """Return the street of a file, or a pair as a street without a gap of its own."""
+    if is_street_file(left):
+        if right is not None or floor is not None:
+            raise ExperimentError(
+                f"{left} is a street file, which has its own buildings and floors; give it alone, without a second frame "
+                "and --floor"
+            )
+        return load_street(left)
+    if right is None:
+        raise ExperimentError(
+            f"{left} is one frame; give a second one beside it, or a street file (pounding new-street writes one)"
+        )
+    return Street((Building(left), Building(right)), (Gap((), () if floor is None else (floor,)),))
+
+
+class _Place(NamedTuple):
+    """A floor at which two neighbours may meet; the lower one's roof, and no stated gap, where these are None."""
+
+    left: frames.ReducedFrame
+    right: frames.ReducedFrame
+    floor: int | None
+    gap_mm: float | None
+
+    def answer(self, motion: Record, **options: Any) -> dict[str, Any]:
+        found = gap_answer(self.left, self.right, motion, floor=self.floor, **options)
+        return found if self.gap_mm is None else found | {"gap_mm": self.gap_mm}
+
+    def picture(self, motion: Record, answer: dict[str, Any]) -> Figure:
+        return gap_history(*history(self.left, self.right, motion, floor=self.floor), answer)
+
+
+def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
+    short = [_sentence(answer) for answer in answers if _is_short(answer)]
+    other = [
+        f"{answer['left']} and {answer['right']}: {sentence}"
+        for answer in answers
+        for sentence in answer["warnings"]
+    ]
+    return {"pairs": answers, "warnings": [*short, *other]}
+
+
+def _is_short(answer: dict[str, Any]) -> bool:
+    return bool(answer.get("gap_mm", math.inf) < answer["required_gap_mm"])
+
+
+def _sentence(answer: dict[str, Any]) -> str:
+    return (
+        f"{answer['left']} and {answer['right']} meet at floor {answer['floor']}: their gap is {answer['gap_mm']:g} mm, and "
+        f"{answer['record']} asks for {answer['required_gap_mm']:.2f} mm"
+    )
+
+
+def _street_tables(
+    result: dict[str, Any], states: Iterable[FrameState], scale: TableScale
+) -> Iterable[RenderableType | str]:
+    first = result["pairs"][0]
+    yield table(
+        f"{result['parameters']['street']}, {first['record']} ({first['pga_g']:.3f} g): gaps in mm",
+        ["neighbours", "floor", "gap", "required", "if 5 % off", "sides swapped", "enough"],
+        [_street_row(answer) for answer in result["pairs"]],
+    )
+    yield from map(str, states)
+    yield str(scale)
+
+
+def _street_row(answer: dict[str, Any]) -> list[str]:
+    spread = answer["spread"]
+    return [
+        f"{answer['left']} and {answer['right']}",
+        f"{answer['floor']}",
+        f"{answer['gap_mm']:g}",
+        f"{answer['required_gap_mm']:.2f}",
+        f"{spread['low_mm']:.2f} to {spread['high_mm']:.2f}",
+        f"{answer['reversed_mm']:.2f}",
+        "no" if _is_short(answer) else "yes",
+    ]
 
 
 def _tables(

@@ -3,57 +3,71 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import msgspec
 from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
 from pounding import bounds
 from pounding.contact.laws import BUILT_IN
 from pounding.experiments.console import estimates, options
-from pounding.experiments.console.output import emit, plain, progress_console, table, warn
+from pounding.experiments.console.collision_tables import tables
+from pounding.experiments.console.output import emit, plain, progress_console, warn
+from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.contact_choice import ContactWish, Parameters, choose_laws, chosen_parameters
-from pounding.experiments.rig.ductility import ductility_sentence
-from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N, merging_s
-from pounding.experiments.rig.pounding import Pounding, built_in, rig_of, shaking
-from pounding.experiments.rig.pounding import pound as run_one
-from pounding.experiments.rig.required_gap import is_left_lower
-from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.table_scale import TableScale, table_scale
+from pounding.experiments.rig.contact_choice import Parameters
+from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N, all_impacts, merging_s
+from pounding.experiments.rig.pounding import Pounding, shaking
+from pounding.experiments.rig.rig import Rig
+from pounding.experiments.rig.states import states_of
+from pounding.experiments.rig.street import (
+    DEFAULT_LAW,
+    Basis,
+    Building,
+    Gap,
+    Street,
+    built_row,
+    chosen_sets,
+    is_street_file,
+    load_street,
+    named,
+    street_contacts,
+)
+from pounding.experiments.rig.table_scale import table_scale
 from pounding.frames import load
 from pounding.units import LENGTH
 
-DEFAULT_LAW = "linear_viscoelastic"
-
-HEADS = ("time s", "floor", "peak N", "N s", "approach m/s", "touches, max ms", "restitution")
-"""Of the table of impacts; duration and restitution are those of single touches."""
+if TYPE_CHECKING:
+    from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 
 def pound(
     left: str,
-    right: str,
+    right: str | None = None,
     *,
+    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
     gap: Annotated[
-        list[float],
+        list[float] | None,
         Parameter(
             help="Gap at rest [mm], one for all floors or one per floor.",
             validator=options.bounded(bounds.GAP, per=LENGTH["mm"], unit="mm"),
         ),
-    ],
-    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
+    ] = None,
     floor: Annotated[
         list[int] | None, Parameter(help="Floor with a contact, repeatable; default: the lower frame's roof.")
     ] = None,
     law: Annotated[
-        str, Parameter(help="Name of an impact law (see `pounding list`), or all.")
-    ] = "linear_viscoelastic",
+        str | None,
+        Parameter(help="Name of an impact law (see `pounding list`), or all; default: linear_viscoelastic."),
+    ] = None,
     parameters: Annotated[
         Parameters | None,
         Parameter(
@@ -94,29 +108,38 @@ def pound(
     ] = False,
     json: options.Json = False,
 ) -> None:
-    """Shake two frames side by side and report every impact between them.
+    """Shake two frames side by side, or the buildings of a street, and report every impact between them.
 
     Args:
-        left: Frame on the left (name or frame file); it moves in +x towards the right frame.
+        left: Frame on the left (name or frame file); it moves in +x towards the right frame. Or, alone, a street file:
+            buildings in a row with their gaps and contacts (see `pounding new-street`).
         right: Frame on the right.
     """
-    definitions = [load(name) for name in (left, right)]
+    contact = Gap(
+        tuple(gap or ()),
+        tuple(floor or ()),
+        0.0,
+        law or DEFAULT_LAW,
+        parameters,
+        stiffness,
+        restitution,
+        radius,
+        tension,
+    )
+    streets = _streets(left, right, contact, law)
+    names = [building.frame for building in streets[0].building]
+    definitions = [load(name) for name in names]
     scale = table_scale(definitions, time_factor)
-    names = BUILT_IN if law == "all" else [law]
-    wish = ContactWish(names, parameters, stiffness, restitution, radius, tension)
-    chosen_set = chosen_parameters(definitions, scale, wish)
+    sets = [chosen_sets(street, definitions, scale) for street in streets]
     folder = None if records is None else str(records)
     shaken = shaking(record, folder, time_factor=scale.time_factor, pga_g=pga, flip=flip)
-    states = states_of([left, right], state, shaken.name, joints=joints, damping=damping)
+    states = states_of(names, state, shaken.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
-    pair = built_in(states[0], joints, p_delta), built_in(states[1], joints, p_delta)
-    floors = floor or [(pair[0] if is_left_lower(*pair) else pair[1]).storeys]
-    by_floor = {number: choose_laws(pair, number, chosen_set, wish) for number in floors}
-    laws = list(zip(*(chosen for chosen, _ in by_floor.values()), strict=True))
-    bases = _bases({number: said for number, (_, said) in by_floor.items()})
-    gaps_m = [1e-3 * value for value in gap]
-    rig_of(*pair, laws[0], gaps_m, floors)  # refuses what cannot be before anything is shown
-    estimates.announce(estimates.of_run(pair, shaken.duration_s, len(laws)))
+    row = named(streets[0], built_row(streets[0], states, joints, p_delta))
+    # The contacts refuse what cannot be before anything is shown.
+    contacts = [street_contacts(street, row, chosen) for street, chosen in zip(streets, sets, strict=True)]
+    rigs = [Rig(row, places) for places, _ in contacts]
+    estimates.announce(estimates.of_run(row, shaken.duration_s, len(rigs)))
     if film and out is None:
         warn("--film needs a folder: nothing is written without --out")
     elif film:
@@ -125,33 +148,18 @@ def pound(
         keeping.prepare(out)
     runs = []
     with _progress() as progress:
-        for chosen in laws:
-            bar = progress.add_task(chosen[0].name, total=shaken.duration_s)
-            runs.append(
-                run_one(
-                    *pair,
-                    shaken,
-                    chosen,
-                    gaps_m,
-                    floors=floors,
-                    progress=partial(_tell, progress, bar),
-                    solver=solver,
-                    merging_s=merging_s(scale.scale),
-                )
-            )
+        for street, rig in zip(streets, rigs, strict=True):
+            bar = progress.add_task(", ".join({gap.law for gap in street.gap}), total=shaken.duration_s)
+            told = partial(_tell, progress, bar)
+            motion = rig.run(shaken, progress=told, solver=solver)
+            runs.append(Pounding(shaken, motion, all_impacts(motion, merging_s=merging_s(scale.scale))))
     asked = {
-        "left": left,
-        "right": right,
-        "gap_mm": gap,
-        "floors": floors,
-        "law": law,
-        "parameters": chosen_set,
-        "contact": {of[0].name: vars(of[0]) if len(of) == 1 else [vars(one) for one in of] for of in laws},
-        "contact_basis": bases,
+        **_asked(left, right, streets, contacts, sets),
+        "contact_basis": _bases([basis for _, bases in contacts for basis in bases], row),
         "flip": flip,
         "pga_g": pga,
         "solver": solver,
-        "frames": [frame.options for frame in pair],
+        "frames": [frame.options for frame in row],
         "states": [one.as_dict() for one in states],
         "impact_threshold_n": THRESHOLD_N,
         "impact_merging_s": merging_s(scale.scale),
@@ -168,7 +176,60 @@ def pound(
     for run in result["runs"]:
         for sentence in run["warnings"]:
             warn(f"{run['law']}: {sentence}" if len(runs) > 1 else sentence)
-    emit(result, as_json=json, show=lambda: _show(result, states, scale))
+    emit(result, as_json=json, show=lambda: tables(result, states, scale))
+
+
+def _streets(left: str, right: str | None, contact: Gap, law: str | None) -> list[Street]:
+    """Return what stands on the table: a street, or a pair once for each law."""
+    if is_street_file(left):
+        if right is not None or contact != Gap(()) or law is not None:
+            raise ExperimentError(
+                f"{left} is a street file, which has its own buildings, gaps, floors and contacts; give it alone, without a "
+                "second frame, --gap, --floor, --law or other options of the contact"
+            )
+        return [load_street(left)]
+    if right is None:
+        raise ExperimentError(
+            f"{left} is one frame; give a second one beside it, or a street file (pounding new-street writes one)"
+        )
+    if not contact.gaps_mm:
+        raise ExperimentError("two frames need their gap at rest; give --gap with a length in mm")
+    laws = BUILT_IN if law == "all" else [contact.law]
+    pair = Building(left), Building(right)
+    return [Street(pair, (msgspec.structs.replace(contact, law=name),)) for name in laws]
+
+
+def _asked(
+    left: str,
+    right: str | None,
+    streets: Sequence[Street],
+    contacts: Sequence[tuple[list[Contact], list[Basis]]],
+    sets: Sequence[list[Parameters]],
+) -> dict[str, Any]:
+    """Return the parameters of a result that say what stands on the table."""
+    laws = [[vars(contact.law) for contact in places] for places, _ in contacts]
+    floors = [basis.floor for basis in contacts[0][1]]
+    if right is None:
+        return {
+            "street": left,
+            **msgspec.to_builtins(streets[0]),
+            "floors": floors,
+            "parameters": sets[0],
+            "contact": laws[0],
+        }
+    gap = streets[0].gap[0]
+    return {
+        "left": left,
+        "right": right,
+        "gap_mm": gap.gaps_mm,
+        "floors": floors,
+        "law": "all" if len(streets) > 1 else gap.law,
+        "parameters": sets[0][0],
+        "contact": {
+            street.gap[0].law: own[0] if len(own) == 1 else own
+            for street, own in zip(streets, laws, strict=True)
+        },
+    }
 
 
 def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
@@ -191,97 +252,16 @@ def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: boo
         return collision_files.keep(runs, plain(result), out, film=film, progress=told)
 
 
-def _bases(by_floor: dict[int, list[str]]) -> list[str]:
-    """Return what the laws rest on; what differs from floor to floor with the floor."""
-    said = list(by_floor.values())
-    if all(one == said[0] for one in said):
-        return said[0]
-    return [
-        f"{sentence} (floor {number})" for number, sentences in by_floor.items() for sentence in sentences
-    ]
+def _bases(bases: Sequence[Basis], row: Sequence[ReducedFrame]) -> list[str]:
+    """Return what the laws rest on; what differs from place to place with the place."""
+    said = list(dict.fromkeys(basis.sentence for basis in bases))
+    laws = {sentence.partition(": ")[0] for sentence in said}
+    if len(said) == len(laws):
+        return said
+    return [f"{basis.sentence} ({_place(basis, row)})" for basis in bases]
 
 
-def _together(bases: Iterable[str]) -> Iterable[str]:
-    """Return what laws rest on, those that rest on the same in one sentence."""
-    laws: dict[str, list[str]] = {}
-    for sentence in bases:
-        name, _, basis = sentence.partition(": ")
-        laws.setdefault(basis, []).append(name)
-    return [f"{', '.join(names)}: {basis}" for basis, names in laws.items()]
-
-
-def _show(result: dict[str, Any], states: Iterable[FrameState], scale: TableScale) -> Iterable[Any]:
-    for run in result["runs"]:
-        title = (
-            f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}, gap {run['gap_mm']:g} mm"
-            if isinstance(run["gap_mm"], float)
-            else f"{run['left']} beside {run['right']}, {run['record']}, {run['law']}"
-        )
-        if run["impacts"]:
-            yield table(
-                title,
-                HEADS,
-                [_row(impact) for impact in run["impacts"]],
-            )
-            yield from _merged(run["impacts"])
-        else:
-            yield f"{title}: the floors did not touch."
-        for side in ("left", "right"):
-            yield from ductility_sentence(run[side], run["ductility"][side])
-        yield (
-            f"energy closes to {100 * run['energy_error']:.2g} %; "
-            f"{run['model_s']:.1f} simulated s in {run['wall_s']:.2f} s"
-        )
-    yield table(
-        "Largest displacement of the roofs, in mm",
-        ["law", "frame", "roof +", "roof -", "peak force N", "impacts"],
-        [_peak_row(run, side) for run in result["runs"] for side in ("left", "right")],
-    )
-    yield (
-        f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
-        f"touches less than {1e3 * result['parameters']['impact_merging_s']:.3g} ms apart are one."
-    )
-    yield from map(str, states)
-    yield str(scale)
-    yield from _together(result["parameters"]["contact_basis"])
-    yield from keeping.written(result)
-
-
-def _row(impact: dict[str, Any]) -> list[str]:
-    return [
-        f"{impact['time_s']:.4f}",
-        f"{impact['floor']}",
-        f"{impact['peak_force_n']:.0f}",
-        f"{impact['impulse_n_s']:.3f}",
-        f"{impact['approach_velocity_m_s']:.3f}",
-        f"{impact['touches']}, {impact['longest_touch_ms']:.2f}",
-        " ".join(map(_ratio, impact["touch_restitutions"])),
-    ]
-
-
-def _merged(impacts: Iterable[dict[str, Any]]) -> Iterable[str]:
-    """Say of each impact of several touches what it is as a whole, which is no property of the contact."""
-    for impact in impacts:
-        if impact["touches"] > 1:
-            yield (
-                f"The impact at {impact['time_s']:.4f} s is merged from {impact['touches']} touches; from the first "
-                f"touch to the last parting: {impact['duration_ms']:.2f} ms, restitution "
-                f"{_ratio(impact['restitution'])}."
-            )
-
-
-def _ratio(restitution: float | None) -> str:
-    return "–" if restitution is None else f"{restitution:.2f}"
-
-
-def _peak_row(run: dict[str, Any], side: str) -> list[str]:
-    roof = run["peaks"][side][-1]
-    force = max((impact["peak_force_n"] for impact in run["impacts"]), default=0.0)
-    return [
-        run["law"],
-        run[side],
-        f"{roof['max_mm']:.1f}",
-        f"{roof['min_mm']:.1f}",
-        f"{force:.0f}",
-        f"{len(run['impacts'])}",
-    ]
+def _place(basis: Basis, row: Sequence[ReducedFrame]) -> str:
+    if len(row) == 2:
+        return f"floor {basis.floor}"
+    return f"{row[basis.pair].name} and {row[basis.pair + 1].name}, floor {basis.floor}"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,6 +13,7 @@ from rich.progress import Progress
 from pounding import frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, plain, progress_console, table, warn
+from pounding.experiments.errors import ExperimentError
 from pounding.experiments.measurements import history as measured
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films, plots
@@ -20,9 +21,11 @@ from pounding.experiments.records import Record, find
 from pounding.experiments.results import dataset as results
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.ductility import ductility_sentence
+from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 from pounding.experiments.rig.states import FrameState, states_of
+from pounding.experiments.rig.street import Building, Street, is_street_file, load_street, named
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 
 COLUMNS_HELP = (
@@ -54,54 +57,97 @@ def shake(
     """Shake a frame alone on the table and report its peaks, its stress and warnings.
 
     The record's time is multiplied by the factor of the frame's scale, which its file states: 1 for a building,
-    sqrt(1/30) for the frames of the thesis.
+    sqrt(1/30) for the frames of the thesis. Of a street each building is shaken, as if it stood alone.
 
     Args:
-        frame: Name of a shipped frame (see `pounding list`) or path of a frame file.
+        frame: Name of a shipped frame (see `pounding list`), or path of a frame file or of a street file.
     """
     if out is None and (film or csv):
         warn("--film and --csv need a folder: nothing is written without --out")
     elif film:
         films.require()
     channels = measured.read(measured_file) if measured_file else []
-    definition = frames.load(frame)
-    scale = table_scale([definition], time_factor)
+    street = _street(frame, measured_file)
+    definitions = [frames.load(one.frame) for one in street.building]
+    scale = table_scale(definitions, time_factor)
     motion = find(record, records).scaled(scale.time_factor, pga)
-    (chosen,) = states_of([frame], state, motion.name, joints=joints, damping=damping)
-    estimates.announce(estimates.of_frame(definition))
-    reduced = frames.build(
-        definition,
-        joints=joints,
-        p_delta=p_delta,
-        damping=chosen.damping_ratio,
-        calibration=chosen.calibration,
+    states = [
+        states_of([one.frame], state, motion.name, joints=joints, damping=damping)[0]
+        for one in street.building
+    ]
+    estimates.announce(*map(estimates.of_frame, definitions))
+    row = named(street, [built_in(one, joints, p_delta) for one in states])
+    estimates.announce(*(estimates.of_run([reduced], motion.duration_s) for reduced in row))
+    alone = not street.gap
+    folders = [None if out is None else out if alone else out / reduced.name for reduced in row]
+    for folder in folders:
+        if folder is not None:
+            keeping.prepare(folder)
+    asked = {"frame" if alone else "street": frame, "record": record}
+    asked_values = {"pga_g": pga, "damping_ratio": damping}
+    answers = []
+    for reduced, chosen, folder in zip(row, states, folders, strict=True):
+        of_frame = {"states": [chosen.as_dict()], "model": reduced.options}
+        provenance = stamp(asked | asked_values | of_frame | scale.as_dict(), [motion])
+        answers.append(_answer(reduced, motion, provenance, folder, keeping.Wish(csv, film, channels)))
+    each = [result for result, _ in answers]
+    result = each[0] if alone else _of_street(each)
+    emit(
+        result,
+        as_json=json,
+        show=lambda: [
+            line
+            for (one, done), chosen in zip(answers, states, strict=True)
+            for line in _show(one, done, chosen, scale)
+        ],
     )
-    estimates.announce(estimates.of_run([reduced], motion.duration_s))
-    if out is not None:
-        keeping.prepare(out)
-    done = _run(reduced, motion)
-    asked = {
-        "frame": frame,
-        "record": record,
-        "pga_g": pga,
-        "damping_ratio": damping,
-        "states": [chosen.as_dict()],
-        "model": reduced.options,
+
+
+def _street(frame: str, measured_file: Path | None) -> Street:
+    """Return the street of a file, or one frame as a street without neighbours."""
+    if not is_street_file(frame):
+        return Street((Building(frame),), ())
+    if measured_file is not None:
+        raise ExperimentError(
+            f"{frame} is a street, and --measured compares one frame; name one of its frames"
+        )
+    return load_street(frame)
+
+
+def _of_street(each: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return one result of several buildings: what they share once, and each building's own under its name."""
+    first = each[0]
+    shared = {key: first[key] for key in ("schema", "software", "version", "records") if key in first}
+    return shared | {
+        "buildings": {
+            one["frame"]: {key: value for key, value in one.items() if key not in shared} for one in each
+        }
     }
-    result = stamp(asked | scale.as_dict(), [motion]) | done.result()
+
+
+def _answer(
+    reduced: frames.ReducedFrame,
+    motion: Record,
+    provenance: dict[str, Any],
+    folder: Path | None,
+    wish: keeping.Wish,
+) -> tuple[dict[str, Any], Shaking]:
+    """Return the result of one frame's shaking, kept in a folder if there is one, and the run."""
+    done = _run(reduced, motion)
+    result = provenance | done.result()
     data = results.dataset(done.motion, motion, provenance=result)
-    channels, shift = measured.aligned(channels, data.time.values, data.table_acceleration.values)
+    channels, shift = measured.aligned(list(wish.measured), data.time.values, data.table_acceleration.values)
     if channels:
         result["measured"] = compare(done, data, channels)
         result["measured_shift_s"] = shift
-    if out is not None:
-        kept = _keep(done, data, result, out, keeping.Wish(csv, film, channels))
-        result |= {"files": kept.files, "film": kept.film and asdict(kept.film)}
+    if folder is not None:
+        kept = _keep(done, data, result, folder, dataclasses.replace(wish, measured=channels))
+        result |= {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
         for note in kept.notes:
             warn(note)
     for warning in result["warnings"]:
         warn(warning)
-    emit(result, as_json=json, show=lambda: _show(result, done, chosen, scale))
+    return result, done
 
 
 def compare(done: Shaking, data: Any, channels: list[measured.Channel]) -> list[dict[str, Any]]:

@@ -44,7 +44,7 @@ def keep(
     """
     prepare(folder)
     files, notes, shown = [], [], None
-    for run, name in zip(runs, labels or [run.motion.contacts[0].law.name for run in runs], strict=True):
+    for run, name in zip(runs, labels or ["-".join(run.laws) for run in runs], strict=True):
         data = results.dataset(run.motion, run.record, provenance=result)
         files.append(f"{name}.nc")
         results.save(data, folder / files[-1])

@@ -68,5 +68,4 @@ def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] |
 
 
 def _title(run: Pounding) -> str:
-    left, right = run.motion.frames
-    return f"{left.name} beside {right.name}, {run.record.name}"
+    return f"{run.beside}, {run.record.name}"

@@ -75,11 +75,10 @@ def force_histories(
     touches = [time for each in starts for time in each]
     margin = 0.03 + 0.1 * (max(touches) - min(touches))
     whole.set_xlim(max(0.0, min(touches) - margin), max(touches) + margin)
-    first, (left, right) = runs[0], runs[0].motion.frames
     gap = f"gap {1e3 * shown[0].gap_m:g} mm"
-    if len(first.motion.contacts) > 1:
+    if len(runs[0].motion.contacts) > 1:
         gap += f" at floor {shown[0].floor}"
-    whole.set_title(f"{left.name} beside {right.name}, {first.record.name}, {gap}", fontsize=10)
+    whole.set_title(f"{shown[0].left} beside {shown[0].right}, {runs[0].record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
     # Below the axes: the peaks take whatever room there is inside.
     figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)

@@ -18,6 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicHermiteSpline
 
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.motion import distinct
 from pounding.frames.files import replacing, write_whole
 
 if TYPE_CHECKING:
@@ -99,9 +100,7 @@ def table_motion(record: Record, times_s: Real) -> dict[str, Real]:
 
 def labels(motion: Motion) -> list[str]:
     """Return a distinct label for each frame: its name, with ``#2`` and so on where a name repeats."""
-    names = [frame.name for frame in motion.frames]
-    counts = [names[: place + 1].count(name) for place, name in enumerate(names)]
-    return [name if count == 1 else f"{name}#{count}" for name, count in zip(names, counts, strict=True)]
+    return distinct([frame.name for frame in motion.frames])
 
 
 def save(data: xr.Dataset, path: str | Path) -> None:

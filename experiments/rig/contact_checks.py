@@ -88,4 +88,4 @@ def _sinking(worst: Touch) -> str:
 
 
 def _where(touch: Touch) -> str:
-    return f"at {touch.first_s:.3f} s on floor {touch.floor}"
+    return f"at {touch.first_s:.3f} s on floor {touch.floor} of {touch.left} (against {touch.right})"

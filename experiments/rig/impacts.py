@@ -49,6 +49,7 @@ class Impact:
         restitution: Velocity of parting after the last touch over that of approach at the first. Of several
             touches it is no property of the contact: the frames have moved on between them. None if the floors
             did not approach.
+        left, right: Names of the frames that touched.
         floor: Floor of the left frame.
         touches: How often the floors touched in it; the impact is merged if more than once.
         longest_touch_ms: Duration of the longest touch [ms].
@@ -62,6 +63,8 @@ class Impact:
     impulse_n_s: float
     approach_velocity_m_s: float
     restitution: float | None
+    left: str
+    right: str
     floor: int
     touches: int
     longest_touch_ms: float
@@ -129,6 +132,8 @@ def _impact(touches: list[Touch], start_s: float, end_s: float) -> Impact:
         impulse_n_s=sum(one.impulse_n_s for one in inside),
         approach_velocity_m_s=first.approach_m_s,
         restitution=restitution(first, last),
+        left=first.left,
+        right=first.right,
         floor=first.floor,
         touches=len(inside),
         longest_touch_ms=1e3 * max(one.duration_s for one in inside),

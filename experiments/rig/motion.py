@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -244,6 +245,16 @@ class Motion:
     def model_s(self) -> float:
         """Time on the model's clock that the run covers [s]."""
         return float(self.time_s[-1] - self.time_s[0])
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """Return names that differ: where one repeats, ``#2`` and so on is added.
+
+    Args:
+        names: Names of frames, from left to right.
+    """
+    counts = [names[: place + 1].count(name) for place, name in enumerate(names)]
+    return [name if count == 1 else f"{name}#{count}" for name, count in zip(names, counts, strict=True)]
 
 
 def _runs(inside: NDArray[np.bool_]) -> list[tuple[int, int]]:

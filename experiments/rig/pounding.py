@@ -1,4 +1,4 @@
-"""Two frames knocking against each other under a record: one law, one run, everything read from it."""
+"""Frames in a row that knock against each other under a record: one run, and everything read from it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.impacts import MERGING_S, Impact, all_impacts
-from pounding.experiments.rig.motion import Motion
+from pounding.experiments.rig.motion import Motion, distinct
 from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 from pounding.experiments.rig.shaking import linear_stress, validity
@@ -28,10 +28,13 @@ if TYPE_CHECKING:
 
 Value = TypeVar("Value")
 
+SIDES = ("left", "right")
+"""What results call the frames of a pair."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pounding:
-    """A run of two frames with contacts between them.
+    """A run of frames in a row with contacts between neighbours.
 
     Attributes:
         record: The shaking, at the scale of the frames.
@@ -43,17 +46,36 @@ class Pounding:
     motion: Motion
     impacts: list[Impact]
 
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """What results call the frames: ``left`` and ``right`` of two, else their names."""
+        return (
+            SIDES
+            if len(self.motion.frames) == 2
+            else tuple(distinct([frame.name for frame in self.motion.frames]))
+        )
+
+    @property
+    def beside(self) -> str:
+        """The frames' names in a row, in words."""
+        return " beside ".join(frame.name for frame in self.motion.frames)
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the contacts' laws, each once."""
+        return tuple(dict.fromkeys(contact.law.name for contact in self.motion.contacts))
+
     @cached_property
     def stresses(self) -> tuple[Largest | None, ...]:
         """The largest stress of each frame; None for a stick, and for a frame that may yield (see `Shaking`)."""
         return tuple(map(linear_stress, self.motion.frames))
 
     def validity(self) -> dict[str, Any]:
-        """Return `max_stress_mpa` of the left and the right frame, and `warnings`: sentences on what passes a limit.
+        """Return `max_stress_mpa` of each frame (see `sides`), and `warnings`: sentences on what passes a limit.
 
         It takes longer than `result`, for it recovers the stress of every plate.
         """
-        sides = zip(("left", "right"), self.stresses, strict=True)
+        sides = zip(self.sides, self.stresses, strict=True)
         pairs = zip(self.motion.frames, self.stresses, strict=True)
         return {
             "max_stress_mpa": {side: None if one is None else one.stress_pa / 1e6 for side, one in sides},
@@ -67,17 +89,18 @@ class Pounding:
         """Return the run's numbers, units in the keys, as `pounding pound --json` prints them."""
         contacts = self.motion.contacts
         gaps = [1e3 * contact.gap_m for contact in contacts]
-        left, right = self.motion.frames
+        frames = dict(zip(self.sides, self.motion.frames, strict=True))
+        pair = {side: frame.name for side, frame in frames.items()} if len(frames) == 2 else {}
         return {
-            "left": left.name,
-            "right": right.name,
+            **pair,
+            "buildings": [frame.name for frame in frames.values()],
             "record": self.record.name,
-            "law": contacts[0].law.name,
+            "law": ", ".join(self.laws),
             "gap_mm": gaps[0] if len(set(gaps)) == 1 else gaps,
             "floors": [contact.floor for contact in contacts],
             "impacts": [impact.as_dict() for impact in self.impacts],
-            "peaks": {"left": left.peaks(), "right": right.peaks()},
-            "ductility": {"left": ductilities(left), "right": ductilities(right)},
+            "peaks": {side: frame.peaks() for side, frame in frames.items()},
+            "ductility": {side: ductilities(frame) for side, frame in frames.items()},
             "energy_error": self.motion.energy.error,
             "solver": self.motion.solver,
             "wall_s": self.motion.wall_s,
@@ -140,10 +163,8 @@ def rig_of(
         floors: Floors of the lower frame; its roof when empty.
     """
     chosen: list[int | None] = list(floors) or [None]
-    if len(set(chosen)) != len(chosen):
-        raise ExperimentError(f"floors {', '.join(map(str, chosen))}: each can be given once")
-    gaps = _one_each("gaps", [gap_m] if isinstance(gap_m, int | float) else gap_m, chosen)
-    laws = _one_each("laws", law if isinstance(law, Sequence) else [law], chosen)
+    gaps = one_each("gaps", [gap_m] if isinstance(gap_m, int | float) else gap_m, chosen)
+    laws = one_each("laws", law if isinstance(law, Sequence) else [law], chosen)
     return Rig(
         [left, right],
         [
@@ -180,6 +201,7 @@ def built(
     p_delta: bool = True,
     damping: float | None = None,
     calibration: str | None = None,
+    planar: bool | None = None,
 ) -> ReducedFrame:
     """Return a reduced frame by name, built once a process.
 
@@ -189,21 +211,30 @@ def built(
         p_delta: Geometric stiffness of gravity.
         damping: Damping ratio of every mode [-]; the frame's own when None.
         calibration: Calibration of the joints; the frame's default when None.
+        planar: Whether to leave out the floors' twist, which contacts off the middle need; for a symmetric plan when None.
     """
     return frames.build(
-        frames.load(name), joints=joints, p_delta=p_delta, damping=damping, calibration=calibration
+        frames.load(name),
+        joints=joints,
+        p_delta=p_delta,
+        damping=damping,
+        calibration=calibration,
+        planar=planar,
     )
 
 
-def built_in(state: FrameState, joints: Any = "calibrated", p_delta: bool = True) -> ReducedFrame:
+def built_in(
+    state: FrameState, joints: Any = "calibrated", p_delta: bool = True, planar: bool | None = None
+) -> ReducedFrame:
     """Return a reduced frame in its state, built once a process.
 
     Args:
         state: What `states_of` says of the frame.
         joints: `calibrated` or `rigid`.
         p_delta: Geometric stiffness of gravity.
+        planar: Whether to leave out the floors' twist, as for `built`.
     """
-    return built(state.frame, joints, p_delta, state.damping_ratio, state.calibration)
+    return built(state.frame, joints, p_delta, state.damping_ratio, state.calibration, planar)
 
 
 @lru_cache(maxsize=16)
@@ -228,8 +259,19 @@ def shaking(
     return record.flipped() if flip else record
 
 
-def _one_each(what: str, given: Sequence[Value], floors: Sequence[int | None]) -> list[Value]:
-    """Return one value a floor, of one that is given for all or of as many as there are floors."""
+def one_each(what: str, given: Sequence[Value], floors: Sequence[int | None]) -> list[Value]:
+    """Return one value a floor, of one that is given for all or of as many as there are floors.
+
+    Args:
+        what: What is given, in the plural.
+        given: One value, or one a floor.
+        floors: The floors.
+
+    Raises:
+        ExperimentError: Another number of values, or a floor that is given twice.
+    """
+    if len(set(floors)) != len(floors):
+        raise ExperimentError(f"floors {', '.join(map(str, floors))}: each can be given once")
     values = list(given) * (len(floors) if len(given) == 1 else 1)
     if len(values) != len(floors):
         raise ExperimentError(

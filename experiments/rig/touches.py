@@ -14,6 +14,7 @@ class Touch:
     """One closing and opening of a contact.
 
     Attributes:
+        left, right: Names of the frames.
         floor: Floor of the left frame.
         first_s, last_s: Its beginning and the end of its overlap [s].
         duration_s: How long the floors pressed [s].
@@ -25,6 +26,8 @@ class Touch:
         gap_m: Gap at rest [m].
     """
 
+    left: str
+    right: str
     floor: int
     first_s: float
     last_s: float
@@ -66,6 +69,8 @@ def touches_of(history: ContactHistory) -> list[Touch]:
             continue
         found.append(
             Touch(
+                left=history.left,
+                right=history.right,
                 floor=history.floor,
                 first_s=float(times[0]),
                 last_s=last,

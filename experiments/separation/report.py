@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,24 +21,24 @@ _TEMPLATES = Environment(
 
 
 def write_report(
-    kind: str, result: Mapping[str, Any], path: Path | str, picture: Figure | None = None
+    kind: str, result: Mapping[str, Any], path: Path | str, pictures: Sequence[Figure] = ()
 ) -> None:
     """Write a self-contained report; an existing file is replaced only when the new one is whole.
 
     Args:
-        kind: ``gap`` or ``design``.
+        kind: ``gap``, ``street`` or ``design``.
         result: The stamped result of the verb.
         path: HTML file to write.
-        picture: A picture, put into the file itself.
+        pictures: Pictures, put into the file itself; of a street one a pair.
     """
-    html = _TEMPLATES.get_template(f"{kind}.html").render(result=result, picture=_embedded(picture))
+    html = _TEMPLATES.get_template(f"{kind}.html").render(
+        result=result, pictures=[_embedded(picture) for picture in pictures]
+    )
     with replacing(Path(path)) as part:
         Path(part).write_text(html, encoding="utf-8")
 
 
-def _embedded(picture: Figure | None) -> str:
-    if picture is None:
-        return ""
+def _embedded(picture: Figure) -> str:
     stream = io.BytesIO()
     picture.savefig(stream, format="png", dpi=110)
     return base64.b64encode(stream.getvalue()).decode("ascii")

@@ -32,6 +32,7 @@ WORDS = {
     "list": ["list"],
     "demo": ["demo", "--out", "OUT"],
     "new-frame": ["new-frame", "OUT/mine.toml"],
+    "new-street": ["new-street", "OUT/street.toml", "5A", "10"],
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],

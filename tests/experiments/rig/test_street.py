@@ -1,0 +1,151 @@
+"""Buildings in a row: the street file, its contacts, and a row of three in both solvers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pounding.contact.parameters import thesis_law
+from pounding.errors import InputError
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig import street as streets
+from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.pounding import Pounding, built
+from pounding.experiments.rig.rig import Rig
+from pounding.experiments.rig.states import states_of
+from pounding.experiments.rig.table_scale import table_scale
+from pounding.frames import load
+from tests.experiments.rig.models import shear, two_sines
+
+ROW = """
+[[building]]
+frame = "5A"
+[[building]]
+frame = "10"
+[[building]]
+frame = "5A"
+[[gap]]
+gap_mm = 3
+[[gap]]
+gap_mm = [2, 1.5]
+floors = [5, 4]
+law = "hertz_damp"
+"""
+
+
+def street(folder: Path, text: str = ROW) -> streets.Street:
+    (folder / "street.toml").write_text(text)
+    return streets.load_street(folder / "street.toml")
+
+
+def test_contacts_of_a_street_stand_between_its_neighbours(tmp_path: Path) -> None:
+    read = street(tmp_path)
+    names = [one.frame for one in read.building]
+    definitions = [load(name) for name in names]
+    chosen = streets.chosen_sets(read, definitions, table_scale(definitions))
+    row = streets.named(read, streets.built_row(read, states_of(names)))
+    contacts, bases = streets.street_contacts(read, row, chosen)
+    assert [frame.name for frame in row] == ["5A", "10", "5A#2"]
+    assert [(one.pair, one.floors, round(1e3 * one.gap_m, 6), one.law.name) for one in contacts] == [
+        (0, (5, 5), 3.0, "linear_viscoelastic"),
+        (1, (5, 5), 2.0, "hertz_damp"),
+        (1, (4, 4), 1.5, "hertz_damp"),
+    ]
+    assert [(basis.pair, basis.floor) for basis in bases] == [(0, 5), (1, 5), (1, 4)]
+
+
+def test_three_frames_collide_alike_in_both_solvers() -> None:
+    law = thesis_law("linear_viscoelastic", "printed", masses=(6.0, 6.0))
+    row = [shear(2, hertz) for hertz in (3.0, 6.4, 2.1)]
+    rig = Rig(row, [Contact(law, 0.003, 2, 0), Contact(law, 0.001, 2, 1)])
+    runs = [rig.run(two_sines(1.2), solver=solver) for solver in ("exudyn", "exact")]
+    pulses = [[len(contact.pulses) for contact in run.contacts] for run in runs]
+    assert pulses[0] == pulses[1]
+    assert min(pulses[0]) > 3
+    peaks = [[contact.sampled()[1].max() for contact in run.contacts] for run in runs]
+    np.testing.assert_allclose(peaks[0], peaks[1], rtol=2e-3)
+
+
+def test_a_result_names_each_building_of_a_row() -> None:
+    law = thesis_law("linear_viscoelastic", "printed", masses=(6.0, 6.0))
+    rig = Rig([shear(2, hertz) for hertz in (3.0, 6.4, 2.1)], [Contact(law, 0.001, 2, 1)])
+    record = two_sines(0.5)
+    run = Pounding(record, rig.run(record, solver="exact"), [])
+    result = run.result() | run.validity()
+    names = [frame.name for frame in rig.frames]
+    assert list(result["peaks"]) == list(result["ductility"]) == list(result["max_stress_mpa"]) == names
+    assert result["buildings"] == names
+    assert "left" not in result
+
+
+def test_a_contact_off_the_middle_twists_the_floors(tmp_path: Path) -> None:
+    read = street(tmp_path, ROW.replace("gap_mm = 3", "gap_mm = 3\ny_m = 0.15"))
+    row = streets.built_row(read, states_of([one.frame for one in read.building]))
+    assert [len(frame.floor_rz) for frame in row] == [5, 10, 0]
+
+
+def test_a_stick_does_not_twist(tmp_path: Path) -> None:
+    house = 'kind = "stick"\nname = "house"\nstoreys = 1\nstorey_height_m = 3\nfloor_mass_kg = [1e5]\n'
+    (tmp_path / "house.toml").write_text(house + "frequency_hz = [2.0]\ndamping_ratio = 0.05\n")
+    read = street(tmp_path, ROW.replace('"5A"', '"house.toml"').replace("gap_mm = 3", "gap_mm = 3\ny_m = 1"))
+    with pytest.raises(ExperimentError, match="is a stick, whose floors do not twist; leave y_m out"):
+        streets.built_row(read, states_of([one.frame for one in read.building]))
+
+
+def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
+    (tmp_path / "house.toml").write_text("")
+    read = street(tmp_path, ROW.replace('"5A"', '"house.toml"'))
+    assert [one.frame for one in read.building] == [
+        str(tmp_path / "house.toml"),
+        "10",
+        str(tmp_path / "house.toml"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "sentence"),
+    [
+        ("gap_mm = 3", "gap_mm = -3", "gap_mm is -3 mm; it must be"),
+        ("gap_mm = 3", "gap_mm = nan", "gap_mm is nan mm"),
+        ("gap_mm = 3", "gap_m = 3", "did you mean gap_mm"),
+        ("gap_mm = 3", "gap_mm = []", "gap_mm is empty"),
+        ("gap_mm = 3", 'gap_mm = "3"', "Expected"),
+        ("gap_mm = 3", 'gap_mm = 3\nlaw = "hertzz"', "hertzz"),
+        ("gap_mm = 3", "gap_mm = 3\nstiffness = -1", "stiffness is -1"),
+        ("[[gap]]\ngap_mm = 3\n", "", "1 [[gap]] for 3 buildings; give 2"),
+        ('frame = "10"', 'frame = "10"\nname = "../x"', "files are called after it"),
+        ('frame = "10"', 'fram = "10"', "did you mean frame"),
+        ("[[building]]", "[building]", ""),
+    ],
+)
+def test_a_street_that_cannot_be(tmp_path: Path, wrong: str, right: str, sentence: str) -> None:
+    with pytest.raises(InputError) as caught:
+        street(tmp_path, ROW.replace(wrong, right))
+    assert sentence in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "sentence"),
+    [
+        ("floors = [5, 4]", "floors = [5, 5]", "each can be given once"),
+        ("floors = [5, 4]", "floors = [5]", "2 gaps for 1 floor"),
+        ("floors = [5, 4]", "floors = [6, 5]", "floor 6 cannot meet"),
+    ],
+)
+def test_floors_that_cannot_meet(tmp_path: Path, wrong: str, right: str, sentence: str) -> None:
+    read = street(tmp_path, ROW.replace(wrong, right))
+    row = [built(one.frame) for one in read.building]
+    with pytest.raises(ExperimentError, match=sentence):
+        streets.street_contacts(read, row, ["printed", "printed"])
+
+
+def test_a_frame_file_is_no_street_file(tmp_path: Path) -> None:
+    street(tmp_path)
+    (tmp_path / "frame.toml").write_text('kind = "stick"\n')
+    assert streets.is_street_file(str(tmp_path / "street.toml"))
+    assert not streets.is_street_file(str(tmp_path / "frame.toml"))
+    assert not streets.is_street_file("5A")
+    assert not streets.is_street_file(str(tmp_path / "nothing.toml"))
