@@ -71,13 +71,14 @@ class Law:
     unit: ClassVar[str] = "N/m"
     latches: ClassVar[bool] = False  # does the formula need the velocity at first touch?
     damped: ClassVar[bool] = True  # does an impact lose energy?
+    listed: ClassVar[bool] = True  # is it known by its name, with a stiffness alone?
 
     stiffness: float
     tension: bool = False
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        if cls.name:
+        if cls.name and cls.listed:
             LAWS[cls.name] = cls
 
     def __post_init__(self) -> None:

@@ -89,6 +89,7 @@ class Bound:
 # Dimensions.
 LENGTH = Bound(1e-3, 1e3, "m", "sides and storeys lie between a model's block and the tallest building")
 THICKNESS = Bound(1e-5, 100.0, "m", "plates lie between a foil and a block")
+AREA = Bound(1e-8, 1e4, "m^2", "areas lie between a model's rubber dot and the largest floor")
 OFFSET = Bound(-1e3, 1e3, "m", "a place on a floor lies within the largest building")
 GAP = Bound(0.0, 100.0, "m", "floors overlap below it and cannot meet beyond")
 SCALE = Bound(1e-3, 1.0, "", 'a model is smaller than its building, and a model of 1:30 has scale = "1:30"')
@@ -147,6 +148,7 @@ WORKERS = Bound(0, 1024, "", "more processes than cores gain nothing")
 FALSE_ALARMS = Bound(
     1e-3, 0.5, "", "the nulls that are kept say nothing of rarer ones, and a coin is right as often as not"
 )
+EVALUATIONS = Bound(3, 1e5, "", "a search begins with both ends of the range, and each setting takes a run")
 CASES = Bound(1, 1e6, "", "each case takes some ten seconds")
 
 # What may be asked of a computer.

@@ -25,6 +25,7 @@ VERBS = {
     "shake": "pounding.experiments.command.shake:shake",
     "pound": "pounding.experiments.command.pound:pound",
     "gap": "pounding.experiments.command.gap:gap",
+    "mitigate": "pounding.experiments.command.mitigate:mitigate",
     "experiment": "pounding.experiments.command.experiment:experiment",
     "design": "pounding.experiments.command.design:design",
     "new-case": "pounding.experiments.command.new_case:new_case",

@@ -36,6 +36,7 @@ GAP_KEYS = """\
 # floors = [3, 4]           # floors of the lower neighbour that can touch; its roof without this line
 # law = "linear_viscoelastic"   # impact law, see pounding list
 # restitution = 0.65        # and stiffness = 3.75e9 (N/m), or radius_m of a Hertz contact: what is known of the contact
+# bumper = { thickness_mm = 40, area_m2 = 0.3 }   # a block of rubber in the gap, for the floors' own contact
 # y_m = 0.0                 # contact off the middle of the floors' edge; for frames of plates and columns
 """
 

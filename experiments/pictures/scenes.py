@@ -273,7 +273,7 @@ class Stage:
         ]
         for place, arrows, force in zip(setting.contacts, self._arrows, instant.forces_n, strict=True):
             self._point(place, arrows, force)
-            words.append(f"contact at floor {place.floor}: {force / 1e3:.2f} kN" if force else "")
+            words.append(f"contact at floor {place.floor}: {_in_words(force)}" if force else "")
         self._caption.input = "\n".join(words)
 
     def _arrow(self, side: float) -> Any:
@@ -373,3 +373,8 @@ def size_of(motion: Motion) -> tuple[int, int]:
     frames = [frame.reduced for frame in motion.frames]
     slender = max(frame.heights_m[-1] / frame.plan_m[0] for frame in frames) / len(frames) > 2.0
     return (640, 800) if slender else (960, 800)
+
+
+def _in_words(force_n: float) -> str:
+    """Return a force in kN for models and in MN for buildings."""
+    return f"{force_n / 1e3:.2f} kN" if force_n < 1e6 else f"{force_n / 1e6:.2f} MN"

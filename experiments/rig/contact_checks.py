@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from pounding.contact.rubber import FLAT, RubberBlock
 from pounding.experiments.rig.impacts import THRESHOLD_N
-from pounding.experiments.rig.motion import Motion
+from pounding.experiments.rig.motion import ContactHistory, Motion
 from pounding.experiments.rig.touches import Touch, touches_of
 
 LONGEST_SHARE = 0.1
@@ -25,21 +26,37 @@ def contact_warnings(motion: Motion) -> list[str]:
     Args:
         motion: A run with contacts.
     """
+    flat = [_flattened(history) for history in motion.contacts if isinstance(history.law, RubberBlock)]
     touches = [
         touch
         for history in motion.contacts
+        if not isinstance(history.law, RubberBlock)  # which is meant to be soft, slow and deep
         for touch in touches_of(history)
         if touch.peak_force_n >= THRESHOLD_N
     ]
     if not touches:
-        return []
+        return list(filter(None, flat))
     period = min(1.0 / float(frame.reduced.frequencies_hz[0]) for frame in motion.frames)
     fastest = max(touch.approach_m_s for touch in touches)
     return [
+        *filter(None, flat),
         *_beyond(touches, lambda touch: _bounce(touch, SLOWEST_SHARE * fastest), 1.0, _bouncing),
         *_beyond(touches, lambda touch: touch.duration_s / period, LONGEST_SHARE, _lasting(period)),
         *_beyond(touches, _overlap, DEEPEST_SHARE, _sinking),
     ]
+
+
+def _flattened(history: ContactHistory) -> str:
+    """Return the sentence on a bumper that is pressed flat; empty for one that is not."""
+    law = history.law
+    deepest = int(history.deformation_m.argmax())
+    share = float(history.deformation_m[deepest]) / law.thickness_m if isinstance(law, RubberBlock) else 0.0
+    if share <= FLAT:
+        return ""
+    return (
+        f"the bumper between {history.left} and {history.right} is compressed by {100 * share:.0f} % of its thickness at "
+        f"{history.time_s[deepest]:.3f} s and counts as flat from {100 * FLAT:.0f} % on; give a thicker or a larger one"
+    )
 
 
 def _beyond(

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import msgspec
 
 from pounding import bounds, frames
+from pounding.contact.damping import check_restitution
 from pounding.contact.laws import law_class
+from pounding.contact.rubber import SOFT_PA, RubberBlock
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contact_choice import ContactWish, Parameters, choose_laws, chosen_parameters
 from pounding.experiments.rig.contacts import Contact
@@ -45,6 +47,29 @@ class Building(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     name: str | None = None
 
 
+class Bumper(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A block of rubber on one floor of each contact of a gap, in the place of the floors' own contact.
+
+    Attributes:
+        thickness_mm: Its thickness, part of the gap [mm].
+        area_m2: Its area [m^2].
+        modulus_mpa: Apparent modulus of the rubber under compression [MPa].
+        restitution: Coefficient of restitution [-].
+    """
+
+    thickness_mm: float
+    area_m2: float
+    modulus_mpa: float = SOFT_PA / 1e6
+    restitution: float = 0.5
+
+    @property
+    def block(self) -> RubberBlock:
+        """Its law."""
+        return RubberBlock.of(
+            self.area_m2, 1e-3 * self.thickness_mm, 1e6 * self.modulus_mpa, self.restitution
+        )
+
+
 class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What lies between two neighbours.
 
@@ -58,6 +83,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         restitution: Coefficient of restitution [-]; default: that of the parameters.
         radius_m: Radius of a Hertz contact [m]; default: of spheres with the floors' masses.
         tension: May the contact pull just before it opens?
+        bumper: A block of rubber at each contact; then the law, its numbers and `tension` are not used.
     """
 
     gap_mm: float | tuple[float, ...]
@@ -69,6 +95,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     restitution: float | None = None
     radius_m: float | None = None
     tension: bool = False
+    bumper: Bumper | None = None
 
     @property
     def gaps_mm(self) -> tuple[float, ...]:
@@ -211,7 +238,7 @@ def chosen_sets(street: Street, definitions: Sequence[Frame], scale: TableScale)
         ContactError: An unknown law.
     """
     return [
-        chosen_parameters(definitions[pair : pair + 2], scale, gap.wish)
+        "floors" if gap.bumper else chosen_parameters(definitions[pair : pair + 2], scale, gap.wish)
         for pair, gap in enumerate(street.gap)
     ]
 
@@ -237,10 +264,41 @@ def street_contacts(
         for stated, gap_mm in gap.by_floor():
             floor = lower.storeys if stated is None else stated
             level = contact_floors(*neighbours, floor)
-            (law,), (basis,) = choose_laws(neighbours, floor, parameters, gap.wish)
-            contacts.append(Contact(law, 1e-3 * (gap_mm or 0.0), level, pair, gap.y_m))
+            if gap.bumper is None:
+                (law,), (basis,) = choose_laws(neighbours, floor, parameters, gap.wish)
+                contacts.append(Contact(law, 1e-3 * (gap_mm or 0.0), level, pair, gap.y_m))
+            else:
+                free = Contact(gap.bumper.block, 1e-3 * (gap_mm or 0.0), level, pair, gap.y_m)
+                contacts.append(bumped(free, gap.bumper.block))
+                basis = _bumper_basis(gap.bumper)
             bases.append(Basis(pair, floor, basis))
     return contacts, bases
+
+
+def bumped(contact: Contact, block: RubberBlock) -> Contact:
+    """Return a contact with a block of rubber in its gap; pressed flat, the block goes on as stiff as it then is.
+
+    Args:
+        contact: The contact without it.
+        block: The block.
+
+    Raises:
+        ExperimentError: The block is thicker than the gap.
+    """
+    left = contact.gap_m - block.thickness_m
+    if left < 0.0:
+        raise ExperimentError(
+            f"a bumper of {1e3 * block.thickness_m:g} mm does not fit into a gap of {1e3 * contact.gap_m:g} mm; give a "
+            "thickness_mm of at most the gap"
+        )
+    return dataclasses.replace(contact, law=block, gap_m=left)
+
+
+def _bumper_basis(bumper: Bumper) -> str:
+    return (
+        f"{RubberBlock.name}: {bumper.area_m2:g} m2 of {bumper.thickness_mm:g} mm and {bumper.modulus_mpa:g} MPa, "
+        f"restitution {bumper.restitution:g}, as stated"
+    )
 
 
 def _known_keys(tree: dict[str, Any], where: str) -> None:
@@ -284,11 +342,24 @@ def _check_gap(gap: Gap, where: str) -> None:
         raise ExperimentError(f"{where}: gap_mm is empty; give one for all floors, or one a floor")
     for value in gap.gaps_mm:
         bounds.GAP.check(value, f"{where}: gap_mm", ExperimentError, per=LENGTH["mm"], unit="mm")
+    if gap.bumper is not None:
+        _check_bumper(gap.bumper, f"{where}: bumper")
+    bounds.OFFSET.check(gap.y_m, f"{where}: y_m", ExperimentError)
     for key, bound in (("stiffness", bounds.CONTACT_STIFFNESS), ("radius_m", bounds.LENGTH)):
         value = getattr(gap, key)
         if value is not None:
             bound.check(value, f"{where}: {key}", ExperimentError)
     law_class(gap.law)
+
+
+def _check_bumper(bumper: Bumper, where: str) -> None:
+    for key, bound, per, unit in (
+        ("thickness_mm", bounds.THICKNESS, LENGTH["mm"], "mm"),
+        ("area_m2", bounds.AREA, 1.0, "m^2"),
+        ("modulus_mpa", bounds.MODULUS, 1e-3, "MPa"),
+    ):
+        bound.check(getattr(bumper, key), f"{where}: {key}", ExperimentError, per=per, unit=unit)
+    check_restitution(bumper.restitution)
 
 
 def _found(building: Building, folder: Path) -> Building:

@@ -29,6 +29,7 @@ ROOMS = {
         "configurations",
         "console",
         "campaign",
+        "mitigation",
         "separation",
         "output",
         "sweeps",

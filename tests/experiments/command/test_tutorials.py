@@ -53,6 +53,30 @@ def test_the_building_pair(tmp_path: Path):
 
 
 @pytest.mark.slow
+def test_what_to_do(tmp_path: Path):
+    said = _run("what-to-do.md", tmp_path)
+    page = (TUTORIALS / "what-to-do.md").read_text(encoding="utf-8")
+    for printed, written in (
+        ("213.39", "213.39"),
+        ("180.86", "180.86 mm"),
+        ("19009504", "19.0 MN"),
+        ("7.59", "7.59 g"),
+        ("0.58", "0.58 g"),
+        ("1.05", "1.05 g"),
+        ("3705546", "3.7 MN"),
+    ):
+        assert printed in said
+        assert written in page
+    for name in (
+        "before/collision.png",
+        "measures/mitigate.html",
+        "measures/trade-offs.png",
+        "after/pound.json",
+    ):
+        assert (tmp_path / name).is_file()
+
+
+@pytest.mark.slow
 def test_the_measurement(tmp_path: Path):
     said = _run("measurement.md", tmp_path)
     page = (TUTORIALS / "measurement.md").read_text(encoding="utf-8")

@@ -33,6 +33,7 @@ WORDS = {
     "demo": ["demo", "--out", "OUT"],
     "new-frame": ["new-frame", "OUT/mine.toml"],
     "new-street": ["new-street", "OUT/street.toml", "5A", "10"],
+    "mitigate": ["mitigate", "STREET", *ELCENTRO, "--out", "OUT"],
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],
@@ -71,7 +72,12 @@ def test_an_interrupted_verb_says_so_and_leaves_nothing_half_made(
 ) -> None:
     out, scratch = tmp_path / "out", tmp_path / "scratch"
     scratch.mkdir()
-    words = [word.replace("OUT", str(out)).replace("CASE", str(case)) for word in WORDS[verb]]
+    street = tmp_path / "street.toml"
+    street.write_text('[[building]]\nframe = "10"\n[[building]]\nframe = "5B"\n[[gap]]\ngap_mm = 3\n')
+    places = {"OUT": out, "CASE": case, "STREET": street}
+    words = WORDS[verb]
+    for name, path in places.items():
+        words = [word.replace(name, str(path)) for word in words]
     environment = os.environ | {"TMPDIR": str(scratch), "POUNDING_CACHE": str(tmp_path / "cache")}
     process = subprocess.Popen(
         [sys.executable, "-c", PROGRAM, *words], start_new_session=True, env=environment, text=True,

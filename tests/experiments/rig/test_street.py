@@ -116,6 +116,9 @@ def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
         ("gap_mm = 3", "gap_mm = 3\nstiffness = -1", "stiffness is -1"),
         ("[[gap]]\ngap_mm = 3\n", "", "1 [[gap]] for 3 buildings; give 2"),
         ('frame = "10"', 'frame = "10"\nname = "../x"', "files are called after it"),
+        ("gap_mm = 3", "gap_mm = 3\nbumper = { thickness_mm = -1, area_m2 = 1 }", "thickness_mm is -1 mm"),
+        ("gap_mm = 3", "gap_mm = 3\nbumper = { thickness_mm = 1, area = 1 }", "area"),
+        ("gap_mm = 3", "gap_mm = 3\ny_m = inf", "y_m is larger than any number"),
         ('frame = "10"', 'fram = "10"', "did you mean frame"),
         ("[[building]]", "[building]", ""),
     ],
@@ -140,6 +143,20 @@ def test_floors_that_cannot_meet(tmp_path: Path, wrong: str, right: str, sentenc
     row = [built(one.frame) for one in read.building]
     with pytest.raises(ExperimentError, match=sentence):
         streets.street_contacts(read, row, ["printed", "printed"])
+
+
+def test_a_bumper_takes_part_of_the_gap_and_the_place_of_the_contact(tmp_path: Path) -> None:
+    bumper = "gap_mm = 3\nbumper = { thickness_mm = 2, area_m2 = 1e-4, modulus_mpa = 4 }"
+    read = street(tmp_path, ROW.replace("gap_mm = 3", bumper))
+    row = [built(one.frame) for one in read.building]
+    contacts, bases = streets.street_contacts(read, row, ["floors", "printed"])
+    assert contacts[0].gap_m == pytest.approx(0.001)
+    assert contacts[0].law.name == "rubber_block"
+    assert contacts[0].law.stiffness == pytest.approx(4e6 * 1e-4 / 0.002)
+    assert "0.0001 m2 of 2 mm and 4 MPa" in bases[0].sentence
+    thick = street(tmp_path, ROW.replace("gap_mm = 3", bumper.replace("= 2", "= 4")))
+    with pytest.raises(ExperimentError, match="a bumper of 4 mm does not fit into a gap of 3 mm"):
+        streets.street_contacts(thick, row, ["floors", "printed"])
 
 
 def test_a_frame_file_is_no_street_file(tmp_path: Path) -> None:

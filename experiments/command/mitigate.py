@@ -1,0 +1,213 @@
+"""`pounding mitigate`: what can be done about pounding in a street, measure beside measure."""
+
+from __future__ import annotations
+
+import json as json_text
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+from cyclopts import Parameter
+from rich.progress import Progress
+
+from pounding import bounds
+from pounding.contact.rubber import FLAT
+from pounding.experiments.console import estimates, options
+from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.mitigation.measures import NAMES, described
+from pounding.experiments.mitigation.pictures import trade_offs
+from pounding.experiments.mitigation.search import Answer, Objective, compare, cost
+from pounding.experiments.mitigation.standing import Standing, refuse_yielding
+from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.records import find
+from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.states import states_of
+from pounding.experiments.rig.street import (
+    built_row,
+    chosen_sets,
+    is_street_file,
+    load_street,
+    named,
+    street_contacts,
+)
+from pounding.experiments.rig.table_scale import TableScale, table_scale
+from pounding.experiments.separation.report import write_report
+from pounding.frames import load
+from pounding.frames.files import replacing, write_whole
+
+LIMITS = (
+    "Buildings are linear, and measures are without mass; walls and links also need foundations and floors that bear "
+    "their forces.",
+    "The best setting is the best of those tried under these records; judge it under others before it is built.",
+    "A force of contact is known within a factor of about three (docs/full-scale.md); a link's force does not depend on "
+    "the contact.",
+)
+
+OBJECTIVES = {
+    "acceleration": ("acceleration of a floor", 1.0, "g"),
+    "drift": ("storey drift", 100.0, "%"),
+    "force": ("force of a contact or link", 1e-3, "kN"),
+}
+"""What is made small: in words, and the unit in which it is shown."""
+
+
+def mitigate(
+    street: str,
+    *,
+    record: Annotated[
+        list[str],
+        Parameter(help="Ground motion by name or file, repeatable; of each response the worst counts."),
+    ],
+    measure: Annotated[
+        list[str] | None, Parameter(help=f"Measure, repeatable; default: all of {', '.join(NAMES)}.")
+    ] = None,
+    objective: Annotated[
+        Objective,
+        Parameter(
+            help="What the search makes small: the floors' acceleration, the storeys' drift, or the force of contacts "
+            "and links."
+        ),
+    ] = "acceleration",
+    evaluations: Annotated[
+        int,
+        Parameter(
+            help="About how many settings of each measure are tried.",
+            validator=options.bounded(bounds.EVALUATIONS),
+        ),
+    ] = 25,
+    pga: options.Pga = None,
+    time_factor: options.TimeFactor = None,
+    damping: options.Damping = None,
+    records: options.Records = None,
+    out: options.Out = None,
+    json: options.Json = False,
+) -> None:
+    """Compare what can be done about pounding in a street, each measure with its best setting.
+
+    The measures: wider gaps, rubber bumpers, hard links, links of spring and dashpot, viscous dampers between the floors,
+    more damping in the buildings, and walls in them. All runs are exact, so the buildings must be linear.
+
+    Args:
+        street: Street file (`pounding new-street` writes one).
+    """
+    if not is_street_file(street):
+        raise ExperimentError(
+            f"{street} is no street file; pounding new-street writes one from two frames or more"
+        )
+    for name in measure or ():
+        if name not in NAMES:
+            raise ExperimentError(f"measure {name!r} is not known; known are {', '.join(NAMES)}")
+    read = load_street(street)
+    names = [building.frame for building in read.building]
+    definitions = [load(name) for name in names]
+    scale = table_scale(definitions, time_factor)
+    sets = chosen_sets(read, definitions, scale)
+    shakings = [find(name, records).scaled(scale.time_factor, pga) for name in record]
+    states = states_of(names, damping=damping)
+    estimates.announce(*map(estimates.of_frame, definitions))
+    row = named(read, built_row(read, states))
+    refuse_yielding(row)
+    contacts, bases = street_contacts(read, row, sets)
+    if out is not None:
+        keeping.prepare(out)
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task("none", total=evaluations)
+        answers = compare(
+            Standing(tuple(row), tuple(contacts)),
+            shakings,
+            names=measure or (),
+            objective=objective,
+            evaluations=evaluations,
+            progress=lambda name, count: progress.update(bar, description=name, completed=count),
+        )
+    asked = {
+        "street": street,
+        **msgspec.to_builtins(read),
+        "objective": objective,
+        "evaluations": evaluations,
+        "pga_g": pga,
+        "contact_basis": [basis.sentence for basis in bases],
+        "states": [one.as_dict() for one in states],
+        **scale.as_dict(),
+    }
+    result = stamp(asked, shakings) | {
+        "sentence": _sentence(answers, objective),
+        "measures": [_as_dict(answer) for answer in answers],
+        "limits": list(LIMITS),
+    }
+    if out is not None:
+        result["files"] = _keep(result, answers, out)
+    emit(result, as_json=json, show=lambda: _show(result, scale))
+
+
+def _as_dict(answer: Answer) -> dict[str, Any]:
+    return {
+        "name": answer.measure.name,
+        "words": answer.measure.words,
+        "settings": described(answer.measure, answer.best.values),
+        "remark": _remark(answer),
+        "response": answer.best.response.as_dict(),
+        "tried": [
+            {"settings": described(answer.measure, one.values), "response": one.response.as_dict()}
+            for one in answer.tried
+        ],
+    }
+
+
+def _remark(answer: Answer) -> str:
+    """Return what must be known of a best setting beside its numbers; empty if nothing."""
+    if answer.best.response.compression > FLAT:
+        return "every block tried is pressed flat, this one the least"
+    bound = [name for name in answer.at_bound if answer.measure.name != "wider-gap"]
+    return f"best at the bound of the search ({' and '.join(bound)})" if bound else ""
+
+
+def _sentence(answers: Sequence[Answer], objective: Objective) -> str:
+    """Return what comes out, in a sentence."""
+    as_it_is, *others = answers
+    if as_it_is.best.response.touches == 0:
+        return "The floors do not touch under these records: nothing needs to be done about pounding."
+    best = min(others, key=lambda answer: cost(answer.best.response, objective))
+    what, factor, unit = OBJECTIVES[objective]
+    before, after = (factor * cost(one.best.response, objective) for one in (as_it_is, best))
+    return f"The smallest {what} is left by {best.measure.name}: {after:.3g} {unit} instead of {before:.3g} {unit}."
+
+
+def _keep(result: dict[str, Any], answers: Sequence[Answer], out: Path) -> list[str]:
+    figure = trade_offs(answers)
+    with replacing(out / "trade-offs.png") as part:
+        figure.savefig(part, dpi=100)
+    write_report("mitigate", plain(result), out / "mitigate.html", [figure])
+    write_whole(out / "mitigate.json", (json_text.dumps(plain(result), indent=2) + "\n").encode())
+    return ["trade-offs.png", "mitigate.html", "mitigate.json"]
+
+
+def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
+    yield table(
+        f"{result['parameters']['street']}, the worst of {len(result['records'])} record(s), each measure at its best",
+        ["measure", "contact kN", "link kN", "touches", "drift %", "accel. g", "gap needed mm"],
+        [_row(one) for one in result["measures"]],
+    )
+    for one in result["measures"]:
+        stated = [f"{name} {value:.3g}" for name, value in one["settings"].items()]
+        if stated:
+            remark = [one["remark"]] if one["remark"] else []
+            yield f"{one['name']}: {one['words']}; {'; '.join([*stated, *remark])}"
+    yield result["sentence"]
+    yield str(scale)
+    yield from keeping.written(result)
+
+
+def _row(one: dict[str, Any]) -> list[str]:
+    found = one["response"]
+    return [
+        one["name"],
+        f"{found['peak_force_n'] / 1e3:,.0f}",
+        f"{found['link_force_n'] / 1e3:,.0f}",
+        f"{found['touches']}",
+        f"{100 * found['drift']:.2f}",
+        f"{found['acceleration_g']:.2f}",
+        f"{max(found['required_gap_mm']):.0f}",
+    ]

@@ -1,0 +1,1 @@
+"""What can be done about pounding: measures between or in buildings of a street, compared by what they leave."""
