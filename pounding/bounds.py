@@ -148,6 +148,11 @@ WORKERS = Bound(0, 1024, "", "more processes than cores gain nothing")
 FALSE_ALARMS = Bound(
     1e-3, 0.5, "", "the nulls that are kept say nothing of rarer ones, and a coin is right as often as not"
 )
+LEVELS = Bound(3, 1e4, "", "a curve needs some points, and each takes a run of every record")
+CONTACT_FORCE = Bound(
+    1e-3, 1e12, "N", "contacts press between the weight of a feather and that of a mountain"
+)
+DRIFT = Bound(1e-6, 1.0, "", "storeys drift less than their height")
 EVALUATIONS = Bound(3, 1e5, "", "a search begins with both ends of the range, and each setting takes a run")
 CASES = Bound(1, 1e6, "", "each case takes some ten seconds")
 

@@ -26,6 +26,7 @@ VERBS = {
     "pound": "pounding.experiments.command.pound:pound",
     "gap": "pounding.experiments.command.gap:gap",
     "mitigate": "pounding.experiments.command.mitigate:mitigate",
+    "fragility": "pounding.experiments.command.fragility:fragility",
     "experiment": "pounding.experiments.command.experiment:experiment",
     "design": "pounding.experiments.command.design:design",
     "new-case": "pounding.experiments.command.new_case:new_case",

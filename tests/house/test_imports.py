@@ -30,6 +30,7 @@ ROOMS = {
         "console",
         "campaign",
         "mitigation",
+        "fragility",
         "separation",
         "output",
         "sweeps",

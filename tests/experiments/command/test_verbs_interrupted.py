@@ -34,6 +34,7 @@ WORDS = {
     "new-frame": ["new-frame", "OUT/mine.toml"],
     "new-street": ["new-street", "OUT/street.toml", "5A", "10"],
     "mitigate": ["mitigate", "STREET", *ELCENTRO, "--out", "OUT"],
+    "fragility": ["fragility", "STREET", *ELCENTRO, "--record", "elcentro-chopra", "--out", "OUT"],
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],

@@ -1,0 +1,141 @@
+"""At which intensity each record brings floors together, and what it does beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.many import Case, Outcome, many
+from pounding.experiments.rig.required_gap import motions
+from pounding.frames.reduction.reduced_frame import ReducedFrame
+
+Real = NDArray[np.floating[Any]]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A limit that a run may pass.
+
+    Attributes:
+        kind: ``force`` of a contact [N] or ``drift`` of a storey over its height [-].
+        value: The limit.
+    """
+
+    kind: Literal["force", "drift"]
+    value: float
+
+    def passed(self, found: Outcome, frames: Sequence[ReducedFrame]) -> bool:
+        """Return whether a run passes it.
+
+        Args:
+            found: What is kept of the run.
+            frames: Its frames.
+        """
+        if self.kind == "force":
+            return bool(found.peak_force_n.max(initial=0.0) > self.value)
+        ratios = [
+            drift / np.diff(frame.heights_m, prepend=0.0)
+            for drift, frame in zip(found.drift_m, frames, strict=True)
+        ]
+        return bool(np.concatenate(ratios).max() > self.value)
+
+
+def closings(frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record: Record) -> Real:
+    """Return how far the floors of each contact would close without it (c,) [m]; all runs are linear and exact.
+
+    Args:
+        frames: Frames in a row.
+        contacts: Contacts between neighbours.
+        record: The shaking at their scale.
+
+    Raises:
+        ExperimentError: A frame yields.
+    """
+    floors = [sorted(set(_floors(contacts, place))) for place in range(len(frames))]
+    moved = [
+        motions(frame, record, own) if own else np.zeros((1, 0))
+        for frame, own in zip(frames, floors, strict=True)
+    ]
+    found = []
+    for contact in contacts:
+        left, right = (
+            moved[contact.pair + side][:, floors[contact.pair + side].index(floor)]
+            for side, floor in enumerate(contact.floors)
+        )
+        found.append(max(0.0, float((left - right).max())))
+    return np.array(found)
+
+
+def touching_intensity(
+    frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record: Record, intensity_g: float
+) -> float:
+    """Return the intensity at which a record just brings floors together [g].
+
+    Until the first touch linear buildings move in proportion to the shaking, so that one run says it.
+
+    Args:
+        frames: Frames in a row.
+        contacts: Contacts between neighbours.
+        record: The shaking at their scale.
+        intensity_g: Its intensity as it is [g].
+
+    Raises:
+        ExperimentError: A frame yields, or the floors never approach each other.
+    """
+    closing = closings(frames, contacts, record)
+    if not np.any(closing > 0.0):
+        raise ExperimentError(f"record {record.name}: the floors do not approach each other at any intensity")
+    gaps = np.array([contact.gap_m for contact in contacts])
+    return float(intensity_g * np.min(gaps[closing > 0.0] / closing[closing > 0.0]))
+
+
+def passing(
+    frames: Sequence[ReducedFrame],
+    contacts: Sequence[Contact],
+    records: Sequence[Record],
+    factors: Real,
+    limits: Sequence[Limit],
+    *,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> NDArray[np.bool_]:
+    """Return whether each record at each level passes each limit (limits, records, levels), by runs with contact.
+
+    Args:
+        frames: Frames in a row.
+        contacts: Contacts between neighbours.
+        records: The shakings at their scale.
+        factors: What each record's acceleration is multiplied by at each level (records, levels).
+        limits: The limits.
+        workers: Threads; one a core when None.
+        progress: Called with the number of runs that are done.
+
+    Raises:
+        ExperimentError: A run that grows without bound.
+    """
+    cases = (
+        Case(frames, contacts, factor * record.acceleration_m_s2, record.step_s)
+        for record, row in zip(records, factors, strict=True)
+        for factor in row
+    )
+    found = [
+        [limit.passed(outcome, frames) for limit in limits]
+        for outcome in many(cases, workers=workers, progress=progress)
+    ]
+    return np.array(found, bool).T.reshape(len(limits), *factors.shape)
+
+
+def _floors(contacts: Sequence[Contact], place: int) -> list[int]:
+    return [
+        floor
+        for contact in contacts
+        for side, floor in enumerate(contact.floors)
+        if contact.pair + side == place
+    ]
