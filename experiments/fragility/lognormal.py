@@ -32,7 +32,7 @@ class Lognormal:
     beta: float
 
     def at(self, intensity_g: ArrayLike) -> Real:
-        """Return the probability at intensities.
+        """Return the probability at intensities (m,) [-].
 
         Args:
             intensity_g: Intensities (m,) [g], above 0.
@@ -97,7 +97,7 @@ def band(
     """Return the lower and the upper limit (m,) of a fragility's confidence band, by drawing the records anew.
 
     Args:
-        fit: Returns the fragility of some of the records, by their numbers; some may be there twice.
+        fit: Returns the fragility of some of the records, by their numbers (n,); some may be there twice.
         records: Number of records.
         intensity_g: Where the band is asked for (m,) [g].
         seed: Seed of the draws.
