@@ -32,6 +32,7 @@ from pounding.experiments.rig.street import (
     is_street_file,
     load_street,
     named,
+    refuse_columns,
     street_contacts,
 )
 from pounding.experiments.rig.table_scale import TableScale, table_scale
@@ -103,6 +104,7 @@ def fragility(
         )
     limits = _limits(force, drift)
     read = load_street(street)
+    refuse_columns(read)
     names = [building.frame for building in read.building]
     definitions = [load(name) for name in names]
     scale = table_scale(definitions, time_factor)

@@ -21,7 +21,15 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.street import Building, Gap, Street, is_street_file, load_street, named
+from pounding.experiments.rig.street import (
+    Building,
+    Gap,
+    Street,
+    is_street_file,
+    load_street,
+    named,
+    refuse_columns,
+)
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.experiments.separation.gaps.gap import gap_answer, history
 from pounding.experiments.separation.pictures import gap_history
@@ -67,6 +75,7 @@ def gap(
         record: Name or file of the ground motion.
     """
     street = _street(left, right, floor)
+    refuse_columns(street)
     names = [building.frame for building in street.building]
     definitions = [frames.load(name) for name in names]
     scale = table_scale(definitions, time_factor)

@@ -30,6 +30,7 @@ from pounding.experiments.rig.street import (
     is_street_file,
     load_street,
     named,
+    refuse_columns,
     street_contacts,
 )
 from pounding.experiments.rig.table_scale import TableScale, table_scale
@@ -100,6 +101,7 @@ def mitigate(
         if name not in NAMES:
             raise ExperimentError(f"measure {name!r} is not known; known are {', '.join(NAMES)}")
     read = load_street(street)
+    refuse_columns(read)
     names = [building.frame for building in read.building]
     definitions = [load(name) for name in names]
     scale = table_scale(definitions, time_factor)

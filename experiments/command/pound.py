@@ -22,6 +22,7 @@ from pounding.experiments.output import collision_folder as collision_files
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.pictures import films
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.column_hits import beyond, borne
 from pounding.experiments.rig.contact_choice import Parameters
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N, all_impacts, merging_s
@@ -166,7 +167,7 @@ def pound(
         "impact_sample_rate_hz": SAMPLE_RATE_HZ,
     }
     result = stamp(asked | scale.as_dict(), [shaken]) | {
-        "runs": [run.result() | run.validity() for run in runs]
+        "runs": [_as_dict(run, *places) for run, places in zip(runs, contacts, strict=True)]
     }
     if out is not None:
         kept = _keep(runs, result, out, film)
@@ -230,6 +231,20 @@ def _asked(
             for street, own in zip(streets, laws, strict=True)
         },
     }
+
+
+def _as_dict(run: Pounding, places: Sequence[Contact], bases: Sequence[Basis]) -> dict[str, Any]:
+    """Return what is told of a run, with what columns that are hit have borne."""
+    columns = [
+        borne(run.motion, contact, *basis.hit, number)
+        for number, (contact, basis) in enumerate(zip(places, bases, strict=True))
+        if basis.hit is not None
+    ]
+    found = run.result() | run.validity()
+    if columns:
+        found["columns"] = columns
+        found["warnings"] += [sentence for one in columns for sentence in beyond(one)]
+    return found
 
 
 def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:

@@ -37,6 +37,8 @@ def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableSca
         ["law", "frame", "roof +", "roof -", "peak force N", "impacts"],
         [row for run in result["runs"] for row in _peak_rows(run)],
     )
+    for run in result["runs"]:
+        yield from _columns(run)
     yield (
         f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
         f"touches less than {1e3 * result['parameters']['impact_merging_s']:.3g} ms apart are one."
@@ -66,6 +68,30 @@ def _impacts(run: dict[str, Any]) -> Iterable[Any]:
     yield from _merged(run["impacts"])
 
 
+def _columns(run: dict[str, Any]) -> Iterable[Any]:
+    if "columns" in run:
+        yield table(
+            "What one column that is hit bears, the drift of its storey included",
+            ["building", "floors", "height m", "shear kN", "can", "moment kN m", "can"],
+            [
+                [
+                    one["building"],
+                    "{} to {}".format(*one["between_floors"]),
+                    f"{one['height_m']:.3g}",
+                    f"{one['shear_kn']:.4g}",
+                    _known(one["shear_capacity_kn"]),
+                    f"{one['moment_kn_m']:.4g}",
+                    _known(one["moment_capacity_kn_m"]),
+                ]
+                for one in run["columns"]
+            ],
+        )
+
+
+def _known(capacity: float | None) -> str:
+    return "–" if capacity is None else f"{capacity:.4g}"
+
+
 def _between(impact: dict[str, Any]) -> str:
     return f"{impact['left']} and {impact['right']}"
 
@@ -82,7 +108,7 @@ def _together(bases: Iterable[str]) -> Iterable[str]:
 def _row(impact: dict[str, Any]) -> list[str]:
     return [
         f"{impact['time_s']:.4f}",
-        f"{impact['floor']}",
+        f"{impact['floor']:g}",
         f"{impact['peak_force_n']:.0f}",
         f"{impact['impulse_n_s']:.3f}",
         f"{impact['approach_velocity_m_s']:.3f}",

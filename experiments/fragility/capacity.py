@@ -67,7 +67,7 @@ def closings(frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record
     for contact in contacts:
         left, right = (
             moved[contact.pair + side][:, floors[contact.pair + side].index(floor)]
-            for side, floor in enumerate(contact.floors)
+            for side, floor in enumerate(contact.whole_floors)
         )
         found.append(max(0.0, float((left - right).max())))
     return np.array(found)
@@ -136,6 +136,6 @@ def _floors(contacts: Sequence[Contact], place: int) -> list[int]:
     return [
         floor
         for contact in contacts
-        for side, floor in enumerate(contact.floors)
+        for side, floor in enumerate(contact.whole_floors)
         if contact.pair + side == place
     ]

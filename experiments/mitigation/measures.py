@@ -173,7 +173,8 @@ def _dampers(street: Standing) -> Measure:
 def _linked(street: Standing, link: Callable[[Sequence[ReducedFrame]], tuple[float, float]]) -> Standing:
     """Return a street with a link at every contact, the contacts left where they are."""
     links = [
-        Link(one.pair, one.floors, *link(street.frames[one.pair : one.pair + 2])) for one in street.contacts
+        Link(one.pair, one.whole_floors, *link(street.frames[one.pair : one.pair + 2]))
+        for one in street.contacts
     ]
     return dataclasses.replace(street, links=tuple(links))
 

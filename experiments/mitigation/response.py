@@ -142,7 +142,7 @@ class _Floors:
 
     def closing_m(self) -> list[float]:
         return [
-            float(self._apart("displacement_m", one.pair, one.floors).max())
+            float(self._apart("displacement_m", one.pair, one.whole_floors).max())
             for one in self._standing.contacts
         ]
 

@@ -146,6 +146,6 @@ def _within(contact: Contact, starts: Sequence[int]) -> Within:
     if contact.y_m:
         raise ExperimentError("a contact off the middle cannot stand beside a link; leave y_m out")
     left, right = (
-        start + floor for start, floor in zip(starts[contact.pair :], contact.floors, strict=False)
+        start + floor for start, floor in zip(starts[contact.pair :], contact.whole_floors, strict=False)
     )
     return Within(contact.law, contact.gap_m, left, right)

@@ -75,10 +75,19 @@ class Instant(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a contact is: the frame on its left (0 is the first) and the floor."""
+    """Where a contact is: the frame on its left (0 is the first), and the floor of each of the two.
+
+    A floor between two whole numbers is a place on columns.
+    """
 
     left: int
-    floor: int
+    floors: tuple[float, float]
+
+    @property
+    def words(self) -> str:
+        """Where it is, in words."""
+        whole = next((floor for floor in self.floors if float(floor).is_integer()), self.floors[0])
+        return f"contact at floor {whole:g}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +124,12 @@ def setting(motion: Motion, *, title: str = "") -> Setting:
         frames=tuple(frame.reduced for frame in motion.frames),
         shift_m=tuple(places(motion, factor=factor)),
         factor=factor,
-        contacts=tuple(Place(pairs.index((c.left, c.right)), c.floor) for c in motion.contacts),
+        contacts=tuple(
+            Place(
+                pairs.index((c.left, c.right)), (c.floor, c.floor if c.right_floor is None else c.right_floor)
+            )
+            for c in motion.contacts
+        ),
         extreme=instants(motion, [largest_moment(motion)])[0],
         title=title or " and ".join(f"frame {name}" for name in labels(motion)),
     )
@@ -273,7 +287,7 @@ class Stage:
         ]
         for place, arrows, force in zip(setting.contacts, self._arrows, instant.forces_n, strict=True):
             self._point(place, arrows, force)
-            words.append(f"contact at floor {place.floor}: {_in_words(force)}" if force else "")
+            words.append(f"{place.words}: {_in_words(force)}" if force else "")
         self._caption.input = "\n".join(words)
 
     def _arrow(self, side: float) -> Any:
@@ -289,10 +303,10 @@ class Stage:
         """Let a contact's arrows point from both floors' edges; nothing where there is no force."""
         largest = max(self._setting.extreme.forces_n)
         pair = zip((-1.0, 1.0), arrows, self._actors[place.left : place.left + 2], strict=True)
-        for side, arrow, actor in pair:
+        for (side, arrow, actor), floor in zip(pair, place.floors, strict=True):
             arrow.visibility = force > 0.0
             if force > 0.0:
-                arrow.position = actor.edge(place.floor, -side)
+                arrow.position = actor.edge(floor, -side)
                 arrow.scale = self._unit * ARROW_M * (0.3 + 0.7 * force / largest)
 
 
@@ -344,11 +358,13 @@ class _Actor:
         self._behind.points[:] = nodes
         self._behind.Modified()
 
-    def edge(self, floor: int, side: float) -> Real:
+    def edge(self, floor: float, side: float) -> Real:
         """Return where the front corner of a floor's left (-1) or right (1) edge is drawn (3,) [m]."""
         reduced = self.reduced
-        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(self._q[reduced.floor_x[floor - 1]])
-        return self.place + [x, plan(reduced)[2], float(reduced.heights_m[floor - 1])]
+        numbers = np.arange(reduced.storeys + 1)
+        moved = np.interp(floor, numbers, [0.0, *self._q[reduced.floor_x]])
+        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(moved)
+        return self.place + [x, plan(reduced)[2], float(np.interp(floor, numbers, [0.0, *reduced.heights_m]))]
 
 
 def enlargement(motion: Motion) -> float:

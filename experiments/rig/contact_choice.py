@@ -87,7 +87,11 @@ def chosen_parameters(frames: Sequence[Frame], table: TableScale, wish: ContactW
 
 
 def choose_laws(
-    pair: tuple[ReducedFrame, ReducedFrame], floor: int | None, chosen: Parameters, wish: ContactWish
+    pair: tuple[ReducedFrame, ReducedFrame],
+    floor: int | None,
+    chosen: Parameters,
+    wish: ContactWish,
+    masses: tuple[float, float] | None = None,
 ) -> tuple[list[Law], list[str]]:
     """Return the laws between two floors and, for each, the sentence on what its numbers rest on.
 
@@ -96,8 +100,9 @@ def choose_laws(
         floor: Floor of the lower frame; its roof when None.
         chosen: The parameter set.
         wish: What the user says.
+        masses: The masses that meet [kg]; those of the two floors when None.
     """
-    masses = floor_masses(*pair, floor)
+    masses = masses or floor_masses(*pair, floor)
     if chosen != "floors":
         return _laboratory(masses, chosen, wish), [
             _laboratory_basis(name, chosen, wish) for name in wish.laws

@@ -13,7 +13,7 @@ from pounding.contact.connector import checked_gap
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion, floor_coordinate
-from pounding.frames.floors import level_floors
+from pounding.frames.floors import LEVEL_SHARE, level_floors
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -28,21 +28,33 @@ class Contact:
     Attributes:
         law: Impact law with its parameters.
         gap_m: Gap at rest [m]; zero means that the floors lie against each other.
-        floor: Floor on both frames, or (left, right) where their numbers differ at the same height.
+        floor: Floor on both frames, or (left, right) where their numbers differ at the same height. A number between two
+            floors of a stick is a place on its columns there: 2.25 is a quarter of the storey above the second floor.
         pair: Which pair: 0 is between the first and the second frame of the row.
         y_m: Place along the floors' edge, from the middle [m].
     """
 
     law: Law
     gap_m: float
-    floor: int | tuple[int, int]
+    floor: int | tuple[float, float]
     pair: int = 0
     y_m: float = 0.0
 
     @property
-    def floors(self) -> tuple[int, int]:
-        """Floor of the left and of the right frame."""
+    def floors(self) -> tuple[float, float]:
+        """Floor of the left and of the right frame; a whole number but on columns."""
         return self.floor if isinstance(self.floor, tuple) else (self.floor, self.floor)
+
+    @property
+    def whole_floors(self) -> tuple[int, int]:
+        """The same of a contact of two floors, not on columns."""
+        left, right = self.floors
+        return int(left), int(right)
+
+    @property
+    def on_columns(self) -> bool:
+        """Whether one of the two is a place on columns."""
+        return any(not float(floor).is_integer() for floor in self.floors)
 
 
 def check(contact: Contact, frames: Sequence[ReducedFrame]) -> None:
@@ -64,11 +76,14 @@ def check(contact: Contact, frames: Sequence[ReducedFrame]) -> None:
         )
     pair = frames[contact.pair : contact.pair + 2]
     for frame, floor in zip(pair, contact.floors, strict=True):
-        floor_coordinate(frame, floor)
-    if contact.floors not in level_floors(pair[0].heights_m, pair[1].heights_m):
-        low, high = (
-            float(frame.heights_m[floor - 1]) for frame, floor in zip(pair, contact.floors, strict=True)
-        )
+        _check_place(frame, floor, contact)
+    low, high = (height_of(frame, floor) for frame, floor in zip(pair, contact.floors, strict=True))
+    level = (
+        abs(low - high) <= LEVEL_SHARE * min(pair[0].heights_m[0], pair[1].heights_m[0])
+        if contact.on_columns
+        else contact.floors in level_floors(pair[0].heights_m, pair[1].heights_m)
+    )
+    if not level:
         raise ExperimentError(
             f"floor {contact.floors[0]} of {pair[0].name} is at {low:g} m and floor {contact.floors[1]} "
             f"of {pair[1].name} at {high:g} m: only floors at one height can meet"
@@ -124,12 +139,53 @@ def sides_of(frames: Sequence[ReducedFrame], contact: Contact | Within) -> tuple
     return left, right
 
 
-def _row(frame: ReducedFrame, floor: int, y_m: float) -> Real:
+def height_of(frame: ReducedFrame, floor: float) -> float:
+    """Return the height of a floor, or of a place on columns, above the table [m].
+
+    Args:
+        frame: The frame.
+        floor: Number of the floor; 0 is the table, a number between two floors a place on the columns there.
+    """
+    return float(np.interp(floor, np.arange(frame.storeys + 1), [0.0, *frame.heights_m]))
+
+
+def _check_place(frame: ReducedFrame, floor: float, contact: Contact) -> None:
+    if float(floor).is_integer():
+        floor_coordinate(frame, int(floor))
+        return
+    if not 0.0 < floor < frame.storeys:
+        raise ExperimentError(f"{frame.name} has no columns at {floor:g}: its storeys end at {frame.storeys}")
+    if frame.is_mesh or contact.y_m:
+        raise ExperimentError(
+            f"{frame.name}: a contact on columns is modelled for sticks, in the middle of the floors' edge"
+        )
+
+
+def _row(frame: ReducedFrame, floor: float, y_m: float) -> Real:
     if y_m:
-        return np.asarray(frame.point_row(floor, y_m), float)
+        return np.asarray(frame.point_row(int(floor), y_m), float)
     row = np.zeros(len(frame.mass))
-    row[floor_coordinate(frame, floor)] = 1.0
+    below = int(floor)
+    if below == floor:
+        row[floor_coordinate(frame, below)] = 1.0
+        return row
+    # A column between floors that do not turn: the shape that its two ends' sway gives, which is also how a force on
+    # it is borne by the two floors.
+    lower, upper = column_weights(floor - below)
+    if below:
+        row[floor_coordinate(frame, below)] = lower
+    row[floor_coordinate(frame, below + 1)] = upper
     return row
+
+
+def column_weights(share: float) -> tuple[float, float]:
+    """Return which shares of a force on a column fixed at both ends the lower and the upper end bear [-].
+
+    Args:
+        share: Where the force acts: height above the lower end over the column's length [-].
+    """
+    upper = share**2 * (3.0 - 2.0 * share)
+    return 1.0 - upper, upper
 
 
 def history_of(
@@ -154,5 +210,5 @@ def history_of(
     ]
     return ContactHistory(
         contact.floors[0], one.name, other.name, contact.gap_m, contact.y_m, contact.law, one.time_s,
-        apart[0] - contact.gap_m, apart[1], apart[2],
+        apart[0] - contact.gap_m, apart[1], apart[2], contact.floors[1],
     )  # fmt: skip

@@ -65,7 +65,7 @@ class Impact:
     restitution: float | None
     left: str
     right: str
-    floor: int
+    floor: float
     touches: int
     longest_touch_ms: float
     touch_restitutions: list[float | None]

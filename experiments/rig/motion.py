@@ -89,7 +89,7 @@ class ContactHistory:
     """One contact through a run, at any moment: deformation, its rate, and the force of the law.
 
     Attributes:
-        floor: Floor of the left frame.
+        floor: Floor of the left frame; a number between two floors is a place on its columns.
         left, right: Names of the frames.
         gap_m: Gap at rest [m].
         y_m: Place along the floors' edge [m].
@@ -98,9 +98,10 @@ class ContactHistory:
         deformation_m: Overlap at the steps (m,) [m]; negative while apart.
         rate_m_s: Its rate (m,) [m/s].
         rate_change_m_s2: The rate's derivative (m,) [m/s^2].
+        right_floor: Floor of the right frame; that of the left one when None.
     """
 
-    floor: int
+    floor: float
     left: str
     right: str
     gap_m: float
@@ -110,6 +111,7 @@ class ContactHistory:
     deformation_m: Real
     rate_m_s: Real
     rate_change_m_s2: Real
+    right_floor: float | None = None
 
     @cached_property
     def _splines(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:

@@ -111,7 +111,8 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
             return pair
     raise ExperimentError(
         f"floor {wanted} of frame {lower.name} at {lower.heights_m[wanted - 1]:.4g} m faces no floor of "
-        f"{other.name}: a floor against a column is not modelled, name a floor at a shared height"
+        f"{other.name}: name a floor at a shared height; what a floor does to columns `pounding pound` says for a street "
+        "whose gap has a table 'columns'"
     )
 
 

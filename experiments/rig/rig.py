@@ -167,9 +167,8 @@ class Rig:
         self, mbs: Any, bodies: Sequence[FrameBody], contact: Contact
     ) -> ContactConnector | PointContact:
         left, right = bodies[contact.pair], bodies[contact.pair + 1]
-        first, second = contact.floors
-        if contact.y_m == 0.0:
-            markers = left.marker(first), right.marker(second)
+        if contact.y_m == 0.0 and not contact.on_columns:
+            markers = left.marker(int(contact.floors[0])), right.marker(int(contact.floors[1]))
             return ContactConnector(mbs, contact.law, contact.gap_m, *markers, stepped=True)
         one, other = sides_of(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, one.row), (right.node, other.row))

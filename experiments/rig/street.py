@@ -16,6 +16,7 @@ from pounding.contact.damping import check_restitution
 from pounding.contact.laws import law_class
 from pounding.contact.rubber import SOFT_PA, RubberBlock
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.column_hits import Columns, Place, masses_at, place_of, softened
 from pounding.experiments.rig.contact_choice import ContactWish, Parameters, choose_laws, chosen_parameters
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.motion import distinct
@@ -83,6 +84,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         restitution: Coefficient of restitution [-]; default: that of the parameters.
         radius_m: Radius of a Hertz contact [m]; default: of spheres with the floors' masses.
         tension: May the contact pull just before it opens?
+        columns: The columns of the higher neighbour that a floor hits, where it faces no floor.
         bumper: A block of rubber at each contact; then the law, its numbers and `tension` are not used.
     """
 
@@ -95,6 +97,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     restitution: float | None = None
     radius_m: float | None = None
     tension: bool = False
+    columns: Columns | None = None
     bumper: Bumper | None = None
 
     @property
@@ -136,11 +139,13 @@ class Basis(NamedTuple):
         pair: Which neighbours, from 0.
         floor: Floor of the lower of them.
         sentence: The basis in words, the law's name first.
+        hit: Where it is on columns, and on which; None where two floors meet.
     """
 
     pair: int
     floor: int
     sentence: str
+    hit: tuple[Place, Columns] | None = None
 
 
 def is_street_file(name: str) -> bool:
@@ -263,16 +268,44 @@ def street_contacts(
         lower = neighbours[0] if is_left_lower(*neighbours) else neighbours[1]
         for stated, gap_mm in gap.by_floor():
             floor = lower.storeys if stated is None else stated
+            gap_m = 1e-3 * (gap_mm or 0.0)
+            if gap.columns is not None:
+                place = place_of(*neighbours, floor)
+                (law,), (sentence,) = choose_laws(
+                    neighbours, floor, parameters, gap.wish, masses_at(*neighbours, place)
+                )
+                softer = softened(law, place, gap.columns)
+                contacts.append(Contact(softer, gap_m, place.floors, pair))
+                sentence += f", in series with {gap.columns.count} columns: {softer.stiffness:.4g} N/m"
+                bases.append(Basis(pair, floor, sentence, (place, gap.columns)))
+                continue
             level = contact_floors(*neighbours, floor)
             if gap.bumper is None:
-                (law,), (basis,) = choose_laws(neighbours, floor, parameters, gap.wish)
-                contacts.append(Contact(law, 1e-3 * (gap_mm or 0.0), level, pair, gap.y_m))
+                (law,), (sentence,) = choose_laws(neighbours, floor, parameters, gap.wish)
+                contacts.append(Contact(law, gap_m, level, pair, gap.y_m))
             else:
-                free = Contact(gap.bumper.block, 1e-3 * (gap_mm or 0.0), level, pair, gap.y_m)
+                free = Contact(gap.bumper.block, gap_m, level, pair, gap.y_m)
                 contacts.append(bumped(free, gap.bumper.block))
-                basis = _bumper_basis(gap.bumper)
-            bases.append(Basis(pair, floor, basis))
+                sentence = _bumper_basis(gap.bumper)
+            bases.append(Basis(pair, floor, sentence))
     return contacts, bases
+
+
+def refuse_columns(street: Street) -> None:
+    """Refuse a street with columns that are hit, for what knows floors alone.
+
+    Args:
+        street: The street.
+
+    Raises:
+        ExperimentError: One of its gaps has a table `columns`.
+    """
+    for number, gap in enumerate(street.gap, 1):
+        if gap.columns is not None:
+            raise ExperimentError(
+                f"street: [[gap]] {number} has columns that a floor hits, which `pounding pound` alone knows; leave the "
+                "table 'columns' out, and name floors that face each other"
+            )
 
 
 def bumped(contact: Contact, block: RubberBlock) -> Contact:
@@ -344,6 +377,12 @@ def _check_gap(gap: Gap, where: str) -> None:
         bounds.GAP.check(value, f"{where}: gap_mm", ExperimentError, per=LENGTH["mm"], unit="mm")
     if gap.bumper is not None:
         _check_bumper(gap.bumper, f"{where}: bumper")
+    if gap.columns is not None:
+        gap.columns.check(f"{where}: columns")
+        if gap.bumper is not None or gap.y_m:
+            raise ExperimentError(
+                f"{where}: columns stand without bumper and y_m; leave these out, or the columns"
+            )
     bounds.OFFSET.check(gap.y_m, f"{where}: y_m", ExperimentError)
     for key, bound in (("stiffness", bounds.CONTACT_STIFFNESS), ("radius_m", bounds.LENGTH)):
         value = getattr(gap, key)

@@ -28,7 +28,7 @@ class Touch:
 
     left: str
     right: str
-    floor: int
+    floor: float
     first_s: float
     last_s: float
     duration_s: float

@@ -1,0 +1,199 @@
+"""A floor against columns: statics against a beam of two elements, both solvers, what is reported and refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pounding.contact.laws import Hertz, LinearViscoelastic
+from pounding.experiments.command.app import main
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.column_hits import Columns, Place, beyond, borne, masses_at, place_of, softened
+from pounding.experiments.rig.contacts import Contact, column_weights, height_of
+from pounding.experiments.rig.rig import Rig
+from pounding.frames import StickFrame, build
+from tests.experiments.rig.models import two_sines
+
+COLUMNS = Columns(
+    count=4, depth_m=0.02, width_m=0.03, youngs_modulus_gpa=200.0, shear_kn=0.5, moment_kn_m=0.01
+)
+
+
+def stick(name: str, heights: list[float], hertz: float) -> object:
+    return build(
+        StickFrame(
+            name=name,
+            storeys=len(heights),
+            storey_height_m=heights,
+            floor_mass_kg=[6.0] * len(heights),
+            frequency_hz=[hertz],
+            damping_ratio=0.01,
+        )
+    )
+
+
+LEFT, RIGHT = stick("left", [0.1, 0.1, 0.1], 3.0), stick("right", [0.1, 0.13], 6.4)
+PLACE = place_of(LEFT, RIGHT, None)
+
+
+def beam(length: float, share: float, bending: float) -> np.ndarray:
+    """Stiffness (6, 6) of a beam of two elements: deflection and turn at the lower end, where it is hit, and on top."""
+    whole = np.zeros((6, 6))
+    for start, part in ((0, share * length), (2, (1.0 - share) * length)):
+        own = np.array(
+            [
+                [12.0, 6 * part, -12.0, 6 * part],
+                [6 * part, 4 * part**2, -6 * part, 2 * part**2],
+                [-12.0, -6 * part, 12.0, -6 * part],
+                [6 * part, 2 * part**2, -6 * part, 4 * part**2],
+            ]
+        )
+        whole[start : start + 4, start : start + 4] += bending / part**3 * own
+    return whole
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.77])
+def test_the_columns_follow_beam_theory(share: float) -> None:
+    matrix = beam(3.0, share, COLUMNS.bending_n_m2)
+    held, free = [0, 1, 4, 5], [2, 3]
+    inner = np.linalg.inv(matrix[np.ix_(free, free)])
+    assert COLUMNS.stiffness(3.0, share) == pytest.approx(COLUMNS.count / inner[0, 0])
+    reactions = matrix[np.ix_(held, free)] @ inner @ [1.0, 0.0]
+    assert column_weights(share) == pytest.approx((-reactions[0], -reactions[2]))
+    sway = -inner @ matrix[np.ix_(free, held)] @ [0.0, 0.0, 1.0, 0.0]
+    assert column_weights(share)[1] == pytest.approx(sway[0])  # the same shape, as Maxwell and Betti say
+
+
+def test_the_place_is_on_the_higher_neighbour() -> None:
+    assert Place(
+        (2.3, 2), 0, pytest.approx(0.1), pytest.approx(0.3)
+    ) == PLACE or PLACE.floors == pytest.approx((2.3, 2))
+    assert height_of(LEFT, PLACE.floors[0]) == pytest.approx(0.23)
+    mirrored = place_of(RIGHT, LEFT, None)
+    assert mirrored.floors == pytest.approx((2, 2.3))
+    assert mirrored.hit == 1
+    assert masses_at(LEFT, RIGHT, PLACE) == pytest.approx((6.0, 6.0))
+
+
+def test_both_solvers_run_it_alike_and_report_the_same() -> None:
+    law = softened(LinearViscoelastic(2e6, damping=500.0), PLACE, COLUMNS)
+    contact = Contact(law, 0.002, PLACE.floors, 0)
+    runs = [
+        Rig([LEFT, RIGHT], [contact]).run(two_sines(1.0), solver=solver) for solver in ("exudyn", "exact")
+    ]
+    assert len(runs[0].contacts[0].pulses) == len(runs[1].contacts[0].pulses) > 3
+    first, second = (borne(run, contact, PLACE, COLUMNS, 0) for run in runs)
+    for key in ("shear_kn", "moment_kn_m", "shear_of_drift_kn"):
+        assert first[key] == pytest.approx(second[key], rel=0.01)
+    assert first["building"] == "left"
+    assert first["between_floors"] == [2, 3]
+    assert any("bears a shear of" in sentence for sentence in beyond(first))
+
+
+def test_at_the_peak_the_ends_bear_the_force_and_the_drift() -> None:
+    law = softened(LinearViscoelastic(2e6, damping=500.0), PLACE, COLUMNS)
+    contact = Contact(law, 0.002, PLACE.floors, 0)
+    run = Rig([LEFT, RIGHT], [contact]).run(two_sines(1.0), solver="exact")
+    found = borne(run, contact, PLACE, COLUMNS, 0)
+    times, force = run.contacts[0].sampled(50_000.0)
+    frame = run.frames[0]
+    drift = np.interp(times, frame.time_s, frame.displacement_m[:, 2] - frame.displacement_m[:, 1])
+    matrix = beam(0.1, PLACE.share, COLUMNS.bending_n_m2)
+    free, held = [2, 3], [0, 1, 4, 5]
+    inner = np.linalg.inv(matrix[np.ix_(free, free)])
+    ends = np.zeros((4, len(times)))
+    ends[2] = drift  # relative to the lower end
+    load = np.array([-force / COLUMNS.count, 0.0 * force])
+    inside = inner @ (load - matrix[np.ix_(free, held)] @ ends)
+    reactions = matrix[np.ix_(held, held)] @ ends + matrix[np.ix_(held, free)] @ inside
+    assert found["shear_kn"] == pytest.approx(np.abs(reactions[[0, 2]]).max() / 1e3, rel=0.01)
+    assert found["moment_kn_m"] == pytest.approx(np.abs(reactions[[1, 3]]).max() / 1e3, rel=0.01)
+
+
+def test_only_linear_laws_stand_in_series_with_columns() -> None:
+    with pytest.raises(ExperimentError, match="hertz: columns bend like a spring"):
+        softened(Hertz(1e9), PLACE, COLUMNS)
+
+
+def test_a_floor_that_faces_a_floor_hits_no_column() -> None:
+    with pytest.raises(ExperimentError, match="faces floor 1 of right, no columns"):
+        place_of(LEFT, RIGHT, 1)
+
+
+STREET = """
+[[building]]
+frame = "tall.toml"
+[[building]]
+frame = "low.toml"
+[[gap]]
+gap_mm = 30
+columns = { count = 4, depth_m = 0.5, width_m = 0.5, shear_kn = 600 }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
+    for name in ("tall", "low"):
+        main(["new-frame", str(tmp_path / f"{name}.toml")])
+    low = (tmp_path / "low.toml").read_text()
+    for key, value in (
+        ("storeys = 4", "storeys = 2"),
+        ("[4.0, 3.2, 3.2, 3.2]", "[4.0, 4.6]"),
+        ("[310e3, 290e3, 290e3, 250e3]", "[310e3, 290e3]"),
+        ("[1.1, 3.2]", "[2.1]"),
+        ("[0.03, 0.04]", "0.03"),
+    ):
+        low = low.replace(key, value)
+    (tmp_path / "low.toml").write_text(low)
+    (tmp_path / "street.toml").write_text(STREET)
+    capsys.readouterr()
+    return tmp_path
+
+
+def test_pound_reports_the_columns(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["pound", str(folder / "street.toml"), "--record", "elcentro-chopra", "--solver", "exact"]
+    main([*words, "--json", "--out", str(folder / "out")])
+    out, err = capsys.readouterr()
+    (run,) = json.loads(out)["runs"]
+    (column,) = run["columns"]
+    assert column["building"] == "tall"
+    assert column["height_m"] == pytest.approx(8.6)
+    assert column["shear_kn"] > 600.0
+    assert "it breaks" in " ".join(err.split())
+    main(words)
+    assert "What one column that is hit bears" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("verb", ["gap", "mitigate", "fragility"])
+def test_what_knows_floors_alone_refuses_columns(
+    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        main([verb, str(folder / "street.toml"), "--record", "elcentro-chopra"])
+    assert left.value.code == 2
+    assert "has columns that a floor hits" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right", "sentence"),
+    [
+        ("count = 4", "count = 0", "count is 0"),
+        ("depth_m = 0.5", "depth_m = -0.5", "depth_m is -0.5 m"),
+        ("shear_kn = 600", "shear_kn = -6", "shear_kn is -6"),
+        ("gap_mm = 30", "gap_mm = 30\nfloors = [1]", "no columns; leave out 'columns'"),
+        ("gap_mm = 30", "gap_mm = 30\nfloors = [3]", "floor 3 cannot meet"),
+        ("gap_mm = 30", 'gap_mm = 30\nlaw = "hertz"', "columns bend like a spring"),
+        ("gap_mm = 30", "gap_mm = 30\ny_m = 1.0", "leave these out, or the columns"),
+    ],
+)
+def test_columns_that_cannot_be(
+    wrong: str, right: str, sentence: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "street.toml").write_text(STREET.replace(wrong, right))
+    with pytest.raises(SystemExit) as left:
+        main(["pound", str(folder / "street.toml"), "--record", "elcentro-chopra"])
+    assert left.value.code == 2
+    assert sentence in " ".join(capsys.readouterr().err.split())
