@@ -11,7 +11,7 @@ import pytest
 from pounding.contact.laws import Hertz, LinearViscoelastic
 from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.rig.column_hits import Columns, Place, beyond, borne, masses_at, place_of, softened
+from pounding.experiments.rig.column_hits import Columns, beyond, borne, masses_at, place_of, softened
 from pounding.experiments.rig.contacts import Contact, column_weights, height_of
 from pounding.experiments.rig.rig import Rig
 from pounding.frames import StickFrame, build
@@ -68,9 +68,8 @@ def test_the_columns_follow_beam_theory(share: float) -> None:
 
 
 def test_the_place_is_on_the_higher_neighbour() -> None:
-    assert Place(
-        (2.3, 2), 0, pytest.approx(0.1), pytest.approx(0.3)
-    ) == PLACE or PLACE.floors == pytest.approx((2.3, 2))
+    assert PLACE.floors == pytest.approx((2.3, 2))
+    assert (PLACE.hit, PLACE.length_m, PLACE.share) == (0, pytest.approx(0.1), pytest.approx(0.3))
     assert height_of(LEFT, PLACE.floors[0]) == pytest.approx(0.23)
     mirrored = place_of(RIGHT, LEFT, None)
     assert mirrored.floors == pytest.approx((2, 2.3))
