@@ -32,6 +32,12 @@ class Collision:
     after_m_s: tuple[float, float]
     masses_kg: tuple[float, float]
 
+    def __repr__(self) -> str:
+        return (
+            f"Collision(restitution {self.restitution:.4g}, {1e3 * self.duration_s:.4g} ms in contact, "
+            f"at most {self.force_n.max():.4g} N)"
+        )
+
     @property
     def restitution(self) -> float:
         """Separation over approach velocity."""

@@ -125,6 +125,10 @@ class Run:
     step_s: float
     values: np.ndarray
 
+    def __repr__(self) -> str:
+        samples, channels = self.values.shape
+        return f"Run({self.file!r}, {samples} samples at {self.step_s:.4g} s, {channels} channels)"
+
     @property
     def reference(self) -> bool:
         """Whether it is of the frame as it was before: what is asked is what changed since."""
@@ -145,6 +149,17 @@ class Case:
     warnings: tuple[str, ...] = ()
     modal: tuple[ModalDatum, ...] = ()
     peaks: tuple[Peak, ...] = ()
+
+    def __repr__(self) -> str:
+        frames = ", ".join(frame.name for frame in self.frames)
+        measured = {
+            "runs": self.runs,
+            "channels": self.channels,
+            "modal data": self.modal,
+            "peaks": self.peaks,
+        }
+        counts = ", ".join(f"{len(values)} {what}" for what, values in measured.items() if values)
+        return f"Case({self.title!r}: {frames}; {counts})"
 
     def channel_index(self, name: str) -> int:
         """Return the column of a channel in every run's `values`."""

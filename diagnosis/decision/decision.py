@@ -28,6 +28,9 @@ class Decision:
     alike: tuple[Judged, ...] = ()
     model_checks: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"Decision({self.verdict!r}, {self.judged!r}, {len(self.alike)} alike)"
+
     @property
     def named(self) -> bool:
         """Whether it says what is missing, alone or as one of a class."""

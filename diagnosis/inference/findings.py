@@ -45,6 +45,9 @@ class Judged:
     channel_misfit: np.ndarray
     beside: Judged | None = None
 
+    def __repr__(self) -> str:
+        return f"Judged({self.label()!r}, ln Bayes factor {self.ln_bayes:.4g})"
+
     @property
     def effects(self) -> tuple[Effect, ...]:
         """The effects in the fit, without those that it is judged beside."""
@@ -91,6 +94,10 @@ class Findings:
     reference: tuple[int, ...] = ()
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
+
+    def __repr__(self) -> str:
+        best = repr(self.judged[0]) if self.judged else "none"
+        return f"Findings({len(self.judged)} candidates judged, the best: {best})"
 
     @property
     def fitted(self) -> tuple[int, ...]:

@@ -263,6 +263,11 @@ class Report(Struct, frozen=True, kw_only=True):
     thresholds: Thresholds | UnsetType = UNSET
     origin: Origin | UnsetType = UNSET
 
+    def __repr__(self) -> str:
+        effects = ", ".join(effect.words() for effect in self.effects) or "no effect"
+        sure = "none stated" if self.confidence is None else f"{self.confidence:.2g}"
+        return f"Report({self.verdict!r}, {effects}, confidence {sure})"
+
     @property
     def named(self) -> bool:
         """Whether it says what is missing, alone or as one of a class."""

@@ -61,6 +61,9 @@ class Record:
         samples.setflags(write=False)
         object.__setattr__(self, "acceleration_m_s2", samples)
 
+    def __repr__(self) -> str:
+        return f"Record({self.name!r}, {len(self.acceleration_m_s2)} samples at {self.step_s:.4g} s, peak {self.pga_g:.3g} g)"
+
     @cached_property
     def sha256(self) -> str:
         """SHA-256 of the samples [m/s^2] as little-endian float64, whatever file they came in."""

@@ -41,6 +41,9 @@ class FrameMotion:
     acceleration_m_s2: Real
     table_m_s2: Real
 
+    def __repr__(self) -> str:
+        return f"FrameMotion({self.name!r}, {len(self.time_s)} times to {self.time_s[-1]:.4g} s)"
+
     @property
     def name(self) -> str:
         """Name of the frame."""
@@ -112,6 +115,12 @@ class ContactHistory:
     rate_m_s: Real
     rate_change_m_s2: Real
     right_floor: float | None = None
+
+    def __repr__(self) -> str:
+        return (
+            f"ContactHistory(floor {self.floor} of {self.left!r} beside {self.right!r}, gap {1e3 * self.gap_m:.4g} mm, "
+            f"{self.law.name}, {len(self.touches[0])} touches)"
+        )
 
     @cached_property
     def _splines(self) -> tuple[CubicHermiteSpline, CubicHermiteSpline]:
@@ -203,6 +212,9 @@ class StoreyHistory:
     force_n: Real
     middle_n: Real
 
+    def __repr__(self) -> str:
+        return f"StoreyHistory({self.frame!r}, {len(self.time_s)} times to {self.time_s[-1]:.4g} s)"
+
     @property
     def work_j(self) -> Real:
         """Work done on the law (m,) [J], stored and lost; Simpson's rule in each step (order four)."""
@@ -237,6 +249,10 @@ class Motion:
     steps: int
     solver: str = "exudyn"
     storeys: tuple[StoreyHistory, ...] = ()
+
+    def __repr__(self) -> str:
+        names = " beside ".join(repr(frame.name) for frame in self.frames)
+        return f"Motion({names}, contacts: {len(self.contacts)}, {self.model_s:.4g} s by {self.solver}, {self.steps} steps)"
 
     @property
     def time_s(self) -> Real:
@@ -332,6 +348,9 @@ class EnergyBalance:
     damping_j: Real
     contact_j: Real
     storey_j: Real
+
+    def __repr__(self) -> str:
+        return f"EnergyBalance({len(self.time_s)} times, error {self.error:.2g})"
 
     @property
     def error(self) -> float:

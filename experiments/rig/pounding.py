@@ -46,6 +46,11 @@ class Pounding:
     motion: Motion
     impacts: list[Impact]
 
+    def __repr__(self) -> str:
+        names = " beside ".join(repr(frame.name) for frame in self.motion.frames)
+        hardest = max((impact.peak_force_n for impact in self.impacts), default=0.0)
+        return f"Pounding({names}, {self.record!r}, {len(self.impacts)} impacts of at most {hardest:.4g} N)"
+
     @property
     def sides(self) -> tuple[str, ...]:
         """What results call the frames: ``left`` and ``right`` of two, else their names."""

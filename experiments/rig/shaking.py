@@ -41,6 +41,9 @@ class Shaking:
     stress: Largest | None
     warnings: list[str]
 
+    def __repr__(self) -> str:
+        return f"Shaking({self.reduced!r}, {self.record!r})"
+
     def result(self) -> dict[str, Any]:
         """Return the numbers of the run, units in the keys."""
         return {

@@ -62,6 +62,12 @@ class ReducedFrame:
     moving_mass_kg: float
     basis: Real = field(repr=False)
 
+    def __repr__(self) -> str:
+        return (
+            f"ReducedFrame({self.name!r}, {self.storeys} storeys, {self.size} coordinates, "
+            f"first frequency {self.frequencies_hz[0]:.4g} Hz)"
+        )
+
     @property
     def size(self) -> int:
         """Number of coordinates."""
