@@ -2,7 +2,6 @@
 
 import re
 from importlib.metadata import version as installed_version
-from os.path import commonprefix
 from pathlib import Path
 
 from sphinx.ext.napoleon import GoogleDocstring
@@ -42,7 +41,10 @@ nitpick_ignore_regex = [
 ]
 # What stands behind the names of the reference, and is not for scripts: rooms, and names that annotations give without one.
 nitpick_ignore_regex += [
-    ("py:.*", r"pounding\.diagnosis\.(case\.case\.Contact$|(decision|design|effects|inference|model|report)\.).*"),
+    (
+        "py:.*",
+        r"pounding\.diagnosis\.(case\.case\.Contact$|(decision|design|effects|inference|model|report)\.).*",
+    ),
     ("py:.*", r"pounding\.frames\.(fe|reduction|response)\..*"),
     ("py:.*", r"Acting|FalseAlarms|Filtered|Largest|Observations|Pair|Scales|Scores|Structure"),
 ]
@@ -73,7 +75,8 @@ def link(app, env, node, contnode):
     near = target if "." in target else node.get("py:module") or ""
     alike = [name for name in NAMES if name.rpartition(".")[2] == target.rpartition(".")[2]]
     if alike:
-        full = max(alike, key=lambda name: len(commonprefix([name, near])))
+        package = near.split(".")[:2]
+        full = next((name for name in alike if name.split(".")[:2] == package), alike[0])
         domain = env.get_domain("py")
         found = domain.resolve_xref(env, node["refdoc"], app.builder, "obj", full, node, contnode)
         if found is not None:
@@ -84,7 +87,11 @@ def link(app, env, node, contnode):
 def whole_sentence(app, what, name, obj, options, lines):
     """Keep napoleon from taking what stands before a colon in a property's docstring for its type."""
     if what in ("attribute", "data", "property"):
-        lines[:] = ["..", "", *str(GoogleDocstring(list(lines), app.config, app, "function", name)).splitlines()]
+        lines[:] = [
+            "..",
+            "",
+            *str(GoogleDocstring(list(lines), app.config, app, "function", name)).splitlines(),
+        ]
 
 
 def setup(app):
