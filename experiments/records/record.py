@@ -62,7 +62,8 @@ class Record:
         object.__setattr__(self, "acceleration_m_s2", samples)
 
     def __repr__(self) -> str:
-        return f"Record({self.name!r}, {len(self.acceleration_m_s2)} samples at {self.step_s:.4g} s, peak {self.pga_g:.3g} g)"
+        count = len(self.acceleration_m_s2)
+        return f"Record({self.name!r}, {count} samples at {self.step_s:.4g} s, peak {self.pga_g:.3g} g)"
 
     @cached_property
     def sha256(self) -> str:
