@@ -4,6 +4,8 @@ import re
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
+from docutils import nodes
+from latex2mathml.converter import convert
 from sphinx.ext.napoleon import GoogleDocstring
 
 project = "pounding"
@@ -16,7 +18,6 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
@@ -25,6 +26,7 @@ autodoc_member_order = "bysource"
 napoleon_google_docstring = True
 exclude_patterns = ["_build"]
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = "pounding"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
@@ -94,6 +96,19 @@ def whole_sentence(app, what, name, obj, options, lines):
         ]
 
 
+def inline_formula(writer, node):
+    """Write a formula as MathML, which browsers show by themselves: no script is loaded from anywhere."""
+    writer.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def displayed_formula(writer, node):
+    """Write a formula on a line of its own."""
+    writer.body.append(f'<div class="formula">{convert(node.astext(), display="block")}</div>')
+    raise nodes.SkipNode
+
+
 def setup(app):
+    app.add_html_math_renderer("mathml", (inline_formula, None), (displayed_formula, None))
     app.connect("missing-reference", link)
     app.connect("autodoc-process-docstring", whole_sentence, priority=400)  # before napoleon
