@@ -31,7 +31,7 @@ VERSION = 5
 LARGEST_BYTES = 1_000_000_000
 """Files used longest ago are deleted beyond this size of the folder."""
 
-IGNORED = ("name", "title", "published", "damping_ratio", "yielding", "scale")
+IGNORED = ("name", "title", "published", "damping_ratio", "yielding", "storey_law", "scale")
 """Fields of a frame that the arrays do not depend on."""
 
 Arrays = dict[str, NDArray[Any]]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from pounding import bounds
 from pounding.bounds import Bound
+from pounding.frames import floor_matrices, storey_laws
 from pounding.frames.errors import FrameError
 from pounding.scale import scale_of
 from pounding.toml_text import shown
@@ -71,6 +72,7 @@ def plate_frame(frame: PlateFrame) -> None:
         )
     _places(name, frame)
     _yielding(name, frame)
+    storey_laws.check(name, frame.storey_law, frame.storeys)
 
 
 def stick_frame(frame: StickFrame) -> None:
@@ -85,7 +87,9 @@ def stick_frame(frame: StickFrame) -> None:
     _per_storey(name, "floor_mass_kg", frame.floor_mass_kg, frame.storeys, required=True)
     for floor, mass in enumerate(frame.floor_mass_kg, 1):
         _within(name, f"floor_mass_kg of floor {floor}", mass, bounds.MASS)
-    if bool(frame.storey_stiffness_n_per_m) == bool(frame.frequency_hz):
+    if frame.floor_matrices is not None:
+        floor_matrices.check(name, frame)
+    elif bool(frame.storey_stiffness_n_per_m) == bool(frame.frequency_hz):
         raise FrameError(f"{name}: give either storey_stiffness_n_per_m or frequency_hz, one of the two")
     _per_storey(name, "storey_stiffness_n_per_m", frame.storey_stiffness_n_per_m, frame.storeys)
     for storey, stiffness in enumerate(frame.storey_stiffness_n_per_m, 1):
@@ -103,6 +107,7 @@ def stick_frame(frame: StickFrame) -> None:
             f"{name}: yielding.storey_shear_n is missing; a stick has no columns to take it from"
         )
     _yielding(name, frame)
+    storey_laws.check(name, frame.storey_law, frame.storeys)
     _scale(name, frame.scale)
     if frame.slab is not None:
         _slab(name, frame.slab)

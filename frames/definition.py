@@ -15,6 +15,8 @@ import msgspec
 from pounding.constants import STANDARD_GRAVITY
 from pounding.frames import checks
 from pounding.frames.errors import FrameError
+from pounding.frames.floor_matrices import FloorMatrices
+from pounding.frames.storey_laws import StatedLaw
 
 
 class Data(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -128,6 +130,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
         base_rotational_stiffness_n_m_per_rad: Spring about y on which the whole base turns; None: fixed.
         weight_factor: Factor on the weight that the geometric stiffness is made of.
         yielding: How its columns yield; None: the frame is linear.
+        storey_law: Further forces in its storeys and on its floors; see `pounding.frames.storey_laws`.
         scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
     """
 
@@ -150,6 +153,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     base_rotational_stiffness_n_m_per_rad: float | None = None
     weight_factor: float = 1.0
     yielding: Yielding | None = None
+    storey_law: list[StatedLaw] = []
     scale: str | float | None = None
 
     def __post_init__(self) -> None:
@@ -260,6 +264,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         title: One line that describes the frame.
         published: What is known from tests, for comparison.
         yielding: How its storeys yield; None: the frame is linear.
+        storey_law: Further forces in its storeys and on its floors; see `pounding.frames.storey_laws`.
+        floor_matrices: Stiffness and mass matrix of the floors, in the place of storey stiffnesses and frequencies.
         scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
         slab: The floors' slab, for an estimate of the contact; None where it is not known.
     """
@@ -276,6 +282,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     title: str = ""
     published: Published = Published()
     yielding: Yielding | None = None
+    storey_law: list[StatedLaw] = []
+    floor_matrices: FloorMatrices | None = None
     scale: str | float | None = None
     slab: Slab | None = None
 

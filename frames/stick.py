@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding.frames import floor_matrices
 from pounding.frames.definition import StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.reduction.craig_bampton import dense_modes, modal_damping
@@ -29,7 +30,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     Raises:
         FrameError: No chain of storeys with these masses has the stated frequencies.
     """
-    mass = np.diag(np.asarray(frame.floor_mass_kg, float))
+    mass = floor_matrices.mass(frame)
     stiffness = stiffness_matrix(frame)
     frequencies, shapes = dense_modes(stiffness, mass)
     ratios = np.array(frame.damping_ratios if damping is None else [damping] * frame.storeys)
@@ -56,6 +57,8 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
 
 def stiffness_matrix(frame: StickFrame) -> Real:
     """Return the stiffness matrix (storeys, storeys) [N/m] of a stick; raises as `storey_stiffnesses`."""
+    if frame.floor_matrices is not None:
+        return np.asarray(frame.floor_matrices.stiffness_n_per_m, float)
     if frame.stiffness_ratio is None:
         return chain(storey_stiffnesses(frame))
     unit = bending_shear(np.asarray(frame.floor_heights_m), frame.stiffness_ratio)

@@ -9,12 +9,13 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.describing import Description
-from pounding.diagnosis.model.laws import Law, PlacedLaw
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, vary
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes, StoreyFrame
 from pounding.diagnosis.model.terms import Motion, law_term, parameter_terms
+from pounding.experiments.rig.laws import Law
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ from pounding import bounds
 from pounding.calling import PARAMETERS, with_parameters
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.laws import Law
+from pounding.experiments.rig.laws import Law
 from pounding.extras import MissingExtraError, extra_module
 from pounding.toml_text import shown
 

@@ -6,7 +6,7 @@ one class and touches no other module. It gives
 - its parameters with names and units, their typical sizes (`size`, `grid`) and its places (`where`),
 - `terms`: the force (or the change of an input or a sensor) that a unit of its amplitude makes on a predicted motion,
 - `apply`: the same effect in an assembly, from which both the fast simulator (`pounding.diagnosis.model.model`) and the
-  exudyn rig (`pounding.diagnosis.model.twin`) are made; a force is a law (`pounding.diagnosis.model.laws`) for all three,
+  exudyn rig (`pounding.diagnosis.model.twin`) are made; a force is a law (`pounding.experiments.rig.laws`) for all three,
 - `described`: its row and its sketch in docs/diagnosis/catalogue.md.
 
 A module of this folder that defines kinds of effects and adds them to `CATALOGUE` is found by `candidates.kinds`.

@@ -6,7 +6,6 @@ data, so the two would only make a class of each other; where the way into slidi
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,25 +13,11 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, loop
 from pounding.diagnosis.effects.storey import StoreyEffect
-from pounding.diagnosis.model.laws import Numbers, remembering
 from pounding.diagnosis.model.model import Model
+from pounding.experiments.rig.storey_forces import bristles
 
 SHORTEST_M = 1e-9
 """Shortest drift [m] over which the friction may build up."""
-
-
-@remembering
-def bristles(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return the force of bristles that bend and then slide; it remembers force and drift (Dahl 1968, exponent 1).
-
-    dF/dd = (p0 sign(v) - F) / (p1 sign(v)), solved exactly for a drift that goes one way since it was remembered.
-    p: friction force [N], drift [m] in which it would be reached at the stiffness with which it starts.
-    """
-    moved = d - state[1]
-    slides_at = p[0] if moved >= 0.0 else -p[0]
-    new[0] = slides_at + (state[0] - slides_at) * math.exp(-abs(moved) / p[1])
-    new[1] = d
-    return new[0]
 
 
 @CATALOGUE.add

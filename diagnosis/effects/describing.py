@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pounding.diagnosis.model.laws import Law
+from pounding.experiments.rig.laws import Law
 
 Function = Callable[[np.ndarray], np.ndarray]
 Curves = tuple[np.ndarray, np.ndarray, np.ndarray]

@@ -10,12 +10,13 @@ from scipy.signal import cont2discrete, lfilter
 from pounding.diagnosis.effects.bases import FrameEffect, LawEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
-from pounding.diagnosis.model.laws import Numbers, PlacedLaw, memoryless
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
+from pounding.experiments.rig.storey_forces import drag
 
 
 @CATALOGUE.add
@@ -164,19 +165,10 @@ class AddedMass(FrameEffect):
         assembly.mass[self.index, self.index] += max(float(values[0]), lightest)
 
 
-DRAG_RATE = 0.3
-"""Rate [m/s] at which drag of another power is as large as that of the second: about the largest on a shaking table."""
 POWER_SPREAD, SHARE_SPREAD = 0.3, 0.3
 """Prior standard deviations of the power of the rate about the second, and of the table's share in the rate about one."""
 BEYOND_TWO = (-1.0, 2.0)
 """Least and largest that the power of the rate may have beyond the second."""
-
-
-@memoryless
-def drag(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v abs(v) at the rate `DRAG_RATE`, p0 the drag [N s^2/m^2]; p1 what its power has beyond the second."""
-    force: float = p[0] * v * DRAG_RATE * (abs(v) / DRAG_RATE) ** (1.0 + p[1])
-    return force
 
 
 @CATALOGUE.add

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numba import njit
 
 from pounding.diagnosis.effects.bases import Departure, LawEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
-from pounding.diagnosis.model.laws import Numbers, memoryless, remembering
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness
+from pounding.experiments.rig.storey_forces import (
+    cubic_spring,
+    damper,
+    friction,
+    growing_spring,
+    stop,
+    yielding,
+)
 
 SHARPNESS = 8.0
 SHARPEST = 30.0
@@ -28,15 +33,12 @@ STICKING_RATIO = 0.3
 STIFFEST = 60.0
 STICKING = 15.0
 """Stiffness of a stuck friction joint as a multiple of the storey's: stiff, yet within the simulator's step."""
-STRIBECK_RATE = 5e-3
 BREAKAWAY_SPREAD = 0.15
 BREAKAWAY_RANGE = (-0.5, 1.0)
-"""Rate of sliding [m/s] at which what static friction has beyond the sliding one has fallen to 1/e (dry metals 1e-3 to 1e-2,
-Canudas de Wit et al. 1995); prior standard deviation of that excess over the sliding friction, and how far it may go."""
-PRESSED_M = 1e-3
+"""Prior standard deviation of what static friction has beyond the sliding one as a share of it, and how far it may go."""
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
-"""Depth [m] at which a stop of another power pushes as the straight one does; prior standard deviations of a stop's loss
+"""Prior standard deviations of a stop's loss
 [s/m] and of what the power of its depth has beyond the first, and how far the latter may go."""
 
 
@@ -85,12 +87,6 @@ class StiffnessChange(Departure):
         return [number for number, one in enumerate(model.parameters) if (one.kind, one.place) in ours]
 
 
-@memoryless
-def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v: p0 the damper [N s/m]."""
-    return p[0] * v
-
-
 @CATALOGUE.add
 @dataclass(frozen=True)
 class DampingChange(StoreyEffect):
@@ -113,21 +109,6 @@ class DampingChange(StoreyEffect):
         """Return the damper that gives the storey alone five per cent of critical in the first mode."""
         first = float(scales.omega[model.structure.index(str(self.frame))][0])
         return 0.1 * self.stiffness(model) / first
-
-
-@remembering
-def friction(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return the force of a stiff joint that slides; it remembers its elastic force and the drift.
-
-    p: force [N], stiffness [N/m] and damping [N s/m] while stuck, the rate [m/s] at which sliding has worn half of it
-    away; infinite for one that nothing wears; what breaks it loose beyond the force, as a share of it (Stribeck's curve).
-    """
-    limit = p[0]
-    if p[4] != 0.0:
-        limit *= 1.0 + p[4] * math.exp(-((v / STRIBECK_RATE) ** 2))
-    held = min(max(state[0] + p[1] * (d - state[1]), -limit), limit)
-    new[0], new[1] = held, d
-    return min(max(held + p[2] * v, -limit), limit) / (1.0 + abs(v) / p[3])
 
 
 @CATALOGUE.add
@@ -181,12 +162,6 @@ class CoulombFriction(StoreyEffect):
         return (abs(float(values[0])), stiffness, float(damping), np.inf, within(values[2], BREAKAWAY_RANGE))
 
 
-@memoryless
-def cubic_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 d^3: p0 the spring [N/m^3]."""
-    return p[0] * d * d * d
-
-
 @CATALOGUE.add
 @dataclass(frozen=True)
 class CubicStiffness(StoreyEffect):
@@ -205,29 +180,6 @@ class CubicStiffness(StoreyEffect):
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what makes 0.3 of the linear force at twice the rms drift."""
         return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
-
-
-@njit(cache=True, error_model="numpy")
-def _stiff_share(force: float, limit: float, sharpness: float, unloading: float, step: float) -> float:
-    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
-    lost: float = min(abs(force) / limit, 1.0) ** sharpness
-    if force * step <= 0.0:
-        return 1.0 - unloading * lost
-    return max(1.0 - lost, 0.0)
-
-
-@remembering
-def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return what a part of a storey that yields with a rounded knee lacks of its elastic force.
-
-    It remembers its force and the drift (Bouc 1967, Wen 1976, by the midpoint rule). p: yield force [N], elastic
-    stiffness [N/m], sharpness of the knee, share of the elastic stiffness that is lost as unloading begins.
-    """
-    first, step = state[0], p[1] * (d - state[1])
-    middle = first + 0.5 * step * _stiff_share(first, p[0], p[2], p[3], step)
-    force = first + step * _stiff_share(middle, p[0], p[2], p[3], step)
-    new[0], new[1] = min(max(force, -p[0]), p[0]), d
-    return new[0] - p[1] * d
 
 
 @CATALOGUE.add
@@ -292,12 +244,6 @@ class Hysteresis(StoreyEffect):
         return (abs(float(values[0])), abs(float(values[1])), sharpness, unloading)
 
 
-@memoryless
-def growing_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 d t / p1, at most p0 d: p0 the spring [N/m], p1 the time [s] at which it is whole."""
-    return p[0] * min(t / p[1], 1.0) * d
-
-
 @CATALOGUE.add
 @dataclass(frozen=True)
 class Loosening(StoreyEffect):
@@ -322,21 +268,6 @@ class Loosening(StoreyEffect):
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the stiffness at the end of the run, which is when it is whole."""
         return (max(float(values[0]), -LARGEST_LOSS) * self.stiffness(model), float("nan"))
-
-
-@memoryless
-def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m].
-
-    p2 the loss [s/m], by which the force is larger while it is pressed and smaller while it is let go (Hunt and Crossley
-    1975); p3 what the power of the depth has beyond the first, the force at `PRESSED_M` being the same.
-    """
-    side = 1.0 if p[0] >= 0.0 else -1.0
-    depth = side * (d - p[0])
-    if depth <= 0.0:
-        return 0.0
-    force = side * p[1] * depth * max(1.0 + p[2] * side * v, 0.0)
-    return force if p[3] == 0.0 else force * (depth / PRESSED_M) ** p[3]
 
 
 @CATALOGUE.add

@@ -24,16 +24,13 @@ from pounding.diagnosis.effects.storey import (
     Hysteresis,
     Loosening,
     StoreyEffect,
-    cubic_spring,
-    friction,
-    yielding,
 )
-from pounding.diagnosis.model.laws import Numbers, memoryless
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term
+from pounding.experiments.rig.storey_forces import cubic_spring, friction, quadratic_damper, yielding
 
 EVERY = "all storeys"
 """Where these effects are: a frame of more than one storey."""
@@ -206,12 +203,6 @@ class AllLoosening(EveryStorey):
         """Return one: the amplitude is a share of the storey's stiffness already."""
         del model, storey
         return 1.0
-
-
-@memoryless
-def quadratic_damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v abs(v): p0 the damper [N s^2/m^2]."""
-    return p[0] * v * abs(v)
 
 
 @dataclass(frozen=True)

@@ -1,94 +1,14 @@
-"""Laws: forces that oppose a drift, each one compiled definition for prediction, scoring and the exudyn twin.
-
-A law is a function of its parameters, its memory, the drift, its rate and the time (see `Law`). It never changes its
-memory but writes the new one elsewhere, so that a solver may try a step and take it back; a law without memory leaves
-both alone.
-"""
+"""Laws at their places in a structure, as the compiled predictor takes them."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol
 
 import numpy as np
-from numba import njit
 
-from pounding.calling import MEMORY, PARAMETERS, called, entry
-
-_COMPILING = threading.Lock()
-
-
-class Numbers(Protocol):
-    """Numbers by their places: pointers where a law is compiled, an array or a list where it is called from Python."""
-
-    def __getitem__(self, place: int, /) -> float: ...
-
-    def __setitem__(self, place: int, number: float, /) -> None: ...
-
-
-Force = Callable[[Numbers, Numbers, float, float, float, Numbers], float]
-"""What a law is made of; see `Law`."""
-
-
-class Law:
-    """A force that opposes a drift, compiled when it is first used.
-
-    The function is ``force(p, state, d, v, t, new)`` of the law's parameters `p` in SI, what it remembers `state`, the drift
-    `d` [m], its rate `v` [m/s] and the time `t` [s] since the run began. It returns the force [N] and writes to `new` what
-    it remembers if the motion really goes to `d`.
-
-    Args:
-        function: The force, written for numba.
-        remembers: Whether it has a memory.
-        cache: Whether the compiled function is kept on disk, which needs a function of a module.
-    """
-
-    def __init__(self, function: Force, *, remembers: bool = False, cache: bool = True) -> None:
-        self.function, self.remembers, self._cache = function, remembers, cache
-
-    @cached_property
-    def _entry(self) -> Any:
-        return entry(self.function, self._cache)
-
-    def compile(self) -> None:
-        """Compile the function now.
-
-        Raises:
-            numba.core.errors.NumbaError: The function uses what numba does not compile.
-        """
-        _ = self._entry
-
-    @property
-    def address(self) -> int:
-        """Where the compiled function is, for `calling.called`."""
-        with _COMPILING:
-            # Of two threads that compile it, one would keep what the other throws away.
-            return int(self._entry.address)
-
-    def along(
-        self, parameters: tuple[float, ...], drift: np.ndarray, rate: np.ndarray, time: np.ndarray
-    ) -> np.ndarray:
-        """Return the force [N] along a motion that begins at rest, shape (samples,).
-
-        Args:
-            parameters: In SI; NaN stands for the end of the motion.
-            drift, rate, time: Drift [m], its rate [m/s] and times [s], each (samples,).
-        """
-        motion = (np.ascontiguousarray(series, float) for series in (drift, rate, time))
-        return np.asarray(_along(self.address, filled(parameters, float(time[-1])), *motion))
-
-
-def memoryless(function: Force) -> Law:
-    """Return the law of a force without memory; used as a decorator."""
-    return Law(function)
-
-
-def remembering(function: Force) -> Law:
-    """Return the law of a force with memory; used as a decorator."""
-    return Law(function, remembers=True)
+from pounding.calling import PARAMETERS
+from pounding.experiments.rig.laws import Law, filled
 
 
 @dataclass(frozen=True)
@@ -128,22 +48,3 @@ def placed_arrays(
         parameters[j] = filled(one.parameters, end_s)
     laws = np.array([one.law.address for one in placed], np.int64)
     return laws, rows, np.array([one.in_room for one in placed], float), parameters
-
-
-def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:
-    """Return parameters as a law takes them, shape (PARAMETERS,), with the run's end [s] where they are NaN."""
-    padded = np.zeros(PARAMETERS)
-    padded[: len(parameters)] = [end_s if np.isnan(number) else number for number in parameters]
-    return padded
-
-
-@njit(cache=True)
-def _along(
-    address: int, parameters: np.ndarray, drift: np.ndarray, rate: np.ndarray, time: np.ndarray
-) -> np.ndarray:
-    state, new = np.zeros(MEMORY), np.zeros(MEMORY)
-    force = np.empty(drift.size)
-    for k in range(drift.size):
-        force[k] = called(address, parameters, state, drift[k], rate[k], time[k], new)
-        state[:] = new
-    return force

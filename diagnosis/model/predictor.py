@@ -137,7 +137,7 @@ def predict(
         gain: Filter gain, shape (channels, 2 modes + storeys + 3); zeros for a simulation.
         decay: Rates of the latent forces and of the table noise [1/s], shape (2,).
         step_s: Sampling step [s].
-        laws: Address of each effect's law (`pounding.diagnosis.model.laws`), shape (effects,).
+        laws: Address of each effect's law (`pounding.experiments.rig.laws`), shape (effects,).
         rows: Modal row of the drift on which it acts, shape (effects, modes).
         room: 1 where it acts on the rate in the room, which has the table's in it, else 0, shape (effects,).
         parameters: Its parameters in SI, shape (effects, PARAMETERS).

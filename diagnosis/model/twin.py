@@ -22,7 +22,7 @@ from pounding import frames
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.laws import PlacedLaw, filled
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.predictor import TABLE_VELOCITY
@@ -31,7 +31,8 @@ from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contacts import Within
 from pounding.experiments.rig.exact import ExactRig
-from pounding.experiments.rig.law_connector import LawConnector, Series, resting
+from pounding.experiments.rig.law_connector import LawConnector, Series, partly, resting
+from pounding.experiments.rig.laws import filled
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
@@ -311,7 +312,7 @@ class _Addition:
         mbs, body = rig.mbs, rig.bodies[0]
         ground = resting(mbs)
         self._connectors = [
-            LawConnector(mbs, body, ground, _of_rig(one, self._end_s), _partly(self._table_rate, one.in_room))
+            LawConnector(mbs, body, ground, _of_rig(one, self._end_s), partly(self._table_rate, one.in_room))
             for one in self._laws
         ]
         # The engine keeps no reference to what it calls.
@@ -339,8 +340,3 @@ class _Addition:
         marker = body.marker(floor + 1)
         mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=load))
         return load
-
-
-def _partly(series: Series, share: float) -> Series | None:
-    """Return a share of a series, None where it is nothing."""
-    return (lambda t: share * series(t)) if share else None

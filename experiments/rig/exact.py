@@ -24,10 +24,11 @@ from pounding.experiments.rig.compiling import announce
 from pounding.experiments.rig.contacts import Contact, Within, history_of, sides_of
 from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State, Storeys
+from pounding.experiments.rig.frame_laws import frame_laws
+from pounding.experiments.rig.laws import filled
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
 from pounding.experiments.rig.storeys import history_of as storey_history
-from pounding.experiments.rig.yielding import yielding_laws
 from pounding.frames.response.exact import checked, poles
 
 if TYPE_CHECKING:
@@ -111,7 +112,7 @@ class ExactRig:
     Args:
         frames: Reduced frames, from left to right.
         contacts: Contacts, checked by `Rig`.
-        storeys: Laws in storeys and known forces, beside those of frames that yield; the attribute has the laws first.
+        storeys: Laws in storeys and known forces beside those of the frames' files; the attribute has the laws first.
 
     Raises:
         ContactError: A law that cannot be recorded.
@@ -126,7 +127,7 @@ class ExactRig:
         storeys: Sequence[StoreyLaw | KnownForce] = (),
     ) -> None:
         self.frames, self.contacts = tuple(frames), tuple(contacts)
-        self._laws = (*(one for one in storeys if isinstance(one, StoreyLaw)), *yielding_laws(self.frames))
+        self._laws = (*(one for one in storeys if isinstance(one, StoreyLaw)), *frame_laws(self.frames))
         self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
         self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
         for storey in self.storeys:
@@ -176,6 +177,7 @@ class ExactRig:
         if not self.storeys:
             return None
         first, laws, intervals = len(self.contacts), self._laws, len(shaking.starts)
+        end_s = shaking.dt_s * (intervals - 1) + shaking.last_s
         gains = np.hypot(*np.moveaxis(self._loop_contacts.gain[first:], 1, 0))
         memory = np.zeros((5, len(laws), MEMORY))
         before, after = np.zeros((2, intervals, len(self._known)))
@@ -186,7 +188,7 @@ class ExactRig:
         return Storeys(
             first,
             np.array([one.address for one in laws], np.int64),
-            np.array([one.parameters for one in laws], np.float64).reshape(len(laws), PARAMETERS),
+            np.array([filled(tuple(one.parameters), end_s) for one in laws]).reshape(len(laws), PARAMETERS),
             np.array([one.in_room for one in laws], np.float64),
             np.array([one.remembers for one in laws], np.bool_),
             np.ascontiguousarray(self._loop_contacts.weight @ gains.T),

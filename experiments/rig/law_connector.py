@@ -55,6 +55,11 @@ class LawConnector:
             self._state[:] = self._new
 
 
+def partly(series: Series, share: float) -> Series | None:
+    """Return a share of a series, None where it is nothing."""
+    return (lambda t: share * series(t)) if share else None
+
+
 def resting(mbs: Any) -> int:
     """Return the marker of a coordinate that rests on the table.
 

@@ -27,7 +27,6 @@ from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.motion import FrameMotion, Motion, StoreyHistory
 from pounding.experiments.rig.watchdog import Guard
 from pounding.frames.response.body import FrameBody, Table
-from pounding.frames.yielding import storey_yields
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -142,14 +141,14 @@ class Rig:
             bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
             # The engine keeps no reference to what it calls: these have to live until it has finished.
             connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
-            kept: list[Any] = [*connectors, *self._yielding(mbs, bodies)]
+            end = table.duration_s if duration_s is None else float(duration_s)
+            kept: list[Any] = [*connectors, *self._connectors(mbs, table, bodies, end)]
             kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
             latches = [one.latch for one in kept if getattr(one, "latch", None) is not None]
             guard = Guard(self.frames, bodies, latches, progress)
             mbs.SetPreStepUserFunction(guard)
-            end = table.duration_s if duration_s is None else float(duration_s)
             cost = _integrate(mbs, end, accuracy or (COLLIDING if self.contacts else APART), guard)
-            return self._collect(bodies, table, cost)
+            return self._collect(bodies, table, end, cost)
         finally:
             # The engine and what it calls refer to each other across the languages: else no run is freed.
             mbs.SetPreStepUserFunction(0)  # type: ignore[arg-type]
@@ -173,34 +172,44 @@ class Rig:
         one, other = sides_of(self.frames, contact)
         return PointContact(mbs, contact.law, contact.gap_m, (left.node, one.row), (right.node, other.row))
 
-    @property
-    def _yields(self) -> bool:
-        return any(storey_yields(frame) for frame in self.frames)
-
-    def _yielding(self, mbs: Any, bodies: Sequence[FrameBody]) -> list[Any]:
-        if not self._yields:
+    def _connectors(self, mbs: Any, table: Table, bodies: Sequence[FrameBody], end_s: float) -> list[Any]:
+        """Return the laws that the frames' files state, as connectors of the engine."""
+        if not self._has_laws:
             return []
         # The compiler of laws takes a while to load, which a linear frame need not wait for.
-        from pounding.experiments.rig.law_connector import LawConnector, resting
-        from pounding.experiments.rig.yielding import yielding_laws
+        from pounding.experiments.rig.frame_laws import frame_laws, table_rate, until
+        from pounding.experiments.rig.law_connector import LawConnector, partly, resting
 
-        ground = resting(mbs)
-        return [LawConnector(mbs, bodies[law.body], ground, law) for law in yielding_laws(self.frames)]
+        ground, rate = resting(mbs), table_rate(table.samples, table.step_s)
+        return [
+            LawConnector(mbs, bodies[law.body], ground, law, partly(rate, law.in_room))
+            for law in until(frame_laws(self.frames), end_s)
+        ]
 
-    def _yielded(self, motions: Sequence[FrameMotion]) -> tuple[StoreyHistory, ...]:
-        if not self._yields:
+    @property
+    def _has_laws(self) -> bool:
+        definitions = [frame.definition for frame in self.frames]
+        return any(one.yielding is not None or one.storey_law for one in definitions)
+
+    def _in_storeys(
+        self, motions: Sequence[FrameMotion], table: Table, end_s: float
+    ) -> tuple[StoreyHistory, ...]:
+        if not self._has_laws:
             return ()
-        from pounding.experiments.rig.yielding import histories
+        from pounding.experiments.rig.frame_laws import frame_laws, histories, table_rate, until
 
-        return histories(self.frames, motions)
+        laws = until(frame_laws(self.frames), end_s)
+        return histories(self.frames, motions, laws, table_rate(table.samples, table.step_s))
 
-    def _collect(self, bodies: Sequence[FrameBody], table: Table, cost: tuple[float, float]) -> Motion:
+    def _collect(
+        self, bodies: Sequence[FrameBody], table: Table, end_s: float, cost: tuple[float, float]
+    ) -> Motion:
         motions = []
         for body in bodies:
             time_s, q, v, a = body.history()
             motions.append(FrameMotion(body.reduced, time_s, q, v, a, table.acceleration(time_s)))
         contacts = tuple(history_of(self.frames, motions, contact) for contact in self.contacts)
-        storeys = self._yielded(motions)
+        storeys = self._in_storeys(motions, table, end_s)
         energy = balance(tuple(motions), contacts, storeys)
         steps = len(motions[0].time_s) - 1
         return Motion(tuple(motions), contacts, energy, *cost, steps, storeys=storeys)

@@ -26,7 +26,7 @@ class StoreyLaw:
     Attributes:
         address: Where its compiled function is (`pounding.calling.entry`, which must be kept alive as long as this).
         row: What the floors' displacements contribute to the drift (storeys,) [-].
-        parameters: Its parameters in SI (PARAMETERS,).
+        parameters: Its parameters in SI (PARAMETERS,); NaN stands for the end of the run [s].
         body: Which frame of the row, from 0.
         in_room: Share of the table's rate in the rate that it sees: one in the room, nothing for that of the drift alone.
         remembers: Whether it has a memory; what remembers sees every turn of the drift.

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.calling import PARAMETERS, entry
-from pounding.experiments.rig.ductility import plastic_drift, storey_drift, storey_row
-from pounding.experiments.rig.motion import FrameMotion, StoreyHistory
-from pounding.experiments.rig.storeys import StoreyLaw, history_of
+from pounding.calling import PARAMETERS
+from pounding.experiments.rig.ductility import storey_row
+from pounding.experiments.rig.laws import remembering
+from pounding.experiments.rig.storeys import StoreyLaw
 from pounding.frames.yielding import StoreyYield, storey_yields
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Real = NDArray[np.floating[Any]]
 
 
+@remembering
 def plastic_force(p: Any, state: Any, d: float, v: float, t: float, new: Any) -> float:
     """Return what yielding takes away from a storey's elastic force [N]; it remembers the plastic drift [m].
 
@@ -46,9 +47,6 @@ def plastic_force(p: Any, state: Any, d: float, v: float, t: float, new: Any) ->
     return float(-p[0] * plastic)
 
 
-_ENTRY = entry(plastic_force)
-
-
 def yielding_laws(frames: Sequence[ReducedFrame]) -> list[StoreyLaw]:
     """Return the laws of all storeys that yield.
 
@@ -56,29 +54,10 @@ def yielding_laws(frames: Sequence[ReducedFrame]) -> list[StoreyLaw]:
         frames: Reduced frames, from left to right.
     """
     return [
-        StoreyLaw(_ENTRY.address, storey_row(frame, one.storey), _parameters(one), body)
+        StoreyLaw(plastic_force.address, storey_row(frame, one.storey), _parameters(one), body)
         for body, frame in enumerate(frames)
         for one in storey_yields(frame)
     ]
-
-
-def histories(frames: Sequence[ReducedFrame], motions: Sequence[FrameMotion]) -> tuple[StoreyHistory, ...]:
-    """Return what the laws of yielding storeys did in a run that did not keep it.
-
-    Args:
-        frames: Reduced frames, from left to right.
-        motions: What they did.
-    """
-    found = []
-    for law in yielding_laws(frames):
-        motion = motions[law.body]
-        drift, rate = storey_drift(motion, law.row)
-        step = np.diff(motion.time_s)
-        middle = 0.5 * (drift[:-1] + drift[1:]) + 0.125 * step * (rate[:-1] - rate[1:])
-        dense = np.insert(drift, np.arange(1, len(drift)), middle)
-        force = -law.parameters[0] * plastic_drift(dense, law.parameters[1])
-        found.append(history_of(frames, motions, law, force[::2], np.concatenate([[0.0], force[1::2]])))
-    return tuple(found)
 
 
 def _parameters(one: StoreyYield) -> NDArray[np.float64]:

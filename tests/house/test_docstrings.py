@@ -32,7 +32,7 @@ SHAPE_OR_UNIT = re.compile(r"\[[^\[\]]+\]|shape|\((?=[^()]*,)(?:\.\.\.|[\w'*+ ]+
 
 SHARED_SIGNATURES = {
     ("setting", "size", "rng"): ("diagnosis/hidden/setting.py", "Effect"),
-    ("p", "state", "d", "v", "t", "new"): ("diagnosis/model/laws.py", "Law"),
+    ("p", "state", "d", "v", "t", "new"): ("experiments/rig/laws.py", "Law"),
 }
 """Arguments of functions that stand in a table, and the class whose docstring describes them once."""
 

@@ -10,13 +10,14 @@ import pytest
 from pounding.diagnosis.effects.candidate_file import read_candidates
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
-from pounding.diagnosis.effects.dahl_friction import DahlFriction, bristles
+from pounding.diagnosis.effects.dahl_friction import DahlFriction
 from pounding.diagnosis.effects.user import user_kinds
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.experiments.rig.storey_forces import bristles
 from tests.diagnosis.models import measured
 
 FORCE, BUILD_UP = 12.0, 1e-4

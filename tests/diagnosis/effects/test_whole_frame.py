@@ -12,7 +12,6 @@ import pytest
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
-from pounding.diagnosis.effects.storey import cubic_spring, friction, stop, yielding
 from pounding.diagnosis.effects.whole_frame import (
     EVERY,
     AllAddedMass,
@@ -28,6 +27,7 @@ from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
+from pounding.experiments.rig.storey_forces import cubic_spring, friction, stop, yielding
 from tests.diagnosis.models import measured, three_storeys
 
 STIFFNESS = np.array([9e4, 6e4, 3e4])

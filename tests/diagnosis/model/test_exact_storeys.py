@@ -14,15 +14,16 @@ from pounding.calling import MEMORY, PARAMETERS
 from pounding.contact import thesis_law
 from pounding.diagnosis.effects.bases import LawEffect
 from pounding.diagnosis.effects.candidates import kinds
-from pounding.diagnosis.effects.storey import damper, friction
-from pounding.diagnosis.model.laws import Law, PlacedLaw, filled
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.twin import _Addition, _between_samples
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.exact import ExactRig, Solution, run_exact
+from pounding.experiments.rig.laws import Law, filled
 from pounding.experiments.rig.many import Case, run_one
 from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.rig import Accuracy, Rig
+from pounding.experiments.rig.storey_forces import damper, friction
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.response.exact import linear_response

@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from pounding import frames
-from pounding.diagnosis.effects.storey import cubic_spring
 from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     motions,
@@ -21,6 +20,7 @@ from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.terms import nuisance_terms
+from pounding.experiments.rig.storey_forces import cubic_spring
 from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
 

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from pounding.calling import MEMORY, called
 from pounding.diagnosis.effects.candidates import kinds
-from pounding.diagnosis.effects.storey import StoreyEffect, friction, stop, yielding
-from pounding.diagnosis.model.laws import Law, filled
+from pounding.diagnosis.effects.storey import StoreyEffect
+from pounding.experiments.rig.laws import Law, filled
+from pounding.experiments.rig.storey_forces import friction, stop, yielding
 
 LAWS = {
     one.law.function.__name__: one.law

@@ -13,10 +13,11 @@ from pounding.contact import make_law
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.model import twin
-from pounding.diagnosis.model.laws import Law, PlacedLaw
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.laws import Law
 from pounding.experiments.rig.rig import Accuracy
 from tests.diagnosis.pair_models import CONTACT, FLOORS, MASS, STEP_S, STIFFNESS, colliding, model_of
 
