@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import msgspec
+
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
@@ -28,10 +30,11 @@ from pounding.diagnosis.model.observations import RunData, observe
 from pounding.diagnosis.model.sensors import screened, usable
 from pounding.diagnosis.model.slowing import slowed_if_long
 from pounding.diagnosis.model.storeys import Structure
-from pounding.diagnosis.report.making import report_on
+from pounding.diagnosis.report.making import Made, report_on
 from pounding.diagnosis.report.report import Report
+from pounding.diagnosis.report.report_text import sentence
 from pounding.diagnosis.settings import SETTINGS
-from pounding.frames.files import tried_folder
+from pounding.frames.files import tried_file, tried_folder
 
 Progress = Callable[[str, float], None]
 
@@ -45,6 +48,7 @@ def diagnose(
     calibrate: bool = False,
     film: bool = False,
     false_alarms: float = SETTINGS.decision.false_alarms,
+    export_model: Path | str | None = None,
 ) -> Report:
     """Diagnose a case: where it disagrees with the baseline model, what is missing, and how much that explains.
 
@@ -59,6 +63,7 @@ def diagnose(
         film: Film the run before and after over each other, `before_after.mp4`; only with `out`.
         false_alarms: Share of the cases of a single frame without an effect in which one may be named or something may
             be said to remain.
+        export_model: Frame file for the corrected model; the report's `model` says what was written, or why nothing was.
 
     Returns:
         The report; with `out` also what `pounding.diagnosis.report.details` adds.
@@ -73,10 +78,17 @@ def diagnose(
         case = read_case(case)
     if out is not None:
         tried_folder(out)
+    if export_model is not None:
+        tried_file(export_model)
     own = _own(candidates_file) if candidates_file is not None else []
     if calibrate and not case.runs:
         raise CaseError(
             f"{case.folder / 'case.toml'}: --calibrate simulates runs, and this case has no run; leave --calibrate out"
+        )
+    if export_model is not None and not case.runs:
+        raise CaseError(
+            f"{case.folder / 'case.toml'}: the corrected model is made of runs, and this case has none; leave "
+            "--export-model out"
         )
     if case.modal and not case.runs:
         return _modal(case, out, told)
@@ -87,6 +99,8 @@ def diagnose(
     if calibrate:
         diagnosis = _calibrated(diagnosis, own, told)
     made = report_on(diagnosis)
+    if export_model is not None:
+        made = _exported(diagnosis, made, Path(export_model))
     report = made.report
     if out is not None:
         from pounding.diagnosis.report.writing import write_report
@@ -95,6 +109,13 @@ def diagnose(
         report = write_report(diagnosis, made, Path(out), film=film)
     told("done", 1.0)
     return report
+
+
+def _exported(diagnosis: Diagnosis, made: Made, file: Path) -> Made:
+    from pounding.diagnosis.report.corrected_model import export_model
+
+    model = export_model(diagnosis, file, sentence(made.report))
+    return replace(made, report=msgspec.structs.replace(made.report, model=model))
 
 
 def _silent(what: str, share: float) -> None:

@@ -15,6 +15,7 @@ import msgspec
 
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
+from pounding.frames.storey_laws import KINDS
 from pounding.toml_text import shown, tree_of
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
@@ -77,6 +78,7 @@ def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
     if not isinstance(kind, str) or kind not in kinds:
         raise FrameError(f'{place}: kind is {shown(kind)}, must be "plate" or "stick"')
     _known_keys(tree, kinds[kind], place)
+    _known_laws(tree.get("storey_law"), place)
     try:
         return msgspec.convert(tree, PlateFrame | StickFrame)
     except (msgspec.ValidationError, OverflowError) as error:
@@ -99,6 +101,20 @@ def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str =
         kind = fields[key]
         if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
             _known_keys(value, kind, place, f"{inside}{key}.")
+
+
+def _known_laws(laws: object, place: str) -> None:
+    """Refuse an unknown kind of law, or an unknown key of one."""
+    tables = laws if isinstance(laws, list) else []
+    for number, law in enumerate(tables, 1):
+        if isinstance(law, dict):
+            kind = law.get("kind")
+            if not isinstance(kind, str) or kind not in KINDS:
+                raise FrameError(
+                    f"{place}: storey_law {number}: kind is {shown(kind)}, must be one of {', '.join(KINDS)}"
+                )
+            keys = {key: value for key, value in law.items() if key != "kind"}
+            _known_keys(keys, KINDS[kind], f"{place}: storey_law {number}")
 
 
 UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|khz|rad|s|ms|percent|per|m3|mm3))+$"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import get_args
 
 import msgspec
 
@@ -185,6 +186,10 @@ BOUNDS: dict[str, Bound] = {
     ),
 }
 """Range of each key; of those not listed either sign is possible."""
+
+
+KINDS: dict[str, type[StatedLaw]] = {str(kind.__struct_config__.tag): kind for kind in get_args(StatedLaw)}
+"""Each law by the `kind` of its table."""
 
 
 def check(name: str, laws: Sequence[StatedLaw], storeys: int) -> None:

@@ -51,6 +51,11 @@ def baseline_frames(case: Case) -> tuple[StoreyFrame, ...]:
 
 
 def _storeys(defined: frames.Frame, frame: CaseFrame) -> StoreyFrame:
+    if defined.storey_law:
+        raise frames.FrameError(
+            "its file has [[storey_law]], and a baseline model is linear, so that what it lacks can be told; take these "
+            "tables out"
+        )
     if isinstance(defined, frames.PlateFrame):
         return _plates(msgspec_key(defined), frame.name, frame.joints == "rigid", frame.p_delta)
     return from_reduced(frames.build(defined, p_delta=frame.p_delta), frame.name)

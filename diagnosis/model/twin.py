@@ -166,6 +166,20 @@ def reduced_frame(model: Model, assembly: Assembly) -> frames.ReducedFrame:
     )
 
 
+def table_of(model: Model, assembly: Assembly, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return how the table moves in a run, with its gain, delay and clock: times (m,) [s] and acceleration (m,) [m/s^2].
+
+    Args:
+        model: The baseline model.
+        assembly: The assembly.
+        number: Number of the run.
+    """
+    run = model.observed.runs[number]
+    finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
+    at = np.arange(finer * (len(run.table) - 1) + 1) * (run.step_s / finer)
+    return at, model.table_at(assembly, number, at)
+
+
 def _shaken(
     model: Model,
     assembly: Assembly,
@@ -176,10 +190,8 @@ def _shaken(
 ) -> FrameMotion:
     """Return the motion of all frames as one body through a run."""
     run = model.observed.runs[number]
-    finer = max(FINER, int(np.ceil(run.step_s / FINEST_S - 1e-9)))
-    step = run.step_s / finer
-    at = np.arange(finer * (len(run.table) - 1) + 1) * step
-    table = model.table_at(assembly, number, at)
+    at, table = table_of(model, assembly, number)
+    step = float(at[1])
     reduced = reduced_frame(model, assembly)
     # The table's velocity is the prediction's, which forgets what is slow; a law may act on it.
     moved = model.predict(values, None, effects, [number]).before[0]

@@ -126,6 +126,22 @@ class Origin(Struct, frozen=True, kw_only=True):
     reference: tuple[str, ...] = ()
 
 
+class CorrectedModel(Struct, frozen=True, kw_only=True):
+    """The corrected model as files.
+
+    Attributes:
+        files: The files that were written, the frames' first; none where it was refused.
+        motions: Those of them that hold the table's motion in a run.
+        beside: What was found that is on no frame, and so in none of the files.
+        refused: Why nothing was written.
+    """
+
+    files: tuple[str, ...]
+    motions: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
+    refused: str | None = None
+
+
 class ModalRow(Struct, frozen=True, kw_only=True):
     """A modal datum in SI: as measured, by the baseline model, with the effects, and predicted from the others.
 
@@ -240,6 +256,7 @@ class Report(Struct, frozen=True, kw_only=True):
         modal: Every modal datum; of cases with modal data alone.
         advice: Sentences on further measurements.
         shape: What is said of the shape of what was found; of a report that is written to a folder.
+        model: The corrected model as files, where it was asked for.
         channels, smallest_detectable, apart, thresholds, origin: Details of a report that is written to a folder.
     """
 
@@ -262,6 +279,7 @@ class Report(Struct, frozen=True, kw_only=True):
     apart: tuple[Distinction, ...] | UnsetType = UNSET
     thresholds: Thresholds | UnsetType = UNSET
     origin: Origin | UnsetType = UNSET
+    model: CorrectedModel | UnsetType = UNSET
 
     def __repr__(self) -> str:
         effects = ", ".join(effect.words() for effect in self.effects) or "no effect"

@@ -21,6 +21,7 @@ from pounding.frames import load
 
 if TYPE_CHECKING:
     from pounding.diagnosis.case.case import Case
+    from pounding.diagnosis.report.report import Report
 
 OF_BENCHMARK = Group("Judging the diagnosis instead (docs/diagnosis/benchmark.md)", sort_key=1)
 
@@ -53,6 +54,13 @@ def diagnose(
             help="Simulate this very rig for the confidence: up to 15 minutes, goes on where it was interrupted.",
         ),
     ] = False,
+    export_model: Annotated[
+        Path | None,
+        Parameter(
+            help="Write the corrected model to this frame file (FILE.toml), for shake, pound and gap; beside it how the "
+            "table moved in each run.",
+        ),
+    ] = None,
     film: Annotated[
         bool,
         Parameter(negative=(), help="Write a film of the run before and after over each other to --out."),
@@ -124,10 +132,10 @@ def diagnose(
     """
     if benchmark is not None:
         given = case is not None or candidates is not None or false_alarms is not None
-        if given or calibrate or trust or film:
+        if given or calibrate or trust or film or export_model is not None:
             raise CaseError(
-                "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate, --film and "
-                "--false-alarms"
+                "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate, --film, "
+                "--export-model and --false-alarms"
             )
         estimates.announce(estimates.of_benchmark(first or benchmark))
         _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
@@ -147,6 +155,8 @@ def diagnose(
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
     if trust and candidates is None:
         raise CaseError("--trust belongs to --candidates; leave it out or name the file that you trust")
+    if export_model is not None and export_model.suffix != ".toml":
+        raise CaseError(f"--export-model {export_model}: a frame file ends in .toml; name it so")
     if film and out is None:
         warn("--film needs a folder: nothing is written without --out")
     # Said before the diagnosis, which takes minutes.
@@ -176,8 +186,13 @@ def diagnose(
             calibrate=calibrate,
             film=film,
             false_alarms=rate,
+            export_model=export_model,
         )
-    emit(to_builtins(report), as_json=json, show=lambda: [*tables(report), *_written(out)])
+    emit(
+        to_builtins(report), as_json=json, show=lambda: [*tables(report), *_exported(report), *_written(out)]
+    )
+    if report.model and report.model.refused is not None:
+        raise CaseError(f"no corrected model was written to {export_model}: {report.model.refused}")
 
 
 def _ask_to_execute(candidates: Path) -> None:
@@ -203,6 +218,16 @@ def _works(case: Case, calibrate: bool) -> list[estimates.Work]:
     if calibrate and case.runs:
         works.append(estimates.of_calibration(SETTINGS.calibration.minutes))
     return works
+
+
+def _exported(report: Report) -> list[str]:
+    if not report.model or report.model.refused is not None:
+        return []
+    frames = [file for file in report.model.files if file not in report.model.motions]
+    said = [f"the corrected model is {' and '.join(frames)}, the table's motion in each run beside it"]
+    if report.model.beside:
+        said.append(f"not in it, because it is not on a frame: {'; '.join(report.model.beside)}")
+    return said
 
 
 def _written(out: Path | None) -> list[str]:

@@ -8,11 +8,12 @@ stands beside it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
@@ -125,7 +126,7 @@ def motions(frame: ReducedFrame, record: Record, floors: list[int]) -> NDArray[n
     """Return the exact motion of floors without pounding.
 
     Args:
-        frame: A linear frame.
+        frame: A frame, linear but for the laws that its file states in storeys.
         record: Table motion at the frame's scale.
         floors: Floor numbers, from 1.
 
@@ -143,7 +144,37 @@ def motions(frame: ReducedFrame, record: Record, floors: list[int]) -> NDArray[n
     parts = fine_step(record.step_s)
     history = refine(record.acceleration_m_s2, parts)
     outputs = [int(frame.floor_x[floor - 1]) for floor in floors]
+    if frame.definition.storey_law:
+        return _with_laws(frame, record, outputs, record.step_s / parts * np.arange(len(history)))
     return floor_motions(poles(frame), outputs, history, record.step_s / parts)
+
+
+def _with_laws(
+    frame: ReducedFrame, record: Record, coordinates: list[int], times_s: NDArray[np.floating[Any]]
+) -> NDArray[np.floating[Any]]:
+    """Return the displacement of coordinates (m, k) [m] at times (m,) [s], by the exact solver with the laws in storeys."""
+    # Its compiled loop takes a second to load, which linear frames need not wait for.
+    from pounding.experiments.rig.exact import ExactRig
+
+    rig = ExactRig([frame], [])
+    solution = rig.solve(record.acceleration_m_s2, record.step_s)
+    value, rate = rig.coordinates(solution, 0, coordinates)
+    return np.asarray(CubicHermiteSpline(solution.time_s, value, rate)(times_s))
+
+
+def detuned(frame: ReducedFrame, factor: float) -> ReducedFrame:
+    """Return a frame whose frequencies are all multiplied by a factor; shapes, damping ratios and laws are the same.
+
+    Args:
+        frame: The frame.
+        factor: The factor [-].
+    """
+    return replace(
+        frame,
+        stiffness=factor**2 * frame.stiffness,
+        damping=factor * frame.damping,
+        frequencies_hz=factor * frame.frequencies_hz,
+    )
 
 
 def floor_motions(

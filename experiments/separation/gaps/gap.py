@@ -13,6 +13,7 @@ from pounding.experiments.records import REFERENCES, Record
 from pounding.experiments.rig.required_gap import (
     RequiredGap,
     contact_floors,
+    detuned,
     fine_step,
     floor_motions,
     gaps_by_floor,
@@ -190,6 +191,8 @@ def history(
 
 
 def _detuned(frame: ReducedFrame, record: Record, floor: int, factor: float) -> NDArray[np.floating[Any]]:
+    if frame.definition.storey_law:
+        return motions(detuned(frame, factor), record, [floor])[:, 0]
     modal = modal_frame(frame)
     modal = replace(modal, circular=factor * modal.circular)
     parts = fine_step(record.step_s)

@@ -1,0 +1,235 @@
+"""The corrected model as files that `shake`, `pound` and `gap` take: a frame file for each frame, and the table's motion.
+
+The frames are the calibrated ones with what was found in them, as the exudyn model of the report has them: the matrices of
+their floors and the laws in their storeys. What cannot stand in a frame file is refused in a sentence, and what is no part
+of a frame (a sensor, the table, a contact) is said beside it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.model.frames import definition
+from pounding.diagnosis.model.laws import PlacedLaw
+from pounding.diagnosis.model.model import Acting, Model
+from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.twin import table_of
+from pounding.diagnosis.report.frame_text import frame_text
+from pounding.diagnosis.report.making import corrected
+from pounding.diagnosis.report.report import CorrectedModel
+from pounding.experiments.rig.frame_laws import statement
+from pounding.frames import Frame, PlateFrame, Slab, StickFrame
+from pounding.frames.files import write_whole
+from pounding.frames.floor_matrices import FloorMatrices
+from pounding.frames.storey_laws import StatedLaw
+
+DIGITS = 12
+"""Significant digits of the numbers in a frame file: a frame's lowest frequency is then right to some 1e-9."""
+
+
+@dataclass(frozen=True)
+class OnFrames:
+    """A calibrated model with effects in it, as far as it is on the frames.
+
+    Attributes:
+        model: The baseline model.
+        assembly: Its matrices, with the effects.
+        laws: The laws of each frame.
+        beside: Labels of the effects that are on no frame.
+    """
+
+    model: Model
+    assembly: Assembly
+    laws: tuple[tuple[StatedLaw, ...], ...]
+    beside: tuple[str, ...]
+
+
+def on_frames(model: Model, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]]) -> OnFrames:
+    """Return a model with effects as what frame files can state of it.
+
+    Args:
+        model: The baseline model.
+        values: Its nuisance parameters in their own units, shape (nuisance,).
+        effects: Effects that act, each with its SI parameters, shape (parameters,).
+
+    Raises:
+        CaseError: An effect that is on a frame and that no frame file can state.
+    """
+    laws: list[list[StatedLaw]] = [[] for _ in model.structure.frames]
+    beside = []
+    plain = Model(model.structure, model.observed, model.prior).assemble(values)
+    for effect, numbers in (*model.always, *effects):
+        label = effect.label() if hasattr(effect, "label") else str(effect)
+        alone = plain.copy()
+        effect.apply(alone, np.asarray(numbers, float), model)
+        if alone.extensions:
+            raise CaseError(
+                f"{label}: the floors move in more ways than along the shaking with it, which a stick's frame file "
+                "cannot state; the report has its numbers"
+            )
+        for placed in alone.laws:
+            frame, law = _stated(model, placed, label)
+            laws[frame].append(law)
+        if not alone.laws and _same_frames(alone, plain):
+            beside.append(label)
+    assembly = model.assemble(values, effects)
+    return OnFrames(model, assembly, tuple(map(tuple, laws)), tuple(beside))
+
+
+def _same_frames(one: Assembly, other: Assembly) -> bool:
+    """Return whether two assemblies have the same mass, stiffness and damping."""
+    keys = ("mass", "stiffness", "log_damping")
+    return all(np.array_equal(getattr(one, key), getattr(other, key)) for key in keys)
+
+
+def _stated(model: Model, placed: PlacedLaw, label: str) -> tuple[int, StatedLaw]:
+    """Return the frame of a law and the law as its file states it."""
+    structure = model.structure
+    rows = {"storey": structure.drift, "floor": np.eye(structure.floors)}
+    for kind, every in rows.items():
+        for index in np.flatnonzero((every == placed.row).all(axis=1)):
+            name, number = structure.place(int(index))
+            law = statement(placed.law, placed.parameters, (kind, number), placed.in_room)
+            if law is not None:
+                return structure.index(name), law
+    raise CaseError(
+        f"{label}: its force is not one of those that a frame file can state (docs/your-own-frame.md); the report has its "
+        "numbers"
+    )
+
+
+def corrected_frame(found: OnFrames, number: int, baseline: Frame, title: str = "") -> StickFrame:
+    """Return a frame with what was found of it as a stick of its floors' matrices.
+
+    Args:
+        found: What was found.
+        number: The frame's number.
+        baseline: Its definition in the baseline model, for what no measurement changes.
+        title: One line on what it is.
+
+    Raises:
+        CaseError: The baseline frame yields, which the model of the diagnosis leaves out.
+    """
+    if baseline.yielding is not None:
+        raise CaseError(
+            f"frame {baseline.name} yields by its file, and the model of the diagnosis is linear apart from what was found: "
+            "it is not the frame that was measured; take the table 'yielding' out of the file"
+        )
+    structure, assembly = found.model.structure, found.assembly
+    frame, span = structure.frames[number], structure.span(number)
+    mass = _rounded(assembly.mass[span, span])
+    # Where masses sit on the floors alone the sums say all.
+    coupled = bool(np.abs(mass - np.diag(np.diag(mass))).max() > 0.0)
+    sides = baseline.plate if isinstance(baseline, PlateFrame) else None
+    return StickFrame(
+        name=frame.name,
+        title=title,
+        scale=baseline.scale,
+        storeys=frame.floors,
+        storey_height_m=list(baseline.storey_heights_m),
+        floor_mass_kg=_rounded(mass.sum(axis=1)).tolist(),
+        damping_ratio=_rounded(np.exp(assembly.log_damping[span])).tolist(),
+        plan_m=(sides.length_m, sides.width_m) if sides is not None else baseline.plan_m,  # type: ignore[union-attr]
+        slab=_slab(baseline),
+        storey_law=list(found.laws[number]),
+        floor_matrices=FloorMatrices(
+            stiffness_n_per_m=_rounded(assembly.stiffness[span, span]).tolist(),
+            mass_kg=mass.tolist() if coupled else [],
+        ),
+    )
+
+
+def _slab(baseline: Frame) -> Slab | None:
+    """Return the floors' slab, of which a contact is estimated."""
+    if not isinstance(baseline, PlateFrame):
+        return baseline.slab
+    steel = baseline.material
+    return Slab(
+        thickness_m=baseline.plate.thickness_m,
+        youngs_modulus_gpa=steel.youngs_modulus_gpa,
+        poissons_ratio=steel.poissons_ratio,
+        density_kg_per_m3=steel.density_kg_per_m3,
+    )
+
+
+def _rounded(values: np.ndarray) -> np.ndarray:
+    """Return values with `DIGITS` significant digits; matrices stay symmetric."""
+    matrix = 0.5 * (values + values.T) if values.ndim == 2 else values
+    return np.array([float(f"{one:.{DIGITS}g}") for one in matrix.flat]).reshape(matrix.shape)
+
+
+def export_model(diagnosis: Diagnosis, file: Path, sentence: str) -> CorrectedModel:
+    """Write the corrected model of a diagnosis: a file for each frame, and how the table moved in each run.
+
+    Nothing is written where an effect cannot stand in a frame file, or where nothing in the catalogue fits; the result says
+    so.
+
+    Args:
+        diagnosis: The diagnosis.
+        file: The frame file; of several frames each has its name before the suffix.
+        sentence: The verdict in words.
+
+    Raises:
+        FrameError: A file cannot be written.
+    """
+    try:
+        contents = _contents(diagnosis, file, sentence)
+    except CaseError as error:
+        return CorrectedModel(files=(), refused=str(error))
+    for path, text in contents.files.items():
+        write_whole(path, text.encode())
+    return CorrectedModel(
+        files=tuple(str(path) for path in contents.files), beside=contents.beside, motions=contents.motions
+    )
+
+
+@dataclass(frozen=True)
+class _Contents:
+    files: dict[Path, str]
+    motions: tuple[str, ...]
+    beside: tuple[str, ...]
+
+
+def _contents(diagnosis: Diagnosis, file: Path, sentence: str) -> _Contents:
+    case, conclusion = diagnosis.case, diagnosis.conclusion
+    if conclusion.verdict == "unknown_effect":
+        raise CaseError("nothing in the catalogue fits what is missing, so there is no corrected model")
+    model, fit = _chosen(diagnosis)
+    found = on_frames(model, fit.values, fit.effects)
+    beside = list(found.beside)
+    beside += [one.words() for one in conclusion.effects if one.contact is not None or one.left is not None]
+    files: dict[Path, str] = {}
+    for number, frame in enumerate(case.frames):
+        made = corrected_frame(found, number, definition(frame), f"{frame.name} as measured: {case.title}")
+        path = file if len(case.frames) == 1 else file.with_stem(f"{file.stem}-{frame.name}")
+        files[path] = frame_text(made, model.structure.frames[number], sentence, beside)
+    runs = [*diagnosis.found.training, *diagnosis.found.held_out]
+    moved = {_table_file(file, model, run): _table_text(found, run) for run in runs}
+    return _Contents(files | moved, tuple(str(path) for path in moved), tuple(beside))
+
+
+def _chosen(diagnosis: Diagnosis) -> tuple[Model, Filtered]:
+    """Return the model and the fit behind the verdict: without effects where none is named."""
+    found, decision = diagnosis.found, diagnosis.decision
+    if decision.named:
+        return corrected(found, decision.judged)
+    return found.model, found.null.fit.filtered
+
+
+def _table_file(file: Path, model: Model, run: int) -> Path:
+    name = Path(model.observed.runs[run].name).stem
+    return file.with_name(f"{file.stem}-table-{name}.csv")
+
+
+def _table_text(found: OnFrames, run: int) -> str:
+    """Return the table's motion in a run, corrected for its gain, delay and clock, as `--record` takes it."""
+    times, table = table_of(found.model, found.assembly, run)
+    rows = [f"{t:.9g},{a:.9g}" for t, a in zip(times, table, strict=True)]
+    return "\n".join(["time_s,acceleration_m_s2", *rows]) + "\n"
