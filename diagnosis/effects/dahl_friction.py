@@ -40,6 +40,7 @@ class DahlFriction(StoreyEffect):
         "`coulomb_friction` (where $x_0$ is small), `hysteresis`, and `damping_change` at one amplitude",
         loop(bristles, 0.3, 0.25),
         told_by="The same shaking at a tenth of its amplitude: what builds up is then a spring that hardly loses energy.",
+        plain=("friction of {size} in {where}, which builds up with the drift",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

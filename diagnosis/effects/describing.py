@@ -42,6 +42,8 @@ class Description:
         taken_for: With which other effects it is easily confused.
         sketch: Its picture.
         remark: What is said after the names and units of its parameters.
+        plain: The finding in plain words for a report, with `{where}` and `{size}`, which is that of its first parameter
+            without its sign; one sentence, or two where that parameter is negative and where it is positive.
         told_by: A test that shows it and little else, a sentence; empty where there is none.
         shapes: What is said of the law where a parameter of its shape, which is refined and not reported, is below the
             catalogue's value, and where it is above.
@@ -51,6 +53,7 @@ class Description:
     taken_for: str
     sketch: Sketch
     remark: str = ""
+    plain: tuple[str, ...] = ()
     told_by: str = ""
     shapes: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 

@@ -35,6 +35,7 @@ class JointFlexibility(FrameEffect):
         "`stiffness_change` of all storeys, `p_delta`, `base_rocking`",
         relation("joints", "joint's turn", "moment", same, lambda x: 0.6 * x),
         told_by="A hammer test of the upper modes: soft joints lower the first mode more than the upper ones.",
+        plain=("the joints of {where} have a stiffness of {size}, which is not the model's",),
     )
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
@@ -72,6 +73,7 @@ class BaseRocking(FrameEffect):
         "`joint_flexibility`, `stiffness_change` of the lowest storey, `table_tilt`",
         relation("rock", "base moment", "base's turn", nothing, lambda x: 0.7 * x),
         told_by="Two vertical accelerometers at the ends of the base plate: only a rocking base moves them.",
+        plain=("the base of {where} rocks on a spring of {size}",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -114,6 +116,7 @@ class PDelta(FrameEffect):
         relation("frame", "drift", "force", same, lambda x: 0.75 * x),
         ", beyond what the baseline model has",
         told_by="The same shaking with known weights added to the floors: the geometric stiffness follows the weight.",
+        plain=("{size} times the weight of {where} softens it beyond the model",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -149,6 +152,7 @@ class AddedMass(FrameEffect):
         "`stiffness_change` of the storeys below; a mass that is not rigidly fixed is *unknown*",
         relation("floor", "acceleration", "inertia", same, lambda x: 1.4 * x),
         told_by="The same shaking with a known mass added to that floor, or weighing it.",
+        plain=("{where} is {size} lighter than in the model", "{where} is {size} heavier than in the model"),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -205,6 +209,7 @@ class AirDrag(LawEffect, FrameEffect):
                 "the air moves against the table, which the catalogue's does not",
             ),
         },
+        plain=("the air drags on the floors of {where}, with {size}",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -251,6 +256,7 @@ class TorsionalEccentricity(FrameEffect):
         "*unknown* (a mass on a spring), a second mode close by",
         history("plan", "floor's edge", sine, lambda t: sine(t) + 0.4 * np.sin(5 * np.pi * t)),
         told_by="A second accelerometer on the other side of the same floor: only torsion parts the two.",
+        plain=("{where} turns as it sways, because its mass lies {size} off its stiffness",),
     )
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:

@@ -74,6 +74,7 @@ class StiffnessChange(Departure):
         "lowest mode is seen. Small ones vanish in the prior of the storey's stiffness",
         relation("storey", "drift", "force", same, lambda x: 0.6 * x),
         told_by="A hammer test of the upper modes: one storey's stiffness moves each mode by its own drift there.",
+        plain=("{where} is {size} softer than the model", "{where} is {size} stiffer than the model"),
     )
 
     def largest(self, model: Model) -> float:
@@ -103,6 +104,10 @@ class DampingChange(StoreyEffect):
         "one size, `air_drag`",
         loop(damper, 0.035),
         ", negative where the frame has less than the baseline model",
+        plain=(
+            "{where} has less damping than the model, by a damper of {size}",
+            "{where} has more damping than the model, by a damper of {size}",
+        ),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -137,6 +142,7 @@ class CoulombFriction(StoreyEffect):
                 "the joint gives less before it slides than the catalogue's",
             )
         },
+        plain=("friction of {size} in {where}",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -175,6 +181,10 @@ class CubicStiffness(StoreyEffect):
         r"$f = k_3\,d^3$",
         "a `bumper` on each side, `hysteresis` (where $k_3 < 0$)",
         loop(cubic_spring, 0.8),
+        plain=(
+            "{where} gets softer the further it drifts, by a cubic spring of {size}",
+            "{where} gets stiffer the further it drifts, by a cubic spring of {size}",
+        ),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -218,6 +228,7 @@ class Hysteresis(StoreyEffect):
                 "the loop unloads less steeply than the catalogue's",
             ),
         },
+        plain=("a part of {where} yields at {size}",),
     )
 
     def largest(self, model: Model) -> float:
@@ -259,6 +270,7 @@ class Loosening(StoreyEffect):
         "`hysteresis` in a run that grows, `stiffness_change`",
         history("storey", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
         told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+        plain=("{where} loses {size} of its stiffness in the course of a run",),
     )
 
     def largest(self, model: Model) -> float:
@@ -295,6 +307,10 @@ class Bumper(StoreyEffect):
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
         loop(stop, 0.5, 2.0, 0.0, 0.0),
         told_by="The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
+        plain=(
+            "{where} meets a stop at a drift of {size} to -x",
+            "{where} meets a stop at a drift of {size} to +x",
+        ),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

@@ -32,6 +32,10 @@ class TableGain(Departure):
         "a gain of all other sensors",
         history("table", "table", sine, lambda t: 1.3 * sine(t)),
         told_by="A second accelerometer of another make on the table.",
+        plain=(
+            "the table moved {size} less than its record says",
+            "the table moved {size} more than its record says",
+        ),
     )
 
 
@@ -50,6 +54,10 @@ class TableDelay(Departure):
         history("table", "table", sine, lambda t: sine(t - 0.06)),
         ", positive where the frame was shaken later than the channel says",
         told_by="Table and floor on one logger, or a hammer blow on the table that both record.",
+        plain=(
+            "the table moved {size} earlier than its record says",
+            "the table moved {size} later than its record says",
+        ),
     )
 
 
@@ -69,6 +77,10 @@ class TableClock(Effect):
         history("table", "table", sine, lambda t: sine(0.94 * t)),
         ", negative where the table's clock is slow",
         told_by="A hammer blow on the table at the begin and one at the end that all loggers record.",
+        plain=(
+            "the clock of the table's record is {size} slow",
+            "the clock of the table's record is {size} fast",
+        ),
     )
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
@@ -94,6 +106,7 @@ class TableTilt(Effect):
         "`base_rocking`, `table_gain`",
         relation("tilt", "table accel.", "pitch", nothing, lambda x: 0.7 * x),
         told_by="Two vertical accelerometers at the ends of the table.",
+        plain=("the table pitches as it is shaken, by {size}",),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
@@ -132,6 +145,7 @@ class SensorGain(Departure):
         "; a wrong polarity is $-2$; `g` typed where the cell gave `m/s^2` reads 9.81 times too much, $+8.81$, the other "
         "way round $-0.898$",
         told_by="The sensor exchanged with its neighbour: a fault of the sensor goes with it.",
+        plain=("{where} reads {size} too little", "{where} reads {size} too much"),
     )
 
 
@@ -151,6 +165,7 @@ class SensorDelay(Departure):
         history("sensor", "reading", sine, lambda t: sine(t - 0.06)),
         "; channels of one kind or of one frame may be late together, as a logger of their own",
         told_by="A hammer blow that all loggers record, or the sensor moved to the logger of its neighbours.",
+        plain=("{where} reads {size} early", "{where} reads {size} late"),
     )
 
 
@@ -186,6 +201,7 @@ class SensorClock(Effect):
         history("sensor", "reading", sine, lambda t: sine(t / 0.94)),
         ", negative where the clock is slow; channels of one kind or of one frame may share a clock",
         told_by="A hammer blow at the begin and one at the end that all loggers record.",
+        plain=("the clock of {where} is {size} slow", "the clock of {where} is {size} fast"),
     )
 
     @property
@@ -223,6 +239,7 @@ class SensorOffset(Departure):
         "a slow drift",
         history("sensor", "reading", sine, lambda t: sine(t) + 0.5),
         told_by="A minute of record before anything moves.",
+        plain=("{where} reads {size} too little", "{where} reads {size} too much"),
     )
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:

@@ -114,6 +114,7 @@ class AllCoulombFriction(EveryStorey):
         "`all_damping_change` and `all_quadratic_damping` at one amplitude, `air_drag`, `coulomb_friction` in the storey "
         "that drifts most",
         replace(loop(friction, 0.3, 30.0, 0.0, np.inf, 0.0), mark="frame"),
+        plain=("friction in every storey of {where}, which slides from a drift of {size} on",),
     )
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
@@ -144,6 +145,7 @@ class AllHysteresis(EveryStorey):
         "`hysteresis` in the storey that drifts most, `all_coulomb_friction`, `all_cubic_stiffness` below zero, `air_drag`",
         replace(loop(yielding, 0.25, 0.6, 8.0, 0.0), mark="frame"),
         told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
+        plain=("every storey of {where} yields at a drift of {size}",),
     )
 
     def largest(self, model: Model) -> float:
@@ -175,6 +177,10 @@ class AllCubicStiffness(EveryStorey):
         "`cubic_stiffness` in the storey that drifts most, `all_hysteresis` (where $b < 0$)",
         replace(loop(cubic_spring, 0.8), mark="frame"),
         told_by="The same shaking at half and at twice its amplitude: frequencies move with the square of it.",
+        plain=(
+            "every storey of {where} gets softer the further it drifts, by {size}",
+            "every storey of {where} gets stiffer the further it drifts, by {size}",
+        ),
     )
 
 
@@ -192,6 +198,7 @@ class AllLoosening(EveryStorey):
         "`loosening` in the storey that drifts most, `all_hysteresis` in a run that grows, `all_stiffness_change`",
         history("frame", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
         told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+        plain=("every storey of {where} loses {size} of its stiffness in the course of a run",),
     )
 
     def largest(self, model: Model) -> float:
@@ -233,6 +240,7 @@ class AllQuadraticDamping(EveryStorey):
         r"$f = k\,q\,v\lvert v\rvert$ in every storey: damping that grows with the amplitude",
         "`air_drag`, `all_damping_change` at one amplitude, `all_coulomb_friction`",
         relation("frame", "drift rate", "force", lambda x: 0.0 * x, lambda x: x * abs(x)),
+        plain=("the damping of {where} grows with its amplitude, by {size}",),
     )
 
 
@@ -253,6 +261,10 @@ class AllStiffnessChange(FrameEffect, Departure):
         "`base_rocking`",
         relation("frame", "drift", "force", same, lambda x: 0.6 * x),
         told_by="A push on the roof with a known force, or weighing a floor: only one of stiffness and mass has changed.",
+        plain=(
+            "the whole of {where} is {size} softer than the model",
+            "the whole of {where} is {size} stiffer than the model",
+        ),
     )
 
     def largest(self, model: Model) -> float:
@@ -280,6 +292,7 @@ class AllDampingChange(FrameEffect, Departure):
         "`damping_change` in the storey that drifts most, `air_drag`, `all_quadratic_damping` and `all_coulomb_friction` "
         "at one amplitude",
         relation("frame", "drift rate", "force", lambda x: 0.3 * x, lambda x: 0.8 * x),
+        plain=("the damping of {where} is {size} times that of the model",),
     )
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
@@ -307,6 +320,10 @@ class AllAddedMass(FrameEffect):
         "`all_stiffness_change`, which the motion of a shaken table cannot tell from it, `p_delta`",
         relation("floors", "acceleration", "inertia", same, lambda x: 1.4 * x),
         told_by="Weighing a floor, or a push on the roof with a known force: only one of stiffness and mass has changed.",
+        plain=(
+            "the whole of {where} is {size} lighter than the model",
+            "the whole of {where} is {size} heavier than the model",
+        ),
     )
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:

@@ -38,6 +38,7 @@ def _modal(found: Findings, fit: Fit) -> list[CalibratedParameter]:
     model = found.model
     before = model.plain_modes(model.assemble(np.zeros(len(model.std))))
     after = model.plain_modes(model.assemble(fit.filtered.values))
+    found_in = model.plain_modes(model.assemble(fit.filtered.values, fit.filtered.effects))
     shown = []
     for number, frame in enumerate(model.structure.frames):
         first = model.structure.first(number)
@@ -53,6 +54,7 @@ def _modal(found: Findings, fit: Fit) -> list[CalibratedParameter]:
                         std=None, prior_std=None,
                         measured=UNSET if read is None else read.hertz,
                         resolution=UNSET if read is None else read.resolution_hz,
+                        corrected=UNSET if name != "frequency_hz" else float(found_in.omega[first + mode]) / (2 * np.pi),
                     )
                 )  # fmt: skip
     return shown

@@ -206,6 +206,7 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     """A parameter of the baseline model after calibration, as a factor or in its unit, with its standard deviations.
 
     `measured` is what can be read from the measurements without a model, `resolution` how finely; unset where nothing can.
+    `corrected` is that of a frequency with what was found in the frame's stiffness and mass.
     """
 
     parameter: str
@@ -220,6 +221,7 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     channel: str | UnsetType = UNSET
     measured: float | UnsetType = UNSET
     resolution: float | UnsetType = UNSET
+    corrected: float | UnsetType = UNSET
 
     def where(self) -> str:
         """Return the place in words, for a table's cell."""

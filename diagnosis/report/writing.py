@@ -30,6 +30,7 @@ from pounding.diagnosis.report.report_text import (
     percent,
     sentence,
 )
+from pounding.diagnosis.report.sheet import sheet
 from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.errors import FrameError
 from pounding.frames.files import write_whole
@@ -68,6 +69,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         report,
         pictures,
         "report.html.jinja",
+        sheet=sheet(diagnosis, report),
         next_steps=next_steps(case, report),
         against_the_next=against_the_next(report),
         assumptions=stated,
