@@ -28,7 +28,7 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
     """
     assert frame.floor_matrices is not None
     said = [
-        f"{frame.name}, corrected by its measurements. {sentence}",
+        f"{frame.name} by its measurements. {sentence}",
         "Made by `pounding diagnose --export-model`, for `pounding shake`, `pound` and `gap`; what it was measured on is "
         "one table, so it holds for motions of that size.",
         *_changes(frame, baseline),

@@ -29,7 +29,10 @@ def finding(effect: Claim) -> str:
     if described is None or not described.plain or first is None or not isinstance(first.value, float):
         return effect.sized()
     said = described.plain[-1] if first.value >= 0.0 else described.plain[0]
-    return said.format(where=effect.where(), size=size(first))
+    where = effect.where()
+    # Channels of one logger are said together.
+    said = said.replace("{where} reads", "{where} read") if where.startswith("channels ") else said
+    return said.format(where=where, size=size(first))
 
 
 def description(name: str) -> Description | None:

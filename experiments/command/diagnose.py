@@ -224,7 +224,8 @@ def _exported(report: Report) -> list[str]:
     if not report.model or report.model.refused is not None:
         return []
     frames = [file for file in report.model.files if file not in report.model.motions]
-    said = [f"the corrected model is {' and '.join(frames)}, the table's motion in each run beside it"]
+    kind = "corrected" if report.named else "calibrated"
+    said = [f"the {kind} model is {' and '.join(frames)}, the table's motion in each run beside it"]
     if report.model.beside:
         said.append(f"not in it, because it is not on a frame: {'; '.join(report.model.beside)}")
     return said

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from pounding import frames
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
 from pounding.diagnosis.decision.claims import Parameter
 from pounding.diagnosis.decision.conclusion import of_frames
@@ -21,14 +22,20 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Quantity
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.report.corrected_model import export_model
+from pounding.diagnosis.report.details import detailed
 from pounding.diagnosis.report.loops import bend, fullness, loops
 from pounding.diagnosis.report.making import Made, report_on, shown_after
 from pounding.diagnosis.report.on_the_frame import on_the_frame, write_frames
 from pounding.diagnosis.report.report import Shape
 from pounding.diagnosis.report.report_text import beside_the_verdict
 from pounding.diagnosis.report.shape import departs, shape
+from pounding.diagnosis.report.sheet import sheet
 from pounding.diagnosis.report.transmissibility import answers
 from pounding.diagnosis.report.writing import SOMETIMES, forget
+from pounding.experiments.records import find
+from pounding.experiments.rig.rig import Rig
+from pounding.frames.storey_laws import Hysteresis
 from tests.diagnosis.models import STEP_S, measured
 from tests.diagnosis.report.test_report import of_runs
 
@@ -246,3 +253,43 @@ def test_the_box_says_what_the_law_is_and_the_least_change_that_would_show() -> 
     none = structs.replace(least, shown=0, best=None, worst=None)
     (said,) = beside_the_verdict(structs.replace(of_runs(), smallest_detectable=(none,)))
     assert said.endswith("is larger than any.")
+
+
+def test_the_exported_frame_shaken_by_the_exported_table_is_the_run_after(tmp_path: Path) -> None:
+    model = export_model(rounded(), tmp_path / "bench.toml", "Found.")
+    assert model.refused is None
+    assert [Path(file).name for file in model.files] == [
+        "bench.toml",
+        "bench-table-run1.csv",
+        "bench-table-run2.csv",
+    ]
+    frame = frames.load(model.files[0])
+    (law,) = frame.storey_law
+    assert isinstance(law, Hysteresis)
+    assert law.storey == STOREY
+    assert law.sharpness == pytest.approx(ROUND, rel=0.2)
+    record = find(str(tmp_path / "bench-table-run2.csv"))
+    (run,) = rounded().found.held_out
+    own, shaken = made().motions[run], Rig([frames.build(frame)]).run(record).frames[0]
+    times = np.linspace(0.0, 0.99 * record.duration_s, 2000)
+    one, other = own.sampled(times)[0], shaken.sampled(times)[0]
+    assert np.abs(one - other).max() < 2e-4 * np.abs(one).max()
+
+
+def test_nothing_is_written_where_nothing_in_the_catalogue_fits(tmp_path: Path) -> None:
+    diagnosis = rounded()
+    unknown = replace(diagnosis, conclusion=replace(diagnosis.conclusion, verdict="unknown_effect"))
+    model = export_model(unknown, tmp_path / "bench.toml", "Found.")
+    assert model.refused == "nothing in the catalogue fits what is missing, so there is no corrected model"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_first_page_has_the_headline_the_place_and_the_frequencies() -> None:
+    report = detailed(rounded(), made())
+    page = sheet(rounded(), report)
+    assert page.headline.startswith("A part of storey 2 of bench yields at")
+    assert ">storey 2</text>" in page.sketch
+    assert [row.mode for row in page.modes] == [1, 2, 3]
+    # Hysteresis is a law: stiffness and mass of the frame are those of the calibration.
+    assert all(row.frequency.corrected == row.frequency.calibrated for row in page.modes)
+    assert any("To confirm it: The same shaking at a third" in step for step in page.steps)
