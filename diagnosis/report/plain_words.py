@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from pounding.diagnosis.decision.claims import Claim, Parameter
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.describing import Description
@@ -18,7 +20,7 @@ def headline(report: Report) -> str:
     said = "; ".join(finding(one) for one in together(report.effects))
     others = len(report.effects[0].members) - 1
     if report.verdict == "effect_class" and others > 0:
-        said += ", or what this data cannot tell from it"
+        said += ", or something else that this data cannot tell from it"
     return f"{said[0].upper()}{said[1:]}."
 
 
@@ -41,11 +43,31 @@ def description(name: str) -> Description | None:
 
 
 def size(parameter: Parameter) -> str:
-    """Return a parameter without its sign: `0.53 ± 0.04 N`, and `30 ± 2 %` for a relative change."""
+    """Return a parameter without its sign, as many digits as its standard error leaves: `0.53 ± 0.04 N`, `30 ± 2 %`."""
     assert isinstance(parameter.value, float)
     share = "relative_change" in parameter.name
     factor, unit = (100.0, "%") if share else (1.0, "" if parameter.unit == "1" else parameter.unit)
-    value = f"{factor * abs(parameter.value):.3g}"
-    if isinstance(parameter.std, float):
-        value += f" ± {factor * parameter.std:.1g}"
-    return f"{value} {unit}".rstrip()
+    std = factor * parameter.std if isinstance(parameter.std, float) else 0.0
+    return f"{_rounded(factor * abs(parameter.value), std)} {unit.translate(RAISED)}".replace(
+        "^", ""
+    ).rstrip()
+
+
+RAISED = {ord("2"): "²", ord("3"): "³"}
+"""Powers of units; no unit has another digit."""
+POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+PLAIN = (-3, 4)
+"""Powers of ten of the first digit between which a number is written without one."""
+
+
+def _rounded(value: float, std: float) -> str:
+    power = math.floor(math.log10(value)) if value > 0.0 else 0
+    if not PLAIN[0] <= power <= PLAIN[1]:
+        digits = _rounded(value / 10.0**power, std / 10.0**power)
+        return f"{f'({digits})' if ' ' in digits else digits}·10{str(power).translate(POWERS)}"
+    if not std > 0.0:
+        return f"{value:.3g}"
+    # One digit of the error, and the value down to the place of that digit.
+    place = math.floor(math.log10(float(f"{std:.0e}")))
+    decimals = max(0, -place)
+    return f"{round(value, -place):.{decimals}f} ± {round(std, -place):.{decimals}f}"

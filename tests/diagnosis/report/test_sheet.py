@@ -29,11 +29,11 @@ def found(effect: str, name: str, value: float | str, std: float | None, unit: s
     [
         (
             found("stiffness_change", "relative_change", -0.304, 0.021, "1", frame="5A", storey=2),
-            "storey 2 of 5A is 30.4 ± 2 % softer than the model",
+            "storey 2 of 5A is 30 ± 2 % softer than the model",
         ),
         (
             found("coulomb_friction", "friction_force", 0.532, 0.041, "N", frame="5A", storey=3),
-            "friction of 0.532 ± 0.04 N in storey 3 of 5A",
+            "friction of 0.53 ± 0.04 N in storey 3 of 5A",
         ),
         (
             found("sensor_delay", "delay", 4.0, None, "ms", channel="a1, a2"),
@@ -52,7 +52,7 @@ def test_a_finding_is_said_in_plain_words(effect: Claim, said: str) -> None:
 def test_the_headline_says_what_the_verdict_is() -> None:
     report = of_runs()
     assert headline(report) == (
-        "Friction of 12.1 ± 0.4 N in storey 3 of 5B, or what this data cannot tell from it."
+        "Friction of 12.1 ± 0.4 N in storey 3 of 5B, or something else that this data cannot tell from it."
     )
     assert "nothing is missing" in headline(structs.replace(report, verdict="nothing_missing", effects=()))
     assert "not in the catalogue" in headline(structs.replace(report, verdict="unknown_effect"))
@@ -76,6 +76,23 @@ def test_every_effect_has_plain_words_for_both_signs(kind: type) -> None:
 def test_a_share_is_said_in_per_cent_and_a_factor_as_it_is() -> None:
     assert size(Parameter(name="final_relative_change", value=-0.2, std=0.01, unit="1")) == "20 ± 1 %"
     assert size(Parameter(name="damping_factor", value=1.8, std=0.1, unit="1")) == "1.8 ± 0.1"
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "unit", "said"),
+    [
+        (3.47e8, 2.7e6, "N/m^3", "(3.47 ± 0.03)·10⁸ N/m³"),
+        (-3.34, 0.99, "ms", "3 ± 1 ms"),
+        (1234.5, 31.0, "N s^2/m^2", "1230 ± 30 N s²/m²"),
+        (4.2e-5, None, "rad s^2/m", "4.2·10⁻⁵ rad s²/m"),
+        (0.5, float("nan"), "kg", "0.5 kg"),
+        (0.02, 0.3, "kg", "0.0 ± 0.3 kg"),
+    ],
+)
+def test_a_size_has_the_digits_that_its_error_leaves(
+    value: float, std: float | None, unit: str, said: str
+) -> None:
+    assert size(Parameter(name="friction_force", value=value, std=std, unit=unit)) == said
 
 
 CASE = Case(
