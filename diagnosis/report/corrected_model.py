@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.filtering import Filtered
@@ -21,6 +23,7 @@ from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.twin import table_of
+from pounding.diagnosis.report.corrected_case import corrected_case
 from pounding.diagnosis.report.frame_text import frame_text
 from pounding.diagnosis.report.making import corrected
 from pounding.diagnosis.report.report import CorrectedModel
@@ -168,6 +171,8 @@ def _rounded(values: np.ndarray) -> np.ndarray:
 def export_model(diagnosis: Diagnosis, file: Path, sentence: str) -> CorrectedModel:
     """Write the corrected model of a diagnosis: a file for each frame, and how the table moved in each run.
 
+    Where sensors or table have a fault, the measurements without it are written as a case, too.
+
     Nothing is written where an effect cannot stand in a frame file, or where nothing in the catalogue fits; the result says
     so.
 
@@ -185,8 +190,14 @@ def export_model(diagnosis: Diagnosis, file: Path, sentence: str) -> CorrectedMo
         return CorrectedModel(files=(), refused=str(error))
     for path, text in contents.files.items():
         write_whole(path, text.encode())
+    folder = None if contents.case is None else file.with_name(f"{file.stem}-case")
+    if contents.case is not None and folder is not None:
+        write_case(contents.case, folder)
     return CorrectedModel(
-        files=tuple(str(path) for path in contents.files), beside=contents.beside, motions=contents.motions
+        files=tuple(str(path) for path in contents.files),
+        beside=contents.beside,
+        motions=contents.motions,
+        case=None if folder is None else str(folder),
     )
 
 
@@ -195,6 +206,7 @@ class _Contents:
     files: dict[Path, str]
     motions: tuple[str, ...]
     beside: tuple[str, ...]
+    case: Case | None
 
 
 def _contents(diagnosis: Diagnosis, file: Path, sentence: str) -> _Contents:
@@ -212,7 +224,13 @@ def _contents(diagnosis: Diagnosis, file: Path, sentence: str) -> _Contents:
         files[path] = frame_text(made, model.structure.frames[number], sentence, beside)
     runs = [*diagnosis.found.training, *diagnosis.found.held_out]
     moved = {_table_file(file, model, run): _table_text(found, run) for run in runs}
-    return _Contents(files | moved, tuple(str(path) for path in moved), tuple(beside))
+    faults = model.assemble(np.zeros(len(model.std)), fit.effects)
+    return _Contents(
+        files | moved,
+        tuple(str(path) for path in moved),
+        tuple(beside),
+        corrected_case(case, model.observed, faults),
+    )
 
 
 def _chosen(diagnosis: Diagnosis) -> tuple[Model, Filtered]:

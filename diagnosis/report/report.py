@@ -133,12 +133,14 @@ class CorrectedModel(Struct, frozen=True, kw_only=True):
         files: The files that were written, the frames' first; none where it was refused.
         motions: Those of them that hold the table's motion in a run.
         beside: What was found that is on no frame, and so in none of the files.
+        case: Folder with the case without the faults of its sensors and its table; None where these have none.
         refused: Why nothing was written.
     """
 
     files: tuple[str, ...]
     motions: tuple[str, ...] = ()
     beside: tuple[str, ...] = ()
+    case: str | None = None
     refused: str | None = None
 
 
