@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,10 +13,14 @@ from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.report.frame_sketch import frame_sketch
 from pounding.diagnosis.report.plain_words import description, headline
 from pounding.diagnosis.report.report import CalibratedParameter, Report
-from pounding.diagnosis.report.report_text import least_change, next_steps
+from pounding.diagnosis.report.report_text import beside_the_verdict, next_steps, sentence
 
 STEPS, WARNINGS, MOVED = 3, 2, 4
 """How many steps to take next, warnings and moved parameters stand on the sheet; all stand behind it."""
+
+
+LETTERS, LINES = 100, 16
+"""Letters in a line, and lines of text and modes up to which the sheet has room for a second figure."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +43,10 @@ class Sheet:
         measured: What was measured, in a sentence.
         modes: Frequencies and damping of the frames.
         moved: What calibration moved most, in words.
-        least: The smallest change that would have shown, sentences.
         steps: What to measure next, sentences.
         warnings: The first warnings.
         more_warnings: How many more there are.
+        roomy: Whether there is room for a second figure.
     """
 
     headline: str
@@ -49,10 +54,10 @@ class Sheet:
     measured: str
     modes: tuple[ModeRow, ...]
     moved: tuple[str, ...]
-    least: tuple[str, ...]
     steps: tuple[str, ...]
     warnings: tuple[str, ...]
     more_warnings: int
+    roomy: bool
 
 
 def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
@@ -72,18 +77,21 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
     rows = [one for one in calibration if one.parameter not in ("frequency_hz", "damping_ratio")]
     rows.sort(key=lambda one: -abs(one.moved() or 0.0))
     tests = [test for pair in report.apart or () for test in pair.tests]
-    steps = list(dict.fromkeys([*tests, *next_steps(case, report), *_confirming(effects)]))
+    steps = list(dict.fromkeys([*tests, *next_steps(case, report), *_confirming(effects)]))[:STEPS]
+    modes, title = _modes(calibration), headline(report)
+    text = [title, sentence(report), *beside_the_verdict(report), *report.warnings[: WARNINGS + 1], *steps]
+    lines = len(modes) + sum(math.ceil(len(one) / LETTERS) for one in text)
     return Sheet(
-        headline=headline(report),
+        headline=title,
         # Made of numbers and escaped names alone.
         sketch=Markup(frame_sketch(case, effects, places)),
         measured=_measured(diagnosis),
-        modes=_modes(calibration),
+        modes=modes,
         moved=tuple(_in_words(one) for one in rows[:MOVED]),
-        least=tuple(f"{one[0].upper()}{one[1:]}." for one in least_change(report)),
-        steps=tuple(steps[:STEPS]),
+        steps=tuple(steps),
         warnings=report.warnings[:WARNINGS],
         more_warnings=max(0, len(report.warnings) - WARNINGS),
+        roomy=lines <= LINES,
     )
 
 
