@@ -123,10 +123,27 @@ class _Column(msgspec.Struct):
     floor: int | None = None
 
 
+class _Named(msgspec.Struct):
+    """A frame of a case."""
+
+    name: str
+
+
 class _Described(msgspec.Struct):
     """A `case.toml` as far as it describes columns."""
 
+    frame: list[_Named] = []
     channel: list[_Column] = []
+
+    def columns(self) -> list[_Column]:
+        """Return the channels; the frame may be left out where the case has one."""
+        if len(self.frame) != 1:
+            return self.channel
+        only = self.frame[0].name
+        return [
+            msgspec.structs.replace(one, frame=only) if one.floor and one.frame is None else one
+            for one in self.channel
+        ]
 
 
 def _described(path: Path) -> dict[str, _Column]:
@@ -137,7 +154,7 @@ def _described(path: Path) -> dict[str, _Column]:
     except OSError as error:
         raise ExperimentError(f"{path}: {error}") from error
     try:
-        entries = msgspec.convert(tree, _Described).channel
+        entries = msgspec.convert(tree, _Described).columns()
     except (msgspec.ValidationError, OverflowError) as error:
         raise ExperimentError(f"{path}: {error}; correct the value") from error
     return {entry.name: entry for entry in entries if entry.quantity in UNITS}

@@ -36,6 +36,17 @@ def test_columns_are_known_by_a_case_beside_the_file(tmp_path):
     np.testing.assert_allclose(channel.values, [1.0, 2.0])
 
 
+@pytest.mark.parametrize(("frames", "known"), [(["5B"], "5B"), (["5A", "5B"], None), ([], None)])
+def test_a_case_of_one_frame_need_not_name_it_in_its_channels(tmp_path, frames, known):
+    tables = "".join(f'[[frame]]\nname = "{name}"\n' for name in frames)
+    floor = '[[channel]]\nname = "acc 3"\nfloor = 3\nquantity = "absolute_acceleration"\nunit = "m/s^2"\n'
+    table = '[[channel]]\nname = "table"\nquantity = "table_acceleration"\nunit = "m/s^2"\n'
+    write(tmp_path, tables + floor + table, "case.toml")
+    one, other = measured.read(write(tmp_path, "time_s,acc 3,table\n0,100,1\n1,200,2\n"))
+    assert (one.frame, one.floor) == (known, 3)
+    assert other.frame is None
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
