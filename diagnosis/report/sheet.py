@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from markupsafe import Markup
-
 from pounding.diagnosis.decision.claims import Claim
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.report.frame_sketch import frame_sketch
@@ -50,7 +48,7 @@ class Sheet:
     """
 
     headline: str
-    sketch: Markup
+    sketch: str
     measured: str
     modes: tuple[ModeRow, ...]
     moved: tuple[str, ...]
@@ -83,8 +81,7 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
     lines = len(modes) + sum(math.ceil(len(one) / LETTERS) for one in text)
     return Sheet(
         headline=title,
-        # Made of numbers and escaped names alone.
-        sketch=Markup(frame_sketch(case, effects, places)),
+        sketch=frame_sketch(case, effects, places),
         measured=_measured(diagnosis),
         modes=modes,
         moved=tuple(_in_words(one) for one in rows[:MOVED]),

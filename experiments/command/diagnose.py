@@ -59,6 +59,7 @@ def diagnose(
         Parameter(
             help="Write the corrected model to this frame file (FILE.toml), for shake, pound and gap; beside it how the "
             "table moved in each run.",
+            validator=options.writable_file,
         ),
     ] = None,
     film: Annotated[
