@@ -72,8 +72,8 @@ def test_both_solvers_run_a_law_alike_and_close_the_energy(kind: str) -> None:
     scale = np.abs(linear).max()
     assert np.abs(one - other).max() < 3e-4 * scale
     assert np.abs(other - linear).max() > 0.02 * scale
-    assert exudyn.energy.error < 1e-3
-    assert exact.energy.error < 1e-4
+    assert exudyn.energy.error < 2e-5
+    assert exact.energy.error < 1e-6
     assert np.abs(exact.energy.storey_j).max() > 0.0
 
 
