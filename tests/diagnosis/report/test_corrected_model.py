@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from pounding import frames
-from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.case.case import Case, CaseFrame, Prior
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.model.twin import simulate_engine, table_of
@@ -24,6 +27,7 @@ from pounding.diagnosis.report.corrected_model import corrected_frame, on_frames
 from pounding.diagnosis.report.frame_text import frame_text
 from pounding.experiments.rig.motion import FrameMotion
 from pounding.experiments.rig.rig import Rig, Solver
+from pounding.frames.definition import Yielding
 from pounding.frames.loading import parse
 from tests.diagnosis.models import measured, three_storeys
 
@@ -137,3 +141,22 @@ def test_an_effect_of_a_sensor_is_said_to_be_on_no_frame() -> None:
     found = on_frames(MODEL, CALIBRATED, [(gain, np.array([0.5]))])
     assert found.beside == (gain.label(),)
     assert f"not on the frame: {gain.label()}" in on_file([(gain, np.array([0.5]))]).replace("\n# ", " ")
+
+
+def test_a_frame_that_yields_is_not_exported_as_a_linear_one() -> None:
+    weak = structs.replace(BENCH, yielding=Yielding(storey_shear_n=50.0))
+    with pytest.raises(CaseError, match="frame bench yields by its file"):
+        corrected_frame(on_frames(MODEL, CALIBRATED, []), 0, weak)
+
+
+def test_a_file_with_laws_is_no_baseline(tmp_path: Path) -> None:
+    effect = effect_of("cubic_stiffness")
+    (tmp_path / "bench.toml").write_text(on_file([(effect, usual(effect))]), encoding="utf-8")
+    frame = CaseFrame("bench", 3, file=tmp_path / "bench.toml")
+    with pytest.raises(CaseError, match=r"has \[\[storey_law\]\], and a baseline model is linear"):
+        baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
+    # Without laws it is the frame that was calibrated.
+    (tmp_path / "bench.toml").write_text(on_file([]), encoding="utf-8")
+    (again,) = baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
+    np.testing.assert_allclose(again.stiffness, MODEL.assemble(CALIBRATED).stiffness, rtol=1e-9, atol=1e-6)
+    np.testing.assert_allclose(again.damping_ratio, np.exp(MODEL.assemble(CALIBRATED).log_damping), rtol=1e-6)
