@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import msgspec
+
 from pounding.diagnosis.decision.claims import Claim
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.report.frame_sketch import frame_sketch
@@ -76,7 +78,8 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
     rows.sort(key=lambda one: -abs(one.moved() or 0.0))
     tests = [test for pair in report.apart or () for test in pair.tests]
     steps = list(dict.fromkeys([*tests, *next_steps(case, report), *_confirming(effects)]))[:STEPS]
-    modes, title = _modes(calibration), headline(report)
+    # Impacts fill the spectrum and change its first peak.
+    modes, title = _modes(calibration, readable=not case.contacts), headline(report)
     text = [title, sentence(report), *beside_the_verdict(report), *report.warnings[: WARNINGS + 1], *steps]
     lines = len(modes) + sum(math.ceil(len(one) / LETTERS) for one in text)
     return Sheet(
@@ -109,14 +112,18 @@ def _measured(diagnosis: Diagnosis) -> str:
     )
 
 
-def _modes(calibration: tuple[CalibratedParameter, ...]) -> tuple[ModeRow, ...]:
-    """Return frequency and damping of each mode, side by side."""
+def _modes(calibration: tuple[CalibratedParameter, ...], readable: bool) -> tuple[ModeRow, ...]:
+    """Return frequency and damping of each mode, side by side; with what was measured where it is `readable`."""
     known = {(one.parameter, one.frame, one.mode): one for one in calibration if isinstance(one.mode, int)}
     return tuple(
-        ModeRow(str(frame), int(mode), one, known["damping_ratio", frame, mode])
+        ModeRow(str(frame), int(mode), one if readable else _unread(one), known["damping_ratio", frame, mode])
         for (name, frame, mode), one in known.items()
         if name == "frequency_hz" and ("damping_ratio", frame, mode) in known and isinstance(mode, int)
     )
+
+
+def _unread(one: CalibratedParameter) -> CalibratedParameter:
+    return msgspec.structs.replace(one, measured=msgspec.UNSET, resolution=msgspec.UNSET)
 
 
 def _in_words(one: CalibratedParameter) -> str:

@@ -12,7 +12,7 @@ import pytest
 from msgspec import structs
 
 from pounding import frames
-from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
+from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Run
 from pounding.diagnosis.decision.claims import Parameter
 from pounding.diagnosis.decision.conclusion import of_frames
 from pounding.diagnosis.decision.diagnosis import Diagnosis
@@ -293,3 +293,12 @@ def test_the_first_page_has_the_headline_the_place_and_the_frequencies() -> None
     # Hysteresis is a law: stiffness and mass of the frame are those of the calibration.
     assert all(row.frequency.corrected == row.frequency.calibrated for row in page.modes)
     assert any("To confirm it: The same shaking at a third" in step for step in page.steps)
+
+
+def test_a_frequency_is_not_read_from_measurements_that_impacts_fill() -> None:
+    diagnosis = rounded()
+    report = detailed(diagnosis, made())
+    contact = Contact("bench", "bench", 3, 0.01, "linear", 1e6)
+    touching = replace(diagnosis, case=replace(diagnosis.case, contacts=(contact,)))
+    assert sheet(diagnosis, report).modes[0].frequency.measured
+    assert not sheet(touching, report).modes[0].frequency.measured
