@@ -24,6 +24,7 @@ from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records import find
 from pounding.experiments.records.sets import FEMA_SETS, record_set
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.frame_laws import refuse_laws
 from pounding.experiments.rig.states import states_of
 from pounding.experiments.rig.street import (
     Street,
@@ -113,6 +114,7 @@ def fragility(
     states = states_of(names, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     row = named(read, built_row(read, states))
+    refuse_laws(row)
     streets = [_with_gap(read, value) for value in gap] if gap else [read]
     contacts = [street_contacts(one, row, sets)[0] for one in streets]
     if not all(contact.gap_m > 0.0 for places in contacts for contact in places):

@@ -19,10 +19,11 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.mitigation.measures import NAMES, described
 from pounding.experiments.mitigation.pictures import trade_offs
 from pounding.experiments.mitigation.search import Answer, Objective, compare, cost
-from pounding.experiments.mitigation.standing import Standing, refuse_yielding
+from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.frame_laws import refuse_laws
 from pounding.experiments.rig.states import states_of
 from pounding.experiments.rig.street import (
     built_row,
@@ -110,7 +111,7 @@ def mitigate(
     states = states_of(names, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     row = named(read, built_row(read, states))
-    refuse_yielding(row)
+    refuse_laws(row)
     contacts, bases = street_contacts(read, row, sets)
     if out is not None:
         keeping.prepare(out)

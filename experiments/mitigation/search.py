@@ -13,8 +13,9 @@ from scipy.optimize import direct
 from pounding.contact.rubber import FLAT
 from pounding.experiments.mitigation.measures import Measure, measures
 from pounding.experiments.mitigation.response import Response, response, worst
-from pounding.experiments.mitigation.standing import Standing, refuse_yielding
+from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.records import Record
+from pounding.experiments.rig.frame_laws import refuse_laws
 
 Objective = Literal["acceleration", "drift", "force"]
 
@@ -100,7 +101,7 @@ def compare(
     Raises:
         ExperimentError: A building yields, or a run grows without bound.
     """
-    refuse_yielding(street.frames)
+    refuse_laws(street.frames)
     with ThreadPoolExecutor() as pool:
 
         def respond(standing: Standing) -> Response:

@@ -117,23 +117,6 @@ def changed(frame: ReducedFrame, stiffness: Real, added_ratio: float = 0.0) -> R
     )
 
 
-def refuse_yielding(frames: Sequence[ReducedFrame]) -> None:
-    """Refuse frames that yield, of which measures would have to be found by other means than the linear ones here.
-
-    Args:
-        frames: The frames.
-
-    Raises:
-        ExperimentError: A frame yields.
-    """
-    for frame in frames:
-        if frame.definition.yielding is not None:
-            raise ExperimentError(
-                f"{frame.name} yields, and measures are compared for linear buildings; take the table 'yielding' out of its "
-                "file, and try the chosen measure with `pounding pound` again"
-            )
-
-
 def _blocks(matrices: Sequence[Real]) -> Real:
     ends = np.cumsum([0, *(len(one) for one in matrices)])
     whole = np.zeros((ends[-1], ends[-1]))

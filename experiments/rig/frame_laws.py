@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import storey_forces as forces
 from pounding.experiments.rig.ductility import storey_drift, storey_row
 from pounding.experiments.rig.laws import Law, along, filled
@@ -204,3 +205,22 @@ def _history(
         seen = seen + law.in_room * np.array([rate(float(t)) for t in times])
     force = along(law.address, law.parameters, np.insert(drift, after, middle), seen, times)
     return history_of(frames, motions, law, force[::2], np.concatenate([[0.0], force[1::2]]))
+
+
+def refuse_laws(frames: Sequence[ReducedFrame]) -> None:
+    """Refuse frames with laws in storeys, for what holds of linear frames alone.
+
+    Args:
+        frames: The frames.
+
+    Raises:
+        ExperimentError: A frame yields, or has other laws in its storeys.
+    """
+    for frame in frames:
+        definition = frame.definition
+        key = "yielding" if definition.yielding is not None else "storey_law" if definition.storey_law else ""
+        if key:
+            raise ExperimentError(
+                f"{frame.name} is not linear, and this holds for linear buildings alone; take '{key}' out of its file, and "
+                "look with `pounding pound` what it changes"
+            )

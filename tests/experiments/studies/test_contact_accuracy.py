@@ -11,7 +11,7 @@ from pounding.experiments.studies.contact_accuracy import COMPARISONS, compared,
 
 
 def impact(time_s: float, peak_n: float, impulse: float = 1.0) -> Impact:
-    return Impact(time_s, 1.0, peak_n, impulse, 0.3, 0.8, 5, 1, 1.0, (0.8,))
+    return Impact(time_s, 1.0, peak_n, impulse, 0.3, 0.8, "10", "5B", 5, 1, 1.0, (0.8,))
 
 
 WHOLE = {"displacement": 1e-5, "touches": 1, "touches_reference": 1, "energy": 1e-6}
