@@ -154,6 +154,6 @@ def test_a_building_that_yields_is_refused() -> None:
     stand = dataclasses.replace(street(), frames=(soft, shear(3, 6.4)))
     with pytest.raises(
         ExperimentError,
-        match="soft is not linear, .* take 'yielding' out",
+        match=r"soft is not linear, .* take 'yielding' out",
     ):
         compare(stand, [RECORD])
