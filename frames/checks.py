@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from pounding import bounds
@@ -14,7 +15,7 @@ from pounding.scale import scale_of
 from pounding.toml_text import shown
 
 if TYPE_CHECKING:
-    from pounding.frames.definition import PlateFrame, Slab, StickFrame
+    from pounding.frames.definition import Matrices, ModeTable, PlateFrame, Slab, StickFrame
 
 EDGE = 1e-9
 """Round-off allowed when a column stands on the edge of the floor [m]."""
@@ -84,19 +85,20 @@ def stick_frame(frame: StickFrame) -> None:
         _per_storey(name, "storey_height_m", heights, frame.storeys, required=True)
     for height in heights if isinstance(heights, list) else [heights]:
         _within(name, "storey_height_m", height, bounds.LENGTH)
-    _per_storey(name, "floor_mass_kg", frame.floor_mass_kg, frame.storeys, required=True)
+    _one_source(name, frame)
+    _per_storey(name, "floor_mass_kg", frame.floor_mass_kg, frame.storeys, required=frame.matrices is None)
     for floor, mass in enumerate(frame.floor_mass_kg, 1):
         _within(name, f"floor_mass_kg of floor {floor}", mass, bounds.MASS)
-    if frame.floor_matrices is not None:
-        floor_matrices.check(name, frame)
-    elif bool(frame.storey_stiffness_n_per_m) == bool(frame.frequency_hz):
-        raise FrameError(f"{name}: give either storey_stiffness_n_per_m or frequency_hz, one of the two")
     _per_storey(name, "storey_stiffness_n_per_m", frame.storey_stiffness_n_per_m, frame.storeys)
     for storey, stiffness in enumerate(frame.storey_stiffness_n_per_m, 1):
         _within(name, f"storey_stiffness_n_per_m of storey {storey}", stiffness, bounds.STIFFNESS)
     _frequencies(name, frame.frequency_hz, frame.storeys)
     _bending_shear(name, frame)
-    ratios = frame.damping_ratio if isinstance(frame.damping_ratio, list) else [frame.damping_ratio]
+    if frame.modes is not None:
+        _modes(name, frame, frame.modes)
+    if frame.matrices is not None:
+        _matrices(name, frame.matrices, frame.storeys)
+    ratios = frame.damping_ratios if not isinstance(frame.damping_ratio, list) else frame.damping_ratio
     if not 1 <= len(ratios) <= frame.storeys:
         raise FrameError(f"{name}: damping_ratio has {len(ratios)} values, needs 1 to {frame.storeys}")
     _damping(name, ratios)
@@ -111,6 +113,81 @@ def stick_frame(frame: StickFrame) -> None:
     _scale(name, frame.scale)
     if frame.slab is not None:
         _slab(name, frame.slab)
+
+
+def _one_source(name: str, frame: StickFrame) -> None:
+    sources = {
+        "storey_stiffness_n_per_m": bool(frame.storey_stiffness_n_per_m),
+        "frequency_hz": bool(frame.frequency_hz),
+        "modes": frame.modes is not None,
+        "matrices": frame.matrices is not None,
+    }
+    stated = [key for key, given in sources.items() if given]
+    if len(stated) != 1:
+        raise FrameError(
+            f"{name}: give either storey_stiffness_n_per_m or frequency_hz, or a table modes or matrices, one of them "
+            f"({' and '.join(stated) or 'none'} is stated)"
+        )
+    if frame.modes is not None and not frame.floor_mass_kg:
+        raise FrameError(
+            f"{name}: modes without masses are no frame; add floor_mass_kg, the mass of each floor [kg]"
+        )
+    if frame.matrices is not None and frame.floor_mass_kg:
+        raise FrameError(f"{name}: matrices hold the mass already; leave floor_mass_kg out")
+    if frame.modes is not None and frame.damping_ratio is not None:
+        raise FrameError(f"{name}: the modes have their own damping; leave damping_ratio out")
+    if frame.modes is None and frame.damping_ratio is None:
+        raise FrameError(f"{name}: damping_ratio is missing; state a fraction (0.5 % is 0.005)")
+    if (frame.modes or frame.matrices) and (frame.yielding or frame.stiffness_ratio is not None):
+        what = "yielding" if frame.yielding else "stiffness_ratio"
+        raise FrameError(f"{name}: {what} and {stated[0]} exclude each other; leave one out")
+
+
+def _modes(name: str, frame: StickFrame, modes: ModeTable) -> None:
+    place = f"{name}: modes{f' of {modes.file}' if modes.file else ''}"
+    count = len(modes.frequency_hz)
+    if not count:
+        raise FrameError(f"{name}: modes.file is missing; name the CSV with the modes")
+    if len(modes.damping_ratio) != count or len(modes.shapes) != count:
+        raise FrameError(
+            f"{place}: {count} frequencies, {len(modes.damping_ratio)} damping ratios and {len(modes.shapes)} shapes; "
+            "state one of each for a mode"
+        )
+    _frequencies(place, modes.frequency_hz, frame.storeys)
+    _damping(place, modes.damping_ratio)
+    for number, shape in enumerate(modes.shapes, 1):
+        _per_storey(place, f"shape {number}", shape, frame.storeys, required=True)
+        if not all(map(isfinite, shape)) or not any(shape):
+            raise FrameError(f"{place}: shape {number} is zero or not finite; leave the mode out")
+    if modes.remainder_hz is not None:
+        _within(name, "modes.remainder_hz", modes.remainder_hz, bounds.FREQUENCY)
+        if modes.remainder_hz <= modes.frequency_hz[-1]:
+            raise FrameError(
+                f"{name}: modes.remainder_hz is {modes.remainder_hz:g}; it must be above the last mode's "
+                f"{modes.frequency_hz[-1]:g} Hz"
+            )
+
+
+def _matrices(name: str, matrices: Matrices, storeys: int) -> None:
+    if matrices.floor_rows and len(matrices.floor_rows) != storeys:
+        raise FrameError(
+            f"{name}: matrices.floor_rows has {len(matrices.floor_rows)} values, needs one for each of {storeys} storeys"
+        )
+    for key, rows in {"mass_kg": matrices.mass_kg, "stiffness_n_per_m": matrices.stiffness_n_per_m}.items():
+        if not rows:
+            raise FrameError(f"{name}: matrices.mass_file and matrices.stiffness_file are missing; name both files")
+        if len(rows) != storeys or any(len(row) != storeys for row in rows):
+            raise FrameError(f"{name}: matrices.{key} must be {storeys} rows of {storeys} values, one a floor")
+    for floor in range(storeys):
+        _within(name, f"matrices, mass of floor {floor + 1}", matrices.mass_kg[floor][floor], bounds.MASS)
+        stiffness = matrices.stiffness_n_per_m[floor][floor]
+        _within(name, f"matrices, stiffness of floor {floor + 1}", stiffness, bounds.STIFFNESS)
+    for key, rows in {"mass_kg": matrices.mass_kg, "stiffness_n_per_m": matrices.stiffness_n_per_m}.items():
+        largest = max(abs(value) for row in rows for value in row)
+        if not all(
+            abs(rows[i][j] - rows[j][i]) <= 1e-6 * largest for i in range(storeys) for j in range(storeys)
+        ):
+            raise FrameError(f"{name}: matrices.{key} is not symmetric; write both halves")
 
 
 def _bending_shear(name: str, frame: StickFrame) -> None:

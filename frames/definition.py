@@ -242,10 +242,64 @@ class Slab(Data, frozen=True):
     density_kg_per_m3: float = 2500.0
 
 
-class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
-    """A frame known by its floors alone: a chain of floor masses on storey springs.
+class ModeTable(Data, frozen=True):
+    """Modes of a building, as a test or another program gives them.
 
-    Either the storey stiffnesses or some of the lowest frequencies are stated. What they are taken from (a
+    Attributes:
+        file: The CSV they were read from; empty: they are stated here.
+        frequency_hz: Frequency of each mode, the lowest first [Hz].
+        damping_ratio: Damping ratio of each, a fraction.
+        shapes: Shape of each at the floors, from the first up, in any scale.
+        remainder_hz: Frequency of every motion that these modes do not cover [Hz]; None: where the next mode of a
+            uniform shear building lies, (2 m + 1) / (2 m - 1) times the last of m.
+    """
+
+    file: str = ""
+    frequency_hz: list[float] = []
+    damping_ratio: list[float] = []
+    shapes: list[list[float]] = []
+    remainder_hz: float | None = None
+
+
+class LeftOut(Data, frozen=True):
+    """What a static condensation to the floors left out.
+
+    Attributes:
+        rows: Number of rows that are no floor.
+        diagonal_mass: Sum of the mass matrix' diagonal on them [kg, kg m^2 for rotations].
+        added_to_floors_kg: Mass along x that they add to the floors by the static shapes [kg].
+    """
+
+    rows: int
+    diagonal_mass: float
+    added_to_floors_kg: float
+
+
+class Matrices(Data, frozen=True):
+    """Mass and stiffness of a building, from another program.
+
+    Attributes:
+        mass_file: The file that the mass was read from; empty: it is stated here.
+        stiffness_file: The same of the stiffness.
+        floor_rows: Row of each floor's displacement along x in the files, counted from 1.
+        mass_kg: Mass at the floors (storeys, storeys) [kg].
+        stiffness_n_per_m: Stiffness at the floors (storeys, storeys) [N/m].
+        left_out: What the condensation of the files to the floors left out.
+    """
+
+    mass_file: str = ""
+    stiffness_file: str = ""
+    floor_rows: list[int] = []
+    mass_kg: list[list[float]] = []
+    stiffness_n_per_m: list[list[float]] = []
+    left_out: LeftOut | None = None
+
+
+class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
+    """A frame known by its floors alone: a chain of floor masses on storey springs, or what a table of modes or
+    matrices say.
+
+    The storey stiffnesses, some of the lowest frequencies, modes or matrices are stated. What they are taken from (a
     test, a code's estimate) holds its own joints and its own weight, so that ``joints`` and ``p_delta`` do
     not change a stick.
 
@@ -253,13 +307,15 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         name: Name of the frame.
         storeys: Number of storeys.
         storey_height_m: One height for all storeys, or one for each [m].
-        floor_mass_kg: Mass of each floor, from the first up [kg].
+        floor_mass_kg: Mass of each floor, from the first up [kg]; left out with ``matrices``.
         damping_ratio: One damping ratio for all modes, or one for each of the lowest modes (the modes above
-            take the last); fractions.
+            take the last); fractions. Left out with ``modes``, which have their own.
         storey_stiffness_n_per_m: Stiffness of each storey, from the first up [N/m].
         frequency_hz: The lowest frequencies, at least the first [Hz].
         stiffness_ratio: Miranda's alpha of a bending-shear stick [-], 0 a wall that bends, 30 nearly a shear
             frame; it needs the first frequency alone. None: a chain of storey springs.
+        modes: A table of modes instead of stiffnesses or frequencies.
+        matrices: Mass and stiffness matrices instead of all of these.
         plan_m: Sides along x and y [m].
         title: One line that describes the frame.
         published: What is known from tests, for comparison.
@@ -273,11 +329,13 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     name: str
     storeys: int
     storey_height_m: float | list[float]
-    floor_mass_kg: list[float]
-    damping_ratio: float | list[float]
+    floor_mass_kg: list[float] = []
+    damping_ratio: float | list[float] | None = None
     storey_stiffness_n_per_m: list[float] = []
     frequency_hz: list[float] = []
     stiffness_ratio: float | None = None
+    modes: ModeTable | None = None
+    matrices: Matrices | None = None
     plan_m: tuple[float, float] = (0.4, 0.4)
     title: str = ""
     published: Published = Published()
@@ -304,13 +362,14 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     @property
     def damping_ratios(self) -> list[float]:
         """Damping ratio of each mode, as many as storeys."""
-        stated = self.damping_ratio if isinstance(self.damping_ratio, list) else [self.damping_ratio]
+        given = self.modes.damping_ratio if self.modes is not None else self.damping_ratio
+        stated = given if isinstance(given, list) else [given or 0.0]
         return [stated[min(mode, len(stated) - 1)] for mode in range(self.storeys)]
 
     @property
     def moving_mass_kg(self) -> float:
-        """Mass of all floors [kg]."""
-        return sum(self.floor_mass_kg)
+        """Mass of all floors [kg]; of a mass matrix, that which a common motion of all floors moves."""
+        return sum(map(sum, self.matrices.mass_kg)) if self.matrices is not None else sum(self.floor_mass_kg)
 
 
 Frame = PlateFrame | StickFrame

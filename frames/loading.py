@@ -9,7 +9,7 @@ from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 
@@ -50,28 +50,34 @@ def load(name_or_path: str | Path) -> Frame:
     except (OSError, ValueError) as error:  # a name with a zero byte is no OSError
         reason = getattr(error, "strerror", None) or error
         raise FrameError(f"frame file {text}: {reason}") from error
-    return parse(content, text)
+    return parse(content, text, path.parent)
 
 
-def parse(content: bytes | str, place: str) -> Frame:
+def parse(content: bytes | str, place: str, folder: Path | None = None) -> Frame:
     """Return the frame in the text of a frame file.
 
     Args:
         content: TOML.
         place: What messages call the file.
+        folder: Where the paths of modes and matrices begin; the working folder when None.
 
     Raises:
         FrameError: It is not TOML, or not a frame.
     """
     where = f"frame file {place}"
-    return from_mapping(tree_of(content, where, FrameError), where)
+    return from_mapping(tree_of(content, where, FrameError), where, folder)
 
 
-def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
+def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None = None) -> Frame:
     """Return the frame in a mapping with the keys of a frame file; ``kind`` is ``"plate"`` or ``"stick"``.
 
+    Args:
+        tree: The mapping.
+        place: What messages call it.
+        folder: Where the paths of modes and matrices begin; the working folder when None.
+
     Raises:
-        FrameError: It is not a frame; the sentence begins with ``place``.
+        FrameError: It is not a frame, or a file it names cannot be used; the sentence names either.
     """
     kinds = {"plate": PlateFrame, "stick": StickFrame}
     kind = tree.get("kind")
@@ -79,6 +85,11 @@ def from_mapping(tree: dict[str, Any], place: str = "frame") -> Frame:
         raise FrameError(f'{place}: kind is {shown(kind)}, must be "plate" or "stick"')
     _known_keys(tree, kinds[kind], place)
     _known_laws(tree.get("storey_law"), place)
+    if "modes" in tree or "matrices" in tree:
+        # scipy's sparse matrices take time to import, and most frames need none.
+        from pounding.frames.elsewhere import inlined
+
+        tree = inlined(tree, folder or Path(), place)
     try:
         return msgspec.convert(tree, PlateFrame | StickFrame)
     except (msgspec.ValidationError, OverflowError) as error:
@@ -98,9 +109,9 @@ def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str =
             raise FrameError(
                 f"{place}: {inside}{shown(key)} is not a key of a frame{_meant(key, list(fields))}"
             )
-        kind = fields[key]
-        if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-            _known_keys(value, kind, place, f"{inside}{key}.")
+        for kind in (fields[key], *get_args(fields[key])):
+            if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
+                _known_keys(value, kind, place, f"{inside}{key}.")
 
 
 def _known_laws(laws: object, place: str) -> None:

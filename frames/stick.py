@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.frames import floor_matrices
-from pounding.frames.definition import StickFrame
+from pounding.frames.definition import ModeTable, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.reduction.craig_bampton import dense_modes, modal_damping
 from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -15,6 +17,9 @@ Real = NDArray[np.float64]
 
 MATCHED = 1e-6
 """A stated frequency counts as met within this fraction."""
+
+ORTHOGONAL = 0.1
+"""Largest product in mass of two shapes of unit modal mass: the usual criterion for measured modes (NASA-STD-5002)."""
 
 STEPS = 60
 """Most steps of the search for storey stiffnesses."""
@@ -30,7 +35,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     Raises:
         FrameError: No chain of storeys with these masses has the stated frequencies.
     """
-    mass = floor_matrices.mass(frame)
+    mass = mass_matrix(frame)
     stiffness = stiffness_matrix(frame)
     frequencies, shapes = dense_modes(stiffness, mass)
     ratios = np.array(frame.damping_ratios if damping is None else [damping] * frame.storeys)
@@ -40,7 +45,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
         heights_m=np.array(frame.floor_heights_m),
         plan_m=frame.plan_m,
         definition=frame,
-        options={"damping_ratio": float(ratios[0])},
+        options={"damping_ratio": float(ratios[0])} | _from_elsewhere(frame),
         mass=mass,
         stiffness=stiffness,
         damping=modal_damping(mass, shapes, frequencies, ratios),
@@ -55,10 +60,86 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     )
 
 
+def _from_elsewhere(frame: StickFrame) -> dict[str, Any]:
+    """Return modes or matrices for the provenance, so that a result can be made again without their files."""
+    stated = {"modes": frame.modes, "matrices": frame.matrices}
+    return {key: msgspec.to_builtins(value) for key, value in stated.items() if value is not None}
+
+
+def mass_matrix(frame: StickFrame) -> Real:
+    """Return the mass matrix (storeys, storeys) [kg] of a stick."""
+    if frame.matrices is not None:
+        return np.asarray(frame.matrices.mass_kg, float)
+    return np.diag(np.asarray(frame.floor_mass_kg, float))
+
+
+def notes(frame: StickFrame) -> list[str]:
+    """Return sentences on what modes or matrices leave open: where the remainder lies, what the condensation left out."""
+    found = []
+    if frame.modes is not None and len(frame.modes.frequency_hz) < frame.storeys:
+        source = "by the file" if frame.modes.remainder_hz else "the next mode of a uniform shear building"
+        found.append(
+            f"modes {len(frame.modes.frequency_hz) + 1} to {frame.storeys} are not in the table; they are put at "
+            f"{remainder_hz(frame.modes):.4g} Hz ({source})"
+        )
+    if frame.matrices is not None and frame.matrices.left_out is not None:
+        out = frame.matrices.left_out
+        found.append(
+            f"condensed to {frame.storeys} floors: {out.rows} rows are left out, with {out.diagonal_mass:.4g} on the diagonal "
+            f"of the mass matrix, of which {out.added_to_floors_kg:.4g} kg along x went to the floors"
+        )
+    return found
+
+
+def remainder_hz(modes: ModeTable) -> float:
+    """Return the frequency of what the modes do not cover [Hz].
+
+    Unless stated it is (2 m + 1) / (2 m - 1) times the last of m frequencies: there a uniform shear building has the
+    first mode that is missing. Motions above it are then softer than in truth, never stiffer.
+    """
+    last = len(modes.frequency_hz)
+    return modes.remainder_hz or modes.frequency_hz[-1] * (2 * last + 1) / (2 * last - 1)
+
+
+def of_modes(name: str, modes: ModeTable, mass: Real) -> Real:
+    """Return the stiffness (n, n) [N/m] that has stated modes, and one frequency for all other motions.
+
+    The shapes are replaced by the nearest ones that are orthogonal in mass (the polar factor, as Loewdin's).
+
+    Args:
+        name: Name of the frame, for the message.
+        modes: The modes.
+        mass: Mass (n, n) [kg].
+
+    Raises:
+        FrameError: Two shapes are further from orthogonal than `ORTHOGONAL`.
+    """
+    shapes = np.asarray(modes.shapes, float).T
+    shapes = shapes / np.sqrt(np.einsum("im,ij,jm->m", shapes, mass, shapes))
+    gram = shapes.T @ mass @ shapes
+    apart = np.abs(gram - np.eye(len(gram)))
+    one, other = np.unravel_index(apart.argmax(), apart.shape)
+    if apart.max() > ORTHOGONAL:
+        raise FrameError(
+            f"frame {name}: the shapes of modes {min(one, other) + 1} and {max(one, other) + 1}"
+            f"{f' in {modes.file}' if modes.file else ''} are {apart.max():.3g} from orthogonal in mass (0: orthogonal, 1: the "
+            f"same; allowed {ORTHOGONAL:g}); correct floor_mass_kg or the order of the floors, or leave one mode out"
+        )
+    values, vectors = np.linalg.eigh(gram)
+    shapes = shapes @ (vectors / np.sqrt(values)) @ vectors.T
+    rows = mass @ shapes
+    squares = (2.0 * np.pi * np.asarray(modes.frequency_hz)) ** 2
+    rest = (2.0 * np.pi * remainder_hz(modes)) ** 2
+    stiffness = (rows * squares) @ rows.T + rest * (mass - rows @ rows.T)
+    return np.asarray((stiffness + stiffness.T) / 2.0)
+
+
 def stiffness_matrix(frame: StickFrame) -> Real:
-    """Return the stiffness matrix (storeys, storeys) [N/m] of a stick; raises as `storey_stiffnesses`."""
-    if frame.floor_matrices is not None:
-        return np.asarray(frame.floor_matrices.stiffness_n_per_m, float)
+    """Return the stiffness matrix (storeys, storeys) [N/m] of a stick; raises as `storey_stiffnesses` and `of_modes`."""
+    if frame.matrices is not None:
+        return np.asarray(frame.matrices.stiffness_n_per_m, float)
+    if frame.modes is not None:
+        return of_modes(frame.name, frame.modes, mass_matrix(frame))
     if frame.stiffness_ratio is None:
         return chain(storey_stiffnesses(frame))
     unit = bending_shear(np.asarray(frame.floor_heights_m), frame.stiffness_ratio)

@@ -46,7 +46,9 @@ def baseline_frames(case: Case) -> tuple[StoreyFrame, ...]:
         try:
             found.append(_storeys(definition(frame), frame))
         except frames.FrameError as error:
-            raise CaseError(f"{case.folder / 'case.toml'}: frame {frame.name!r}: {error}") from error
+            # Most sentences on a frame begin with its name already.
+            subject = "" if str(error).startswith("frame ") else f"frame {frame.name!r}: "
+            raise CaseError(f"{case.folder / 'case.toml'}: {subject}{error}") from error
     return tuple(found)
 
 

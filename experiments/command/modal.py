@@ -16,6 +16,7 @@ from pounding.experiments.rig.states import in_words, states_of
 from pounding.frames.fe.assembly import Options
 from pounding.frames.response import modal as modal_analysis
 from pounding.frames.response.modal import DIRECTIONS
+from pounding.frames.stick import notes
 
 
 def modal(
@@ -87,6 +88,7 @@ def modes(
         "mass_kg": reduced.moving_mass_kg,
         "roof_stiffness_n_per_mm": reduced.roof_stiffness_n_per_m / 1e3,
         "modes": entries,
+        "notes": notes(definition) if isinstance(definition, frames.StickFrame) else [],
         "published": msgspec.structs.asdict(definition.published),
     }
 
@@ -107,6 +109,7 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
     yield table(f"Frame {result['frame']}", heads, rows)
     yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
     yield from map(in_words, result["parameters"]["states"])
+    yield from result["notes"]
     yield f"moving mass {result['mass_kg']:.2f} kg"
     yield f"roof stiffness {result['roof_stiffness_n_per_mm']:.2f} N/mm"
     known = result["published"]

@@ -156,8 +156,7 @@ def _of_stick(frame: StickFrame, up_to_hz: float, damping: float | None) -> Mode
     heights = reduced.heights_m
     load = reduced.mass @ np.column_stack([np.ones_like(heights), heights])
     participation[:, [0, 4]] = shapes.T @ load
-    masses = np.diag(reduced.mass)
-    total, tilt = masses.sum(), masses @ heights**2
+    total, tilt = reduced.mass.sum(), heights @ reduced.mass @ heights
     rigid = np.array([total, total, total, tilt, tilt, 1.0])
     energies = np.tile([1.0, 0.0, 0.0, 0.0], (shapes.shape[1], 1))
     return Modes(
