@@ -38,10 +38,10 @@ def inlined(tree: dict[str, Any], folder: Path, place: str) -> dict[str, Any]:
         FrameError: A file is missing or cannot be used; the sentence names it and says what to do.
     """
     modes, matrices = tree.get("modes"), tree.get("matrices")
-    if isinstance(modes, dict) and isinstance(modes.get("file"), str):
+    if isinstance(modes, dict) and isinstance(modes.get("file"), str) and modes["file"]:
         _nothing_beside(modes, ("frequency_hz", "damping_ratio", "shapes"), f"{place}: modes")
         tree = tree | {"modes": modes | table_of_modes(folder / modes["file"])}
-    if isinstance(matrices, dict) and any(key in matrices for key in ("mass_file", "stiffness_file")):
+    if isinstance(matrices, dict) and any(matrices.get(key) for key in ("mass_file", "stiffness_file")):
         _nothing_beside(matrices, ("mass_kg", "stiffness_n_per_m", "left_out"), f"{place}: matrices")
         tree = tree | {"matrices": matrices | _matrices(matrices, folder, place)}
     return tree

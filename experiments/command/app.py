@@ -21,6 +21,7 @@ VERBS = {
     "demo": "pounding.experiments.command.demo:demo",
     "new-frame": "pounding.experiments.command.new_frame:new_frame",
     "new-street": "pounding.experiments.command.new_street:new_street",
+    "opensees": "pounding.experiments.command.opensees:opensees",
     "modal": "pounding.experiments.command.modal:modal",
     "shake": "pounding.experiments.command.shake:shake",
     "pound": "pounding.experiments.command.pound:pound",

