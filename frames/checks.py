@@ -175,9 +175,13 @@ def _matrices(name: str, matrices: Matrices, storeys: int) -> None:
         )
     for key, rows in {"mass_kg": matrices.mass_kg, "stiffness_n_per_m": matrices.stiffness_n_per_m}.items():
         if not rows:
-            raise FrameError(f"{name}: matrices.mass_file and matrices.stiffness_file are missing; name both files")
+            raise FrameError(
+                f"{name}: matrices.mass_file and matrices.stiffness_file are missing; name both files"
+            )
         if len(rows) != storeys or any(len(row) != storeys for row in rows):
-            raise FrameError(f"{name}: matrices.{key} must be {storeys} rows of {storeys} values, one a floor")
+            raise FrameError(
+                f"{name}: matrices.{key} must be {storeys} rows of {storeys} values, one a floor"
+            )
     for floor in range(storeys):
         _within(name, f"matrices, mass of floor {floor + 1}", matrices.mass_kg[floor][floor], bounds.MASS)
         stiffness = matrices.stiffness_n_per_m[floor][floor]

@@ -88,7 +88,9 @@ def table_of_modes(path: Path) -> dict[str, list[Any]]:
                 f"table of modes {path}: line {line} holds a value that is no number; give the real part of a complex shape"
             ) from None
         if not all(map(math.isfinite, values[-1])):
-            raise FrameError(f"table of modes {path}: line {line} holds a value that is not finite; leave the mode out")
+            raise FrameError(
+                f"table of modes {path}: line {line} holds a value that is not finite; leave the mode out"
+            )
     if not values:
         raise FrameError(f"table of modes {path}: it holds no mode; write one a line")
     return {
@@ -176,7 +178,9 @@ def read_matrix(path: Path, name: str) -> csc_matrix:
     return csc_matrix((matrix + matrix.T) / 2.0)
 
 
-def condensed_to(stiffness: csc_matrix, mass: csc_matrix, kept: NDArray[np.int_], where: str) -> tuple[Real, Real]:
+def condensed_to(
+    stiffness: csc_matrix, mass: csc_matrix, kept: NDArray[np.int_], where: str
+) -> tuple[Real, Real]:
     """Return mass and stiffness (b, b) condensed statically (Guyan) to some rows of a large sparse system.
 
     Args:

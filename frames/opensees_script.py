@@ -60,14 +60,16 @@ def script(reduced: ReducedFrame) -> str:
     coupled = np.abs(reduced.mass - np.diag(np.diag(reduced.mass))).max()
     if coupled > ROUND_OFF * np.abs(reduced.mass).max():
         raise FrameError(
-            f"frame {reduced.name}: its mass matrix couples floors (up to {coupled:.3g} kg), and a node of OpenSees has a mass "
-            "of its own; make a stick with floor masses and frequencies"
+            f"frame {reduced.name}: its mass matrix couples floors (up to {coupled:.3g} kg), and a node of OpenSees has "
+            "a mass of its own; make a stick with floor masses and frequencies"
         )
     if reduced.definition.yielding is not None:
         raise FrameError(
             f"frame {reduced.name}: its storeys yield, and the script is linear; leave the table yielding out"
         )
-    springs = "".join(f"    ({low}, {high}, {value!r}),\n" for low, high, value in springs_of(reduced.stiffness))
+    springs = "".join(
+        f"    ({low}, {high}, {value!r}),\n" for low, high, value in springs_of(reduced.stiffness)
+    )
     return (
         SCRIPT.replace("@MASSES@", repr([float(mass) for mass in np.diag(reduced.mass)]))
         .replace("@SPRINGS@", springs)

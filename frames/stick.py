@@ -85,8 +85,8 @@ def notes(frame: StickFrame) -> list[str]:
     if frame.matrices is not None and frame.matrices.left_out is not None:
         out = frame.matrices.left_out
         found.append(
-            f"condensed to {frame.storeys} floors: {out.rows} rows are left out, with {out.diagonal_mass:.4g} on the diagonal "
-            f"of the mass matrix, of which {out.added_to_floors_kg:.4g} kg along x went to the floors"
+            f"condensed to {frame.storeys} floors: {out.rows} rows are left out, with {out.diagonal_mass:.4g} on "
+            f"the diagonal of the mass matrix, of which {out.added_to_floors_kg:.4g} kg along x went to the floors"
         )
     return found
 
@@ -122,8 +122,8 @@ def of_modes(name: str, modes: ModeTable, mass: Real) -> Real:
     if apart.max() > ORTHOGONAL:
         raise FrameError(
             f"frame {name}: the shapes of modes {min(one, other) + 1} and {max(one, other) + 1}"
-            f"{f' in {modes.file}' if modes.file else ''} are {apart.max():.3g} from orthogonal in mass (0: orthogonal, 1: the "
-            f"same; allowed {ORTHOGONAL:g}); correct floor_mass_kg or the order of the floors, or leave one mode out"
+            f"{f' in {modes.file}' if modes.file else ''} are {apart.max():.3g} from orthogonal in mass (0: orthogonal, "
+            f"1: the same; allowed {ORTHOGONAL:g}); correct floor_mass_kg or the order of the floors, or leave one mode out"
         )
     values, vectors = np.linalg.eigh(gram)
     shapes = shapes @ (vectors / np.sqrt(values)) @ vectors.T
