@@ -178,20 +178,11 @@ def _matrices(name: str, matrices: Matrices, storeys: int) -> None:
             raise FrameError(
                 f"{name}: matrices.mass_file and matrices.stiffness_file are missing; name both files"
             )
-        if len(rows) != storeys or any(len(row) != storeys for row in rows):
-            raise FrameError(
-                f"{name}: matrices.{key} must be {storeys} rows of {storeys} values, one a floor"
-            )
+        floor_matrices.check(f"{name}: matrices.{key}", rows, storeys)
     for floor in range(storeys):
         _within(name, f"matrices, mass of floor {floor + 1}", matrices.mass_kg[floor][floor], bounds.MASS)
         stiffness = matrices.stiffness_n_per_m[floor][floor]
         _within(name, f"matrices, stiffness of floor {floor + 1}", stiffness, bounds.STIFFNESS)
-    for key, rows in {"mass_kg": matrices.mass_kg, "stiffness_n_per_m": matrices.stiffness_n_per_m}.items():
-        largest = max(abs(value) for row in rows for value in row)
-        if not all(
-            abs(rows[i][j] - rows[j][i]) <= 1e-6 * largest for i in range(storeys) for j in range(storeys)
-        ):
-            raise FrameError(f"{name}: matrices.{key} is not symmetric; write both halves")
 
 
 def _bending_shear(name: str, frame: StickFrame) -> None:

@@ -15,7 +15,6 @@ import msgspec
 from pounding.constants import STANDARD_GRAVITY
 from pounding.frames import checks
 from pounding.frames.errors import FrameError
-from pounding.frames.floor_matrices import FloorMatrices
 from pounding.frames.storey_laws import StatedLaw
 
 
@@ -321,7 +320,6 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         published: What is known from tests, for comparison.
         yielding: How its storeys yield; None: the frame is linear.
         storey_law: Further forces in its storeys and on its floors; see `pounding.frames.storey_laws`.
-        floor_matrices: Stiffness and mass matrix of the floors, in the place of storey stiffnesses and frequencies.
         scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
         slab: The floors' slab, for an estimate of the contact; None where it is not known.
     """
@@ -341,7 +339,6 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     published: Published = Published()
     yielding: Yielding | None = None
     storey_law: list[StatedLaw] = []
-    floor_matrices: FloorMatrices | None = None
     scale: str | float | None = None
     slab: Slab | None = None
 

@@ -29,8 +29,8 @@ from pounding.diagnosis.report.making import corrected
 from pounding.diagnosis.report.report import CorrectedModel
 from pounding.experiments.rig.frame_laws import statement
 from pounding.frames import Frame, PlateFrame, Slab, StickFrame
+from pounding.frames.definition import Matrices
 from pounding.frames.files import write_whole
-from pounding.frames.floor_matrices import FloorMatrices
 from pounding.frames.storey_laws import StatedLaw
 
 DIGITS = 12
@@ -128,8 +128,6 @@ def corrected_frame(found: OnFrames, number: int, baseline: Frame, title: str = 
     structure, assembly = found.model.structure, found.assembly
     frame, span = structure.frames[number], structure.span(number)
     mass = _rounded(assembly.mass[span, span])
-    # Where masses sit on the floors alone the sums say all.
-    coupled = bool(np.abs(mass - np.diag(np.diag(mass))).max() > 0.0)
     sides = baseline.plate if isinstance(baseline, PlateFrame) else None
     return StickFrame(
         name=frame.name,
@@ -137,14 +135,12 @@ def corrected_frame(found: OnFrames, number: int, baseline: Frame, title: str = 
         scale=baseline.scale,
         storeys=frame.floors,
         storey_height_m=list(baseline.storey_heights_m),
-        floor_mass_kg=_rounded(mass.sum(axis=1)).tolist(),
         damping_ratio=_rounded(np.exp(assembly.log_damping[span])).tolist(),
         plan_m=(sides.length_m, sides.width_m) if sides is not None else baseline.plan_m,  # type: ignore[union-attr]
         slab=_slab(baseline),
         storey_law=list(found.laws[number]),
-        floor_matrices=FloorMatrices(
-            stiffness_n_per_m=_rounded(assembly.stiffness[span, span]).tolist(),
-            mass_kg=mass.tolist() if coupled else [],
+        matrices=Matrices(
+            mass_kg=mass.tolist(), stiffness_n_per_m=_rounded(assembly.stiffness[span, span]).tolist()
         ),
     )
 

@@ -26,7 +26,7 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
         sentence: The verdict in words.
         beside: What was found that is on no frame.
     """
-    assert frame.floor_matrices is not None
+    assert frame.matrices is not None
     said = [
         f"{frame.name} by its measurements. {sentence}",
         "Made by `pounding diagnose --export-model`, for `pounding shake`, `pound` and `gap`; what it was measured on is "
@@ -50,7 +50,6 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
                 "scale",
                 "storeys",
                 "storey_height_m",
-                "floor_mass_kg",
                 "damping_ratio",
             )
         },
@@ -61,19 +60,18 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
         lines += ["", "[slab]", *_keys(msgspec.structs.asdict(frame.slab))]
     for law in frame.storey_law:
         lines += ["", "[[storey_law]]", *_keys(_law_keys(law))]
-    lines += ["", "[floor_matrices]", *_matrix("stiffness_n_per_m", frame.floor_matrices.stiffness_n_per_m)]
-    lines += _matrix("mass_kg", frame.floor_matrices.mass_kg) if frame.floor_matrices.mass_kg else []
+    lines += ["", "[matrices]", *_matrix("stiffness_n_per_m", frame.matrices.stiffness_n_per_m)]
+    lines += _matrix("mass_kg", frame.matrices.mass_kg)
     return "\n".join(lines) + "\n"
 
 
 def _changes(frame: StickFrame, baseline: StoreyFrame) -> list[str]:
     """Return how far the corrected frame is from the baseline model, storey by storey."""
-    assert frame.floor_matrices is not None
-    stiffness = np.asarray(frame.floor_matrices.stiffness_n_per_m)
-    mass = np.asarray(frame.floor_matrices.mass_kg or np.diag(frame.floor_mass_kg))
+    assert frame.matrices is not None
+    stiffness, mass = (np.asarray(one) for one in (frame.matrices.stiffness_n_per_m, frame.matrices.mass_kg))
     above = np.tril(np.ones_like(stiffness))
     storeys = np.einsum("is,ij,js->s", above, stiffness, above) / baseline.storey_stiffness
-    floors = np.asarray(frame.floor_mass_kg) / baseline.floor_mass
+    floors = mass.sum(axis=1) / baseline.floor_mass
     before, after = (
         np.sqrt(eigh(k, m, eigvals_only=True)[:3]) / (2 * np.pi)
         for k, m in ((baseline.stiffness, baseline.mass), (stiffness, mass))
