@@ -21,13 +21,13 @@ from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.street import (
+from pounding.experiments.rig.street import named
+from pounding.experiments.rig.street_file import (
     Building,
     Gap,
     Street,
     is_street_file,
     load_street,
-    named,
     refuse_columns,
 )
 from pounding.experiments.rig.table_scale import TableScale, table_scale

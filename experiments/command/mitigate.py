@@ -25,15 +25,8 @@ from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.frame_laws import refuse_laws
 from pounding.experiments.rig.states import states_of
-from pounding.experiments.rig.street import (
-    built_row,
-    chosen_sets,
-    is_street_file,
-    load_street,
-    named,
-    refuse_columns,
-    street_contacts,
-)
+from pounding.experiments.rig.street import built_row, chosen_sets, named, street_contacts
+from pounding.experiments.rig.street_file import is_street_file, load_street, refuse_columns
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.experiments.separation.report import write_report
 from pounding.frames import load

@@ -29,18 +29,14 @@ from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N, all_im
 from pounding.experiments.rig.pounding import Pounding, shaking
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.states import states_of
-from pounding.experiments.rig.street import (
+from pounding.experiments.rig.street import Basis, built_row, chosen_sets, named, street_contacts
+from pounding.experiments.rig.street_file import (
     DEFAULT_LAW,
-    Basis,
     Building,
     Gap,
     Street,
-    built_row,
-    chosen_sets,
     is_street_file,
     load_street,
-    named,
-    street_contacts,
 )
 from pounding.experiments.rig.table_scale import table_scale
 from pounding.frames import load

@@ -25,7 +25,8 @@ from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.shaking import Shaking
 from pounding.experiments.rig.shaking import shake as run
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.street import Building, Street, is_street_file, load_street, named
+from pounding.experiments.rig.street import named
+from pounding.experiments.rig.street_file import Building, Street, is_street_file, load_street
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 
 COLUMNS_HELP = (

@@ -11,6 +11,7 @@ from pounding.contact.parameters import thesis_law
 from pounding.errors import InputError
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import street as streets
+from pounding.experiments.rig import street_file
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.pounding import Pounding, built
 from pounding.experiments.rig.rig import Rig
@@ -35,9 +36,9 @@ law = "hertz_damp"
 """
 
 
-def street(folder: Path, text: str = ROW) -> streets.Street:
+def street(folder: Path, text: str = ROW) -> street_file.Street:
     (folder / "street.toml").write_text(text)
-    return streets.load_street(folder / "street.toml")
+    return street_file.load_street(folder / "street.toml")
 
 
 def test_contacts_of_a_street_stand_between_its_neighbours(tmp_path: Path) -> None:
@@ -162,7 +163,7 @@ def test_a_bumper_takes_part_of_the_gap_and_the_place_of_the_contact(tmp_path: P
 def test_a_frame_file_is_no_street_file(tmp_path: Path) -> None:
     street(tmp_path)
     (tmp_path / "frame.toml").write_text('kind = "stick"\n')
-    assert streets.is_street_file(str(tmp_path / "street.toml"))
-    assert not streets.is_street_file(str(tmp_path / "frame.toml"))
-    assert not streets.is_street_file("5A")
-    assert not streets.is_street_file(str(tmp_path / "nothing.toml"))
+    assert street_file.is_street_file(str(tmp_path / "street.toml"))
+    assert not street_file.is_street_file(str(tmp_path / "frame.toml"))
+    assert not street_file.is_street_file("5A")
+    assert not street_file.is_street_file(str(tmp_path / "nothing.toml"))
