@@ -148,6 +148,7 @@ WORKERS = Bound(0, 1024, "", "more processes than cores gain nothing")
 FALSE_ALARMS = Bound(
     1e-3, 0.5, "", "the nulls that are kept say nothing of rarer ones, and a coin is right as often as not"
 )
+PERIOD = Bound(0.0, 100.0, "s", "buildings sway faster than once in 100 s")
 LEVELS = Bound(3, 1e4, "", "a curve needs some points, and each takes a run of every record")
 CONTACT_FORCE = Bound(
     1e-3, 1e12, "N", "contacts press between the weight of a feather and that of a mountain"

@@ -43,7 +43,9 @@ BEYOND = 4.0
 def fragility(
     street: str,
     *,
-    record: Annotated[list[str] | None, Parameter(help="Ground motion by name or file, repeatable.")] = None,
+    record: Annotated[
+        list[str] | None, Parameter(negative=(), help="Ground motion by name or file, repeatable.")
+    ] = None,
     set_: Annotated[
         str | None,
         Parameter(name="--set", help=f"Set of ground motions: a folder of files, or {', '.join(FEMA_SETS)}."),
@@ -53,11 +55,13 @@ def fragility(
         Parameter(
             help="Period of the spectral acceleration [s]; default: the longest first period of the buildings. 0: peak "
             "ground acceleration.",
+            validator=options.bounded(bounds.PERIOD),
         ),
     ] = None,
     gap: Annotated[
         list[float] | None,
         Parameter(
+            negative=(),
             help="Gap of all neighbours [mm], repeatable, a curve each; default: the street's own gaps.",
             validator=options.bounded(bounds.GAP, per=LENGTH["mm"], unit="mm"),
         ),

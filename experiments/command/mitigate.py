@@ -53,10 +53,13 @@ def mitigate(
     *,
     record: Annotated[
         list[str],
-        Parameter(help="Ground motion by name or file, repeatable; of each response the worst counts."),
+        Parameter(
+            negative=(), help="Ground motion by name or file, repeatable; of each response the worst counts."
+        ),
     ],
     measure: Annotated[
-        list[str] | None, Parameter(help=f"Measure, repeatable; default: all of {', '.join(NAMES)}.")
+        list[str] | None,
+        Parameter(negative=(), help=f"Measure, repeatable; default: all of {', '.join(NAMES)}."),
     ] = None,
     objective: Annotated[
         Objective,

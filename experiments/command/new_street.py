@@ -51,6 +51,7 @@ def new_street(
     gap: Annotated[
         list[float] | None,
         Parameter(
+            negative=(),
             help="Gap at rest [mm], one for all neighbours or one for each pair; default: 50.",
             validator=options.bounded(bounds.GAP, per=LENGTH["mm"], unit="mm"),
         ),

@@ -54,12 +54,14 @@ def pound(
     gap: Annotated[
         list[float] | None,
         Parameter(
+            negative=(),
             help="Gap at rest [mm], one for all floors or one per floor.",
             validator=options.bounded(bounds.GAP, per=LENGTH["mm"], unit="mm"),
         ),
     ] = None,
     floor: Annotated[
-        list[int] | None, Parameter(help="Floor with a contact, repeatable; default: the lower frame's roof.")
+        list[int] | None,
+        Parameter(negative=(), help="Floor with a contact, repeatable; default: the lower frame's roof."),
     ] = None,
     law: Annotated[
         str | None,

@@ -75,9 +75,11 @@ def required_gap(
         raise ExperimentError("a motion is not finite: the run that made it failed")
     first = int(difference.argmax())
     return RequiredGap(
-        closing_m=max(float(difference[first]), 0.0),
+        closing_m=max(0.0, float(difference[first])),
         time_s=first * step_s if difference[first] > 0.0 else 0.0,
-        opening_m=max(float(-difference.min()), 0.0),
+        opening_m=max(
+            0.0, float(-difference.min())
+        ),  # in this order: of two zeros max takes the first, and not -0
         left_peak_m=float(np.abs(left_m).max()),
         right_peak_m=float(np.abs(right_m).max()),
     )
