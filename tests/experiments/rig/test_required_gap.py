@@ -181,3 +181,9 @@ def test_map_of_equal_oscillators_is_zero_and_never_above_the_sum() -> None:
     assert np.all(found.over_abs <= 1.0 + 1e-6)
     assert np.all(found.over_srss <= np.sqrt(2.0) + 1e-6)
     assert found.over_srss[:, -1].max() > 0.8
+
+
+def test_frames_that_move_alike_need_no_gap_and_no_negative_zero() -> None:
+    alike = np.array([0.0, 0.1, -0.2])
+    found = required_gap(alike, alike, 0.1)
+    assert np.copysign(1.0, [found.closing_m, found.opening_m]).tolist() == [1.0, 1.0]
