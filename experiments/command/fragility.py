@@ -22,6 +22,8 @@ from pounding.experiments.fragility.lognormal import Lognormal, fit_capacities, 
 from pounding.experiments.fragility.pictures import Curve, Sample, drawn, fragilities
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records import find
+from pounding.experiments.records.code_spectra import FORMS
+from pounding.experiments.records.code_spectra import target as spectrum
 from pounding.experiments.records.sets import FEMA_SETS, record_set
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.frame_laws import refuse_laws
@@ -72,6 +74,13 @@ def fragility(
     drift: Annotated[
         float | None, Parameter(help="Also the probability of a storey drift above this [% of the height].")
     ] = None,
+    target: Annotated[
+        str | None,
+        Parameter(
+            help="Design spectrum to which the records are brought, for the gap that they ask for: "
+            f"{'; '.join(FORMS.values())}."
+        ),
+    ] = None,
     levels: Annotated[
         int,
         Parameter(
@@ -100,6 +109,7 @@ def fragility(
             f"{street} is no street file; pounding new-street writes one from two frames or more"
         )
     limits = _limits(force, drift)
+    aim = None if target is None else spectrum(target)
     read = load_street(street)
     refuse_columns(read)
     names = [building.frame for building in read.building]
@@ -117,7 +127,13 @@ def fragility(
         raise ExperimentError("floors that lie against each other touch at any intensity; give gaps above 0")
     if out is not None:
         keeping.prepare(out)
-    longest = max(1.0 / float(frame.frequencies_hz[0]) for frame in row)
+    firsts = [1.0 / float(frame.frequencies_hz[0]) for frame in row]
+    longest = max(firsts)
+    factors = (
+        None
+        if aim is None
+        else np.array([aim.factor(one, (min(firsts), longest), scale.time_factor) for one in shakings])
+    )
     intensity = Intensity(longest if period is None else period or None)
     strengths = np.array([intensity.of(one) for one in shakings])
     runs = len(shakings) * levels * bool(limits)
@@ -155,6 +171,7 @@ def fragility(
         "set": set_,
         "gap_mm": gap,
         "period_s": intensity.period_s,
+        "target": aim and aim.words,
         "force_kn": force,
         "drift_percent": drift,
         "levels_g": shown_g if limits else None,
@@ -170,6 +187,9 @@ def fragility(
             for one, strength, own in zip(shakings, strengths, touching.T, strict=True)
         ],
     }
+    if factors is not None:
+        gaps = [min(1e3 * contact.gap_m for contact in places) for places in contacts]
+        result["at_target"] = _at_target(factors, strengths, touching, gaps)
     if out is not None:
         smallest = min(1e3 * contact.gap_m for contact in contacts[0])
         figure = fragilities(curves, axis_g, intensity.words, [(smallest, value) for value in touching[0]])
@@ -231,6 +251,22 @@ def _counted(limit: Limit, passed: Any, levels_g: Any) -> Sample:
     return Sample(label, lambda chosen: fit_counts(levels_g, passed[chosen]), levels_g, passed.mean(axis=0))
 
 
+def _at_target(factors: Any, strengths: Any, touching: Any, gaps_mm: Sequence[float]) -> dict[str, Any]:
+    """Return what the records brought to the target ask for: the gap at which the floors just touch is in proportion."""
+    needed_mm = factors * strengths / touching[0] * gaps_mm[0]
+    return {
+        "factors": factors,
+        "required_gap_mm": needed_mm,
+        "median_mm": float(np.median(needed_mm)),
+        "of_84_percent_mm": float(np.quantile(needed_mm, 0.84)),
+        "largest_mm": float(needed_mm.max()),
+        "touching": [
+            {"gap_mm": gap, "records": int(np.sum(factors * strengths > own))}
+            for gap, own in zip(gaps_mm, touching, strict=True)
+        ],
+    }
+
+
 def _as_dict(curve: Curve) -> dict[str, Any]:
     return {
         "of": curve.label,
@@ -247,6 +283,15 @@ def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
         ["probability of", "median g", "beta", "5 % at g", "95 % at g"],
         [_row(one) for one in result["fragilities"]],
     )
+    if "at_target" in result:
+        found, count = result["at_target"], len(result["records"])
+        yield (
+            f"Brought to {result['parameters']['target']} by factors of {min(found['factors']):.2f} to "
+            f"{max(found['factors']):.2f}, the records ask for a smallest gap of {found['median_mm']:.0f} mm in the median, "
+            f"{found['of_84_percent_mm']:.0f} mm for 84 % of them and {found['largest_mm']:.0f} mm at most."
+        )
+        for one in found["touching"]:
+            yield f"With {one['gap_mm']:g} mm the floors touch in {one['records']} of {count}."
     yield str(scale)
     yield from keeping.written(result)
 
