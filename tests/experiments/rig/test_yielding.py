@@ -142,7 +142,7 @@ def test_a_required_gap_by_linear_formulas_is_refused() -> None:
         ),
         ("{ storey_shear_n = -1.0 }", "yielding.storey_shear_n is -1"),
         ("{ storey_shear_n = 9.0, hardening_ratio = 1.0 }", "yielding.hardening_ratio is 1.0, a fraction"),
-        ("{ shear_n = 9.0 }", "unknown field `shear_n`"),
+        ("{ shear_n = 9.0 }", "'shear_n' is not a key of a frame; did you mean storey_shear_n"),
     ],
 )
 def test_a_yielding_that_cannot_be_is_refused_in_one_sentence(
