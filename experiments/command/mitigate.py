@@ -203,10 +203,15 @@ def _row(one: dict[str, Any]) -> list[str]:
     found = one["response"]
     return [
         one["name"],
-        f"{found['peak_force_n'] / 1e3:,.0f}",
-        f"{found['link_force_n'] / 1e3:,.0f}",
+        _shown(found["peak_force_n"] / 1e3),
+        _shown(found["link_force_n"] / 1e3),
         f"{found['touches']}",
         f"{100 * found['drift']:.2f}",
         f"{found['acceleration_g']:.2f}",
-        f"{max(found['required_gap_mm']):.0f}",
+        _shown(max(found["required_gap_mm"])),
     ]
+
+
+def _shown(value: float) -> str:
+    """Return a number with three digits, or all before the point: forces of models and of buildings stand in one table."""
+    return f"{value:,.0f}" if value >= 100.0 else f"{value:.3g}"

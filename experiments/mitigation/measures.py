@@ -96,6 +96,9 @@ def measures(street: Standing, required_mm: Sequence[float]) -> list[Measure]:
 NAMES = ("wider-gap", "bumpers", "hard-links", "links", "dampers", "damping", "walls")
 """Names of the measures."""
 
+LINKING = ("hard-links", "links", "dampers")
+"""Those of them that make one body of several buildings."""
+
 
 def _wider(street: Standing, required_mm: Sequence[float]) -> Measure:
     def apply(values: Sequence[float]) -> Standing:

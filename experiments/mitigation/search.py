@@ -11,7 +11,8 @@ import numpy as np
 from scipy.optimize import direct
 
 from pounding.contact.rubber import FLAT
-from pounding.experiments.mitigation.measures import Measure, measures
+from pounding.experiments.errors import ExperimentError
+from pounding.experiments.mitigation.measures import LINKING, NAMES, Measure, measures
 from pounding.experiments.mitigation.response import Response, response, worst
 from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.records import Record
@@ -102,6 +103,7 @@ def compare(
         ExperimentError: A building yields, or a run grows without bound.
     """
     refuse_laws(street.frames)
+    _refuse_links_off_the_middle(street, names)
     with ThreadPoolExecutor() as pool:
 
         def respond(standing: Standing) -> Response:
@@ -114,6 +116,15 @@ def compare(
                 told = _Told(measure.name, progress)
                 answers.append(_best(measure, respond, objective, evaluations, told))
     return answers
+
+
+def _refuse_links_off_the_middle(street: Standing, names: Sequence[str]) -> None:
+    if any(contact.y_m for contact in street.contacts) and (not names or set(names) & set(LINKING)):
+        others = ", ".join(name for name in NAMES if name not in LINKING)
+        raise ExperimentError(
+            f"contacts off the middle cannot stand beside links, for linked buildings do not twist here; leave y_m out, or "
+            f"name the other measures ({others}) by --measure"
+        )
 
 
 class _Told:

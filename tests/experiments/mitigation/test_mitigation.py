@@ -102,6 +102,16 @@ def test_a_bumper_is_warned_of_when_it_is_flat_and_not_for_being_soft() -> None:
         assert all("counts as flat" in sentence for sentence in warnings)
 
 
+def test_links_beside_contacts_off_the_middle_are_refused_before_any_run() -> None:
+    stand = street()
+    contact = dataclasses.replace(stand.contacts[0], y_m=0.1)
+    twisted = dataclasses.replace(stand, contacts=(contact,))
+    with pytest.raises(
+        ExperimentError, match=r"name the other measures .wider-gap, bumpers, damping, walls. by"
+    ):
+        compare(twisted, [RECORD])
+
+
 def test_of_several_records_the_worst_counts() -> None:
     quiet, loud = (response(street(), one) for one in (RECORD, RECORD.flipped()))
     both = worst([quiet, loud])
