@@ -8,7 +8,7 @@ changed frame with ``changed(frame, added_mass_kg=[...])``.
 from __future__ import annotations
 
 from itertools import accumulate
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -309,6 +309,8 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         floor_mass_kg: Mass of each floor, from the first up [kg]; left out with ``matrices``.
         damping_ratio: One damping ratio for all modes, or one for each of the lowest modes (the modes above
             take the last); fractions. Left out with ``modes``, which have their own.
+        damping_beyond: Damping ratio of the modes above those that have one: ``last`` takes the last, ``caughey`` follows
+            the Caughey series through the stated ones, with two of them Rayleigh's.
         storey_stiffness_n_per_m: Stiffness of each storey, from the first up [N/m].
         frequency_hz: The lowest frequencies, at least the first [Hz].
         stiffness_ratio: Miranda's alpha of a bending-shear stick [-], 0 a wall that bends, 30 nearly a shear
@@ -329,6 +331,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     storey_height_m: float | list[float]
     floor_mass_kg: list[float] = []
     damping_ratio: float | list[float] | None = None
+    damping_beyond: Literal["last", "caughey"] = "last"
     storey_stiffness_n_per_m: list[float] = []
     frequency_hz: list[float] = []
     stiffness_ratio: float | None = None

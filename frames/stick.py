@@ -38,7 +38,7 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
     mass = mass_matrix(frame)
     stiffness = stiffness_matrix(frame)
     frequencies, shapes = dense_modes(stiffness, mass)
-    ratios = np.array(frame.damping_ratios if damping is None else [damping] * frame.storeys)
+    ratios = _ratios(frame, frequencies) if damping is None else np.full(frame.storeys, damping)
     return ReducedFrame(
         name=frame.name,
         storeys=frame.storeys,
@@ -58,6 +58,40 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
         moving_mass_kg=frame.moving_mass_kg,
         basis=np.eye(frame.storeys),
     )
+
+
+def _ratios(frame: StickFrame, frequencies_hz: Real) -> Real:
+    """Return the damping ratio of each mode (storeys,); `FrameError` where a Caughey series lets a mode grow."""
+    ratios = np.array(frame.damping_ratios)
+    given = frame.modes.damping_ratio if frame.modes is not None else frame.damping_ratio
+    count = len(given) if isinstance(given, list) else 1
+    if frame.damping_beyond == "last" or count == len(ratios):
+        return ratios
+    series = caughey(frequencies_hz, ratios[:count])
+    if series.min() < 0.0:
+        mode = int(np.flatnonzero(series < 0.0)[0])
+        raise FrameError(
+            f"frame {frame.name}: the Caughey series through {count} damping ratios gives mode {mode + 1} the ratio "
+            f"{series[mode]:.3g}, below 0, so that it would grow by itself; state another number of ratios, or leave "
+            "damping_beyond out"
+        )
+    return series
+
+
+def caughey(frequencies_hz: Real, ratios: Real) -> Real:
+    """Return the damping ratio of each mode (n,) by the Caughey series with as many terms as ratios are stated.
+
+    The ratios are z_i = 1/2 sum_b a_b w_i^(2b - 1), b = 0, 1 and so on (Clough and Penzien, Dynamics of Structures, section
+    12.5): one term is damping in proportion to the mass, two are Rayleigh's.
+
+    Args:
+        frequencies_hz: Frequency of each mode (n,) [Hz], rising.
+        ratios: Damping ratio of the lowest modes (p,), as fractions.
+    """
+    # In units of the first frequency, for powers of rad/s would leave no digits.
+    relative = frequencies_hz / frequencies_hz[0]
+    terms = relative[:, None] ** (2.0 * np.arange(len(ratios)) - 1.0)
+    return np.asarray(terms @ np.linalg.solve(terms[: len(ratios)], ratios))
 
 
 def _from_elsewhere(frame: StickFrame) -> dict[str, Any]:

@@ -11,11 +11,16 @@ import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from pounding.frames.files import replacing
 
 STYLE: dict[Any, Any] = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}
 MEASURED, OURS, SAP2000, FITTED = "#222222", "#c0392b", "#2e86c1", "#1e8449"
+
+
+HATCH = "////"
+"""Of peaks of which the thesis contradicts itself."""
 
 
 @matplotlib.rc_context(STYLE)
@@ -31,7 +36,14 @@ def picture(data: xr.Dataset, path: Path) -> None:
     for axis, record in zip(figure.subplots(2, 2, sharex=True).ravel(), data.record.values, strict=True):
         _panel(axis, data.sel(record=record))
         axis.set_title(str(record), loc="left")
-    figure.axes[0].legend(loc="upper right", fontsize=8, frameon=False)
+    handles, _ = figure.axes[0].get_legend_handles_labels()
+    contested = Patch(
+        facecolor="white", edgecolor=MEASURED, lw=0.7, hatch=HATCH, label="measured, contested (see text)"
+    )
+    # Below the panels: the bars take whatever room there is inside.
+    figure.legend(
+        handles=[*handles, contested], loc="outside lower center", ncols=3, fontsize=8, frameon=False
+    )
     figure.supylabel("peak displacement relative to the table [mm]", fontsize=9)
     with replacing(path) as part:
         figure.savefig(part, dpi=90)
@@ -50,7 +62,7 @@ def _panel(axis: Axes, data: xr.Dataset) -> None:
             color="#d5d8dc" if sure else "white",
             edgecolor=MEASURED,
             lw=0.7,
-            hatch=None if sure else "////",
+            hatch=None if sure else HATCH,
             label="measured" if index == 0 else None,
         )
     for values, colour, mark, shift, label in (
