@@ -274,8 +274,13 @@ def _slope(s: float, d0: float, v0: float, d1: float, v1: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _turn(d0: float, v0: float, d1: float, v1: float) -> Any:
-    """Return where a cubic turns between slopes of opposite sign, from 0 to 1, and its value there."""
+def turn(d0: float, v0: float, d1: float, v1: float) -> Any:
+    """Return where a cubic turns between slopes of opposite sign, from 0 to 1, and its value there.
+
+    Args:
+        d0, d1: Values at the step's ends.
+        v0, v1: Slopes there, over the whole step.
+    """
     a, b = 3.0 * (2.0 * (d0 - d1) + v0 + v1), 2.0 * (3.0 * (d1 - d0) - 2.0 * v0 - v1)
     half = -0.5 * (b + math.copysign(math.sqrt(max(b * b - 4.0 * a * v0, 0.0)), b))
     place = half / a if a != 0.0 else 2.0
@@ -324,7 +329,7 @@ def _storey_force(storeys: Any, law: int, half: int, half_s: float) -> float:
     d0, v0, d, v = seen[2 * half], seen[2 * half + 1], seen[2 * half + 2], seen[2 * half + 3]
     if storeys.remembers[law] and v0 * v < 0.0:
         # A memory depends on how far the drift went, which neither end shows.
-        where, turned = _turn(d0, half_s * v0, d, half_s * v)
+        where, turned = turn(d0, half_s * v0, d, half_s * v)
         _called(storeys, law, (half + where) * half_s, before, turned, 0.0, TURN)
         before = TURN
     return float(_called(storeys, law, (half + 1) * half_s, before, d, v, half + 1))
@@ -345,12 +350,12 @@ def _memory_error(contacts: Any, state: Any, storeys: Any, half_s: float) -> flo
                 seen[2 * half + 2],
                 half_s * seen[2 * half + 3],
             )
-            turn, force = 1.0, 0.0
+            apart, force = 1.0, 0.0
             if v0 * v < 0.0:
-                turn, _ = _turn(d0, v0, d, v)
-            for k in range(2 * STRIDES if turn < 1.0 else STRIDES):
+                apart, _ = turn(d0, v0, d, v)
+            for k in range(2 * STRIDES if apart < 1.0 else STRIDES):
                 share = (k % STRIDES + 1) / STRIDES
-                place = turn * share if k < STRIDES else turn + (1.0 - turn) * share
+                place = apart * share if k < STRIDES else apart + (1.0 - apart) * share
                 rate = _slope(place, d0, v0, d, v) / half_s
                 force = _called(
                     storeys, law, (half + place) * half_s, before, _cubic(place, d0, v0, d, v), rate, after

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pounding.experiments.rig.contacts import Contact, check
 from pounding.experiments.rig.exact import ExactRig, Solution
-from pounding.experiments.rig.motion import turning_points
+from pounding.experiments.rig.exact_peaks import largest
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -129,10 +129,10 @@ def outcome(rig: ExactRig, solution: Solution) -> Outcome:
     displacement, drift = [], []
     for index, frame in enumerate(rig.frames):
         value, rate = rig.coordinates(solution, index, frame.floor_x)
-        displacement.append(_largest(solution.time_s, value, rate))
-        drift.append(
-            _largest(solution.time_s, np.diff(value, axis=1, prepend=0.0), np.diff(rate, axis=1, prepend=0.0))
-        )
+        floors, storeys = np.zeros((2, frame.storeys))
+        largest(solution.time_s, value, rate, floors, storeys)
+        displacement.append(floors)
+        drift.append(storeys)
     overlap = rig.deformations(solution)
     begins = (overlap[1:] > 0.0) & (overlap[:-1] <= 0.0)
     first = np.where(begins.any(axis=0), solution.time_s[1:][begins.argmax(axis=0)], np.nan)
@@ -145,12 +145,6 @@ def outcome(rig: ExactRig, solution: Solution) -> Outcome:
         first,
         -overlap.max(axis=0, initial=-np.inf),
         len(solution.time_s) - 1,
-    )
-
-
-def _largest(time_s: Real, value: Real, rate: Real) -> Real:
-    return np.array(
-        [np.abs(turning_points(time_s, v, r)).max() for v, r in zip(value.T, rate.T, strict=True)]
     )
 
 
