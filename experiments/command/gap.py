@@ -86,7 +86,7 @@ def gap(
     step_s = motion.step_s / fine_step(motion.step_s)
     estimates.announce(*(estimates.of_gap(pair, motion.duration_s, step_s) for pair in pairwise(row)))
     places = [
-        _Place(one, other, number, present)
+        _Place(one, other, number, None if present is None else between.free_mm(present))
         for (one, other), between in zip(pairwise(row), street.gap, strict=True)
         for number, present in between.by_floor()
     ]

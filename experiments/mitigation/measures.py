@@ -72,7 +72,7 @@ def measures(street: Standing, required_mm: Sequence[float]) -> list[Measure]:
     return [
         Measure("none", "the street as it is", (), lambda _: street),
         _wider(street, required_mm),
-        _bumpers(street),
+        *([_bumpers(street)] if _has_room(street) else []),
         _hard_links(street),
         _soft_links(street),
         _dampers(street),
@@ -131,7 +131,12 @@ def _bumpers(street: Standing) -> Measure:
         return dataclasses.replace(street, contacts=tuple(contacts))
 
     words = f"a block of rubber of {SOFT_PA / 1e6:g} MPa at each contact, fixed to one floor"
-    return Measure("bumpers", words, settings if narrowest > 0.0 else (), apply)
+    return Measure("bumpers", words, settings, apply)
+
+
+def _has_room(street: Standing) -> bool:
+    """Return whether a block of rubber can be put into every gap: not where another one is."""
+    return not any(isinstance(one.law, RubberBlock) for one in street.contacts)
 
 
 def _hard_links(street: Standing) -> Measure:

@@ -103,6 +103,7 @@ def compare(
         ExperimentError: A building yields, or a run grows without bound.
     """
     refuse_laws(street.frames)
+    _refuse_no_room(street)
     _refuse_links_off_the_middle(street, names)
     with ThreadPoolExecutor() as pool:
 
@@ -116,6 +117,14 @@ def compare(
                 told = _Told(measure.name, progress)
                 answers.append(_best(measure, respond, objective, evaluations, told))
     return answers
+
+
+def _refuse_no_room(street: Standing) -> None:
+    if any(contact.gap_m <= 0.0 for contact in street.contacts):
+        raise ExperimentError(
+            "floors that lie against each other leave no room for a measure between them; give every gap more than 0 mm, "
+            "also beside its bumper"
+        )
 
 
 def _refuse_links_off_the_middle(street: Standing, names: Sequence[str]) -> None:

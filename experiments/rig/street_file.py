@@ -106,6 +106,23 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             return [(floor, None) for floor in floors]
         return list(zip(floors, one_each("gaps", self.gaps_mm, floors), strict=True))
 
+    def free_mm(self, gap_mm: float) -> float:
+        """Return what a bumper leaves of a gap [mm].
+
+        Args:
+            gap_mm: The gap [mm].
+
+        Raises:
+            ExperimentError: The bumper is thicker.
+        """
+        thickness = self.bumper.thickness_mm if self.bumper is not None else 0.0
+        if thickness > gap_mm:
+            raise ExperimentError(
+                f"a bumper of {thickness:g} mm does not fit into a gap of {gap_mm:g} mm; give a thickness_mm of at most "
+                "the gap"
+            )
+        return gap_mm - thickness
+
     @property
     def wish(self) -> ContactWish:
         """What it says of its contacts."""
@@ -122,8 +139,8 @@ class Street(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         gap: One for each pair of neighbours, in the same order.
     """
 
-    building: tuple[Building, ...]
-    gap: tuple[Gap, ...]
+    building: tuple[Building, ...] = ()
+    gap: tuple[Gap, ...] = ()
 
 
 def is_street_file(name: str) -> bool:

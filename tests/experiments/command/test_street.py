@@ -113,3 +113,18 @@ def test_frame_files_are_written_relative_to_the_street_file(
     main(["new-street", str(tmp_path / "rows" / "row.toml"), str(tmp_path / "office.toml"), "5A"])
     assert 'frame = "5A"' in (tmp_path / "rows" / "row.toml").read_text()
     capsys.readouterr()
+
+
+def test_gap_counts_the_room_that_a_bumper_leaves(street: str, capsys: pytest.CaptureFixture[str]) -> None:
+    text = Path(street).read_text()
+    Path(street).write_text(
+        text.replace("gap_mm = 3", "gap_mm = 9\nbumper = { thickness_mm = 8, area_m2 = 1e-4 }")
+    )
+    found = answer(["gap", street], capsys)
+    assert found["pairs"][0]["gap_mm"] == pytest.approx(1.0)  # type: ignore[index]
+    Path(street).write_text(
+        text.replace("gap_mm = 3", "gap_mm = 7\nbumper = { thickness_mm = 8, area_m2 = 1e-4 }")
+    )
+    with pytest.raises(SystemExit):
+        main(["gap", street, *RECORD])
+    assert "a bumper of 8 mm does not fit into a gap of 7 mm" in " ".join(capsys.readouterr().err.split())

@@ -112,6 +112,18 @@ def test_links_beside_contacts_off_the_middle_are_refused_before_any_run() -> No
         compare(twisted, [RECORD])
 
 
+def test_floors_that_lie_against_each_other_are_refused() -> None:
+    with pytest.raises(ExperimentError, match="leave no room for a measure between them"):
+        compare(street(gap_m=0.0), [RECORD])
+
+
+def test_no_second_block_is_put_into_a_gap() -> None:
+    stand = street()
+    contact = bumped(stand.contacts[0], RubberBlock.of(1e-3, 0.0015))
+    with_block = dataclasses.replace(stand, contacts=(contact,))
+    assert "bumpers" not in [one.name for one in measures(with_block, [1.0])]
+
+
 def test_of_several_records_the_worst_counts() -> None:
     quiet, loud = (response(street(), one) for one in (RECORD, RECORD.flipped()))
     both = worst([quiet, loud])

@@ -122,6 +122,7 @@ def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
         ("gap_mm = 3", "gap_mm = 3\ny_m = inf", "y_m is larger than any number"),
         ('frame = "10"', 'fram = "10"', "did you mean frame"),
         ("[[building]]", "[building]", ""),
+        (ROW, '[[building]]\nframe = "5A"\n', "1 [[building]]; a street has two or more"),
     ],
 )
 def test_a_street_that_cannot_be(tmp_path: Path, wrong: str, right: str, sentence: str) -> None:
