@@ -127,6 +127,7 @@ def _street(left: str, right: str | None, floor: int | None) -> Street:
             )
         return load_street(left)
     if right is None:
+        frames.load(left)  # whose sentence on what is no frame is the better one
         raise ExperimentError(
             f"{left} is one frame; give a second one beside it, or a street file (pounding new-street writes one)"
         )

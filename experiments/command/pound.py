@@ -188,6 +188,7 @@ def _streets(left: str, right: str | None, contact: Gap, law: str | None) -> lis
             )
         return [load_street(left)]
     if right is None:
+        load(left)  # whose sentence on what is no frame is the better one
         raise ExperimentError(
             f"{left} is one frame; give a second one beside it, or a street file (pounding new-street writes one)"
         )

@@ -74,6 +74,8 @@ def test_shake_shakes_each_building_alone(street: str, capsys: pytest.CaptureFix
         (["gap", "STREET", "--floor", "3"], "give it alone"),
         (["gap", "5A"], "one frame; give a second one beside it"),
         (["pound", "5A"], "one frame; give a second one beside it"),
+        (["pound", "nothere.toml"], "frame file nothere.toml: No such file"),
+        (["gap", "5C"], "frame '5C' is not known"),
         (["pound", "5A", "5B"], "give --gap with a length in mm"),
     ],
 )
