@@ -19,10 +19,10 @@ from pounding.diagnosis.report.loop_figure import loop_figure
 from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Outputs
 from pounding.diagnosis.report.misfit_maps import misfit_maps
-from pounding.diagnosis.report.palette import BLACK, BLUE, GREY, ORANGE
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.residual_force_figure import residual_force_figure
 from pounding.diagnosis.report.transmissibility import transmissibility_figure
+from pounding.experiments.pictures.palette import BLACK, BLUE, GREY, ORANGE
 
 SHOWN_S = 3.0
 """Length of what is shown of a run [s], about its largest value."""

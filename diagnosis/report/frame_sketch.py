@@ -7,8 +7,8 @@ from html import escape
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.claims import Claim
-from pounding.diagnosis.report.palette import BLACK, GREY, ORANGE
 from pounding.diagnosis.report.plain_words import description
+from pounding.experiments.pictures.palette import BLACK, GREY, ORANGE
 
 WIDTH, GAP, HEIGHT, ABOVE, BELOW = 70.0, 34.0, 190.0, 16.0, 26.0
 """Width of a frame, space between two, height of the highest one, space above and below it, in points of the drawing."""

@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.residual_force import ResidualForce
 from pounding.diagnosis.report.loops import Loops
-from pounding.diagnosis.report.palette import BLACK, BLUE, GREY, ORANGE
+from pounding.experiments.pictures.palette import BLACK, BLUE, GREY, ORANGE
 
 CYCLES = 3.0
 """Cycles of the frame's first frequency that are drawn as loops, about the largest drift."""

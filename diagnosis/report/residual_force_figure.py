@@ -11,7 +11,7 @@ from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.residual_force import ResidualForce, residual_force
 from pounding.diagnosis.inference.storey_force import storey_force
 from pounding.diagnosis.report.loops import Loops, without_forces
-from pounding.diagnosis.report.palette import BLUE, GREY, ORANGE
+from pounding.experiments.pictures.palette import BLUE, GREY, ORANGE
 
 SHOWN_S = 1.5
 BINS = 24

@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.report.making import Outputs
-from pounding.diagnosis.report.palette import BLACK, BLUE, GREEN, ORANGE
+from pounding.experiments.pictures.palette import BLACK, BLUE, GREEN, ORANGE
 
 SEGMENT = 0.5
 """Length of the segments of a spectrum as a share of the shortest run; they overlap by half."""

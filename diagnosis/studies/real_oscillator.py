@@ -21,12 +21,12 @@ from rich.progress import Progress
 
 from pounding.diagnosis.decision.claims import Claim
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.report.palette import BLUE, ORANGE
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.workflow import diagnose
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.pictures.palette import BLUE, ORANGE
 from pounding.frames.files import replacing, write_whole
 
 CASE = "real-oscillator"

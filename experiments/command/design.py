@@ -12,9 +12,9 @@ from rich.console import RenderableType
 from pounding.experiments.command.gap import Report
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, table
+from pounding.experiments.output.report import write_report
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.separation import pictures
-from pounding.experiments.separation.report import write_report
 from pounding.experiments.separation.rules.design import DEFAULT_DAMPING_PERCENT, Site
 from pounding.experiments.separation.rules.design import design as answer
 

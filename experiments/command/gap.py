@@ -16,6 +16,7 @@ from pounding import frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.output.report import write_report
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
@@ -33,7 +34,6 @@ from pounding.experiments.rig.street_file import (
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.experiments.separation.gaps.gap import gap_answer, history
 from pounding.experiments.separation.pictures import gap_history
-from pounding.experiments.separation.report import write_report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -21,6 +21,7 @@ from pounding.experiments.mitigation.pictures import trade_offs
 from pounding.experiments.mitigation.search import Answer, Objective, compare, cost
 from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.output.report import write_report
 from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.frame_laws import refuse_laws
@@ -28,7 +29,6 @@ from pounding.experiments.rig.states import states_of
 from pounding.experiments.rig.street import built_row, chosen_sets, named, street_contacts
 from pounding.experiments.rig.street_file import is_street_file, load_street, refuse_columns
 from pounding.experiments.rig.table_scale import TableScale, table_scale
-from pounding.experiments.separation.report import write_report
 from pounding.frames import load
 from pounding.frames.files import replacing, write_whole
 

@@ -12,8 +12,8 @@ from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact
 from pounding.diagnosis.decision.claims import Claim, Parameter, Place, claim
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.report.frame_sketch import frame_sketch
-from pounding.diagnosis.report.palette import ORANGE
 from pounding.diagnosis.report.plain_words import description, finding, headline, size
+from pounding.experiments.pictures.palette import ORANGE
 from tests.diagnosis.report.test_report import of_modal_data, of_runs
 
 PLAIN = [kind for kind in kinds() if not kind.rival and kind.described is not None]

@@ -1,4 +1,4 @@
-"""An answer of `pounding gap` or `pounding design` as one HTML file that can be handed on."""
+"""An answer of `pounding gap`, `design` or `mitigate` as one HTML file that can be handed on."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pounding.frames.files import replacing
 
 _TEMPLATES = Environment(
-    loader=PackageLoader("pounding.experiments.separation", "templates"),
+    loader=PackageLoader("pounding.experiments.output", "templates"),
     autoescape=True,
     undefined=StrictUndefined,
 )
