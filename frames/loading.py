@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import os
-import re
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -16,7 +15,7 @@ import msgspec
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.storey_laws import KINDS
-from pounding.toml_text import shown, tree_of
+from pounding.toml_text import meant, shown, tree_of
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
 """Order in which the shipped frames are shown: those of Table 3.1 first."""
@@ -107,7 +106,7 @@ def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str =
             continue
         if key not in fields:
             raise FrameError(
-                f"{place}: {inside}{shown(key)} is not a key of a frame{_meant(key, list(fields))}"
+                f"{place}: {inside}{shown(key)} is not a key of a frame{meant(key, list(fields))}"
             )
         for kind in (fields[key], *get_args(fields[key])):
             if isinstance(value, dict) and isinstance(kind, type) and issubclass(kind, msgspec.Struct):
@@ -126,18 +125,6 @@ def _known_laws(laws: object, place: str) -> None:
                 )
             keys = {key: value for key, value in law.items() if key != "kind"}
             _known_keys(keys, KINDS[kind], f"{place}: storey_law {number}")
-
-
-UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|khz|rad|s|ms|percent|per|m3|mm3))+$"
-
-
-def _meant(key: str, fields: list[str]) -> str:
-    stem = re.sub(UNITS, "", key)
-    same = [field for field in fields if re.sub(UNITS, "", field) == stem]
-    if same:
-        return f"; expected {same[0]} (mind the unit)"
-    near = difflib.get_close_matches(key, fields, 1)
-    return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(fields)}"
 
 
 def _near(name: str, known: list[str]) -> str:

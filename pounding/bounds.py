@@ -150,6 +150,8 @@ FALSE_ALARMS = Bound(
 )
 PERIOD = Bound(0.0, 100.0, "s", "buildings sway faster than once in 100 s")
 LEVELS = Bound(3, 1e4, "", "a curve needs some points, and each takes a run of every record")
+MOMENT = Bound(1e-6, 1e12, "N m", "columns bear moments between a model's and those of the widest pier")
+COLUMNS = Bound(1, 1e4, "", "a floor hits one column or more, and fewer than a forest")
 CONTACT_FORCE = Bound(
     1e-3, 1e12, "N", "contacts press between the weight of a feather and that of a mountain"
 )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
+import re
 import reprlib
 import tomllib
+from collections.abc import Sequence
 from typing import Any
 
 from pounding.errors import InputError
@@ -39,3 +42,22 @@ _SHORT.maxstring = _SHORT.maxother = 100
 def shown(value: object) -> str:
     """Return a value for a message, shortened where it is long."""
     return _SHORT.repr(value)
+
+
+UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|khz|rad|s|ms|percent|per|m2|m3|mm3))+$"
+"""Units at the end of a key."""
+
+
+def meant(key: str, known: Sequence[str]) -> str:
+    """Return the end of a sentence on an unknown key: which one was meant, when only its unit is another, or all.
+
+    Args:
+        key: The key.
+        known: The keys that there are.
+    """
+    stem = re.sub(UNITS, "", key)
+    same = [one for one in known if re.sub(UNITS, "", one) == stem]
+    if same:
+        return f"; expected {same[0]} (mind the unit)"
+    near = difflib.get_close_matches(key, known, 1)
+    return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"

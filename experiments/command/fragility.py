@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import json as json_text
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
 from cyclopts import Parameter
+from numpy.typing import NDArray
 from rich.progress import Progress
 
 from pounding import bounds
-from pounding.experiments.console import estimates, options
+from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.console.street_input import LinearStreet, linear_street
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.fragility.capacity import Limit, passing, touching_intensity
+from pounding.experiments.fragility.capacity import Limit, closings, passing, touching_intensity
 from pounding.experiments.fragility.intensity import Intensity
 from pounding.experiments.fragility.lognormal import Lognormal, fit_capacities, fit_counts
 from pounding.experiments.fragility.pictures import Curve, Sample, drawn, fragilities
@@ -26,17 +28,14 @@ from pounding.experiments.records.code_spectra import FORMS
 from pounding.experiments.records.code_spectra import target as spectrum
 from pounding.experiments.records.sets import FEMA_SETS, record_set
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.frame_laws import refuse_laws
-from pounding.experiments.rig.states import states_of
-from pounding.experiments.rig.street import built_row, chosen_sets, named, street_contacts
-from pounding.experiments.rig.street_file import Street, is_street_file, load_street, refuse_columns
-from pounding.experiments.rig.table_scale import TableScale, table_scale
-from pounding.frames import load
+from pounding.experiments.rig.street_file import Street
+from pounding.experiments.rig.table_scale import TableScale
 from pounding.frames.files import replacing, write_whole
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
     from pounding.experiments.records import Record
+    from pounding.experiments.rig.contacts import Contact
 
 BEYOND = 4.0
 """Levels reach from the weakest intensity at which a record brings floors together to so many times the strongest [-]."""
@@ -104,61 +103,44 @@ def fragility(
     Args:
         street: Street file (`pounding new-street` writes one).
     """
-    if not is_street_file(street):
-        raise ExperimentError(
-            f"{street} is no street file; pounding new-street writes one from two frames or more"
-        )
     limits = _limits(force, drift)
     aim = None if target is None else spectrum(target)
-    read = load_street(street)
-    refuse_columns(read)
-    names = [building.frame for building in read.building]
-    definitions = [load(name) for name in names]
-    scale = table_scale(definitions, time_factor)
-    sets = chosen_sets(read, definitions, scale)
-    shakings = _shakings(record, set_, records, scale)
-    states = states_of(names, damping=damping)
-    estimates.announce(*map(estimates.of_frame, definitions))
-    row = named(read, built_row(read, states))
-    refuse_laws(row)
-    streets = [_with_gap(read, value) for value in gap] if gap else [read]
-    contacts = [street_contacts(one, row, sets)[0] for one in streets]
+    row = linear_street(street, time_factor, damping)
+    shakings = _shakings(record, set_, records, row.scale)
+    streets = [_with_gap(row.street, value) for value in gap] if gap else [row.street]
+    contacts = [row.contacts(one)[0] for one in streets]
     if not all(contact.gap_m > 0.0 for places in contacts for contact in places):
         raise ExperimentError("floors that lie against each other touch at any intensity; give gaps above 0")
     if out is not None:
         keeping.prepare(out)
-    firsts = [1.0 / float(frame.frequencies_hz[0]) for frame in row]
+    firsts = [1.0 / float(frame.frequencies_hz[0]) for frame in row.frames]
     longest = max(firsts)
     factors = (
         None
         if aim is None
-        else np.array([aim.factor(one, (min(firsts), longest), scale.time_factor) for one in shakings])
+        else np.array([aim.factor(one, (min(firsts), longest), row.scale.time_factor) for one in shakings])
     )
     intensity = Intensity(longest if period is None else period or None)
     strengths = np.array([intensity.of(one) for one in shakings])
-    runs = len(shakings) * levels * bool(limits)
     with Progress(console=progress_console(), transient=True) as progress:
-        bar = progress.add_task("records", total=len(shakings) * len(contacts) + runs)
-        touching = np.array(
-            [
-                [_told(progress, bar, touching_intensity(row, places, one, strength)) for places in contacts]
-                for one, strength in zip(shakings, strengths, strict=True)
-            ]
-        ).T
+        bar = progress.add_task("records", total=len(shakings) * (1 + levels * bool(limits)))
+
+        def told(done: int) -> None:
+            progress.update(bar, completed=done)
+
+        touching = _touching_g(row, contacts, shakings, strengths, told)
         shown_g = np.geomspace(touching.min(), BEYOND * touching.max(), levels)
-        passed = (
-            passing(
-                row,
+        passed: Any = ()
+        if limits:
+            passed = passing(
+                row.frames,
                 contacts[0],
                 shakings,
                 shown_g / strengths[:, None],
                 limits,
                 workers=workers,
-                progress=lambda count: progress.update(bar, completed=touching.size + count),
+                progress=lambda count: told(len(shakings) + count),
             )
-            if limits
-            else np.zeros((0, 0, 0), bool)
-        )
     labels = [_label(value) for value in gap] if gap else ["floors touch"]
     samples = [
         *(_touching(label, own) for label, own in zip(labels, touching, strict=True)),
@@ -166,8 +148,7 @@ def fragility(
     ]
     axis_g, curves = drawn(samples, len(shakings), seed)
     asked = {
-        "street": street,
-        **msgspec.to_builtins(read),
+        **row.as_dict(),
         "set": set_,
         "gap_mm": gap,
         "period_s": intensity.period_s,
@@ -176,8 +157,6 @@ def fragility(
         "drift_percent": drift,
         "levels_g": shown_g if limits else None,
         "seed": seed,
-        "states": [one.as_dict() for one in states],
-        **scale.as_dict(),
     }
     result = stamp(asked, shakings) | {
         "intensity": intensity.words,
@@ -197,7 +176,7 @@ def fragility(
             figure.savefig(part, dpi=100)
         write_whole(out / "fragility.json", (json_text.dumps(plain(result), indent=2) + "\n").encode())
         result["files"] = ["fragility.png", "fragility.json"]
-    emit(result, as_json=json, show=lambda: _show(result, scale))
+    emit(result, as_json=json, show=lambda: _show(result, row.scale))
 
 
 def _limits(force_kn: float | None, drift_percent: float | None) -> list[Limit]:
@@ -228,9 +207,20 @@ def _with_gap(street: Street, gap_mm: float) -> Street:
     return msgspec.structs.replace(street, gap=gaps)
 
 
-def _told(progress: Progress, bar: Any, value: float) -> float:
-    progress.advance(bar)
-    return value
+def _touching_g(
+    row: LinearStreet,
+    contacts: Sequence[Sequence[Contact]],
+    shakings: Sequence[Record],
+    strengths: NDArray[np.float64],
+    told: Callable[[int], None],
+) -> NDArray[np.float64]:
+    """Return the intensity [g] at which each record brings floors together, for each set of gaps (sets, records)."""
+    found = []
+    for number, (one, strength) in enumerate(zip(shakings, strengths, strict=True), 1):
+        closing = closings(row.frames, contacts[0], one)
+        found.append([touching_intensity(closing, places, one.name, float(strength)) for places in contacts])
+        told(number)
+    return np.array(found).T
 
 
 def _label(gap_mm: float) -> str:

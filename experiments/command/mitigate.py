@@ -7,14 +7,14 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-import msgspec
 from cyclopts import Parameter
 from rich.progress import Progress
 
 from pounding import bounds
 from pounding.contact.rubber import FLAT
-from pounding.experiments.console import estimates, options
+from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.console.street_input import linear_street
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.mitigation.measures import NAMES, described
 from pounding.experiments.mitigation.pictures import trade_offs
@@ -24,12 +24,7 @@ from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.output.report import write_report
 from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.frame_laws import refuse_laws
-from pounding.experiments.rig.states import states_of
-from pounding.experiments.rig.street import built_row, chosen_sets, named, street_contacts
-from pounding.experiments.rig.street_file import is_street_file, load_street, refuse_columns
-from pounding.experiments.rig.table_scale import TableScale, table_scale
-from pounding.frames import load
+from pounding.experiments.rig.table_scale import TableScale
 from pounding.frames.files import replacing, write_whole
 
 LIMITS = (
@@ -90,31 +85,18 @@ def mitigate(
     Args:
         street: Street file (`pounding new-street` writes one).
     """
-    if not is_street_file(street):
-        raise ExperimentError(
-            f"{street} is no street file; pounding new-street writes one from two frames or more"
-        )
     for name in measure or ():
         if name not in NAMES:
             raise ExperimentError(f"measure {name!r} is not known; known are {', '.join(NAMES)}")
-    read = load_street(street)
-    refuse_columns(read)
-    names = [building.frame for building in read.building]
-    definitions = [load(name) for name in names]
-    scale = table_scale(definitions, time_factor)
-    sets = chosen_sets(read, definitions, scale)
-    shakings = [find(name, records).scaled(scale.time_factor, pga) for name in record]
-    states = states_of(names, damping=damping)
-    estimates.announce(*map(estimates.of_frame, definitions))
-    row = named(read, built_row(read, states))
-    refuse_laws(row)
-    contacts, bases = street_contacts(read, row, sets)
+    row = linear_street(street, time_factor, damping)
+    shakings = [find(name, records).scaled(row.scale.time_factor, pga) for name in record]
+    contacts, bases = row.contacts()
     if out is not None:
         keeping.prepare(out)
     with Progress(console=progress_console(), transient=True) as progress:
         bar = progress.add_task("none", total=evaluations)
         answers = compare(
-            Standing(tuple(row), tuple(contacts)),
+            Standing(row.frames, tuple(contacts)),
             shakings,
             names=measure or (),
             objective=objective,
@@ -122,14 +104,11 @@ def mitigate(
             progress=lambda name, count: progress.update(bar, description=name, completed=count),
         )
     asked = {
-        "street": street,
-        **msgspec.to_builtins(read),
+        **row.as_dict(),
         "objective": objective,
         "evaluations": evaluations,
         "pga_g": pga,
         "contact_basis": [basis.sentence for basis in bases],
-        "states": [one.as_dict() for one in states],
-        **scale.as_dict(),
     }
     result = stamp(asked, shakings) | {
         "sentence": _sentence(answers, objective),
@@ -138,7 +117,7 @@ def mitigate(
     }
     if out is not None:
         result["files"] = _keep(result, answers, out)
-    emit(result, as_json=json, show=lambda: _show(result, scale))
+    emit(result, as_json=json, show=lambda: _show(result, row.scale))
 
 
 def _as_dict(answer: Answer) -> dict[str, Any]:

@@ -204,7 +204,7 @@ def _asked(
     right: str | None,
     streets: Sequence[Street],
     contacts: Sequence[tuple[list[Contact], list[Basis]]],
-    sets: Sequence[list[Parameters]],
+    sets: Sequence[list[Parameters | None]],
 ) -> dict[str, Any]:
     """Return the parameters of a result that say what stands on the table."""
     laws = [[vars(contact.law) for contact in places] for places, _ in contacts]

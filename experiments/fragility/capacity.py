@@ -74,26 +74,26 @@ def closings(frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record
 
 
 def touching_intensity(
-    frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record: Record, intensity_g: float
+    closing_m: Real, contacts: Sequence[Contact], record: str, intensity_g: float
 ) -> float:
     """Return the intensity at which a record just brings floors together [g].
 
-    Until the first touch linear buildings move in proportion to the shaking, so that one run says it.
+    Until the first touch linear buildings move in proportion to the shaking, so that one run says it for all gaps.
 
     Args:
-        frames: Frames in a row.
-        contacts: Contacts between neighbours.
-        record: The shaking at their scale.
+        closing_m: How far the floors of each contact close under the record as it is (c,) [m]; see `closings`.
+        contacts: The contacts.
+        record: Name of the record.
         intensity_g: Its intensity as it is [g].
 
     Raises:
-        ExperimentError: A frame yields, or the floors never approach each other.
+        ExperimentError: The floors never approach each other.
     """
-    closing = closings(frames, contacts, record)
-    if not np.any(closing > 0.0):
-        raise ExperimentError(f"record {record.name}: the floors do not approach each other at any intensity")
+    near = closing_m > 0.0
+    if not near.any():
+        raise ExperimentError(f"record {record}: the floors do not approach each other at any intensity")
     gaps = np.array([contact.gap_m for contact in contacts])
-    return float(intensity_g * np.min(gaps[closing > 0.0] / closing[closing > 0.0]))
+    return float(intensity_g * np.min(gaps[near] / closing_m[near]))
 
 
 def passing(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 import matplotlib
@@ -11,7 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from pounding.experiments.fragility.lognormal import Lognormal, band
+from pounding.experiments.fragility.lognormal import Lognormal, band, fit_capacities
+from pounding.experiments.pictures.palette import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 from pounding.experiments.pictures.plots import STYLE
 
 Real = NDArray[np.floating[Any]]
@@ -20,8 +22,8 @@ LEVELS = (0.05, 0.16, 0.5, 0.84, 0.95)
 LEVEL_COLOURS = ("#440154", "#3b528b", "#21918c", "#3f9b4f", "#8a7a00")
 """Lines of equal probability, from dark blue to olive, all readable on white."""
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Of Okabe and Ito, which the colour-blind tell apart."""
+COLOURS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+"""Of the curves, in their order."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def fragilities(
     """
     figure = Figure(figsize=(9.6, 4.4), layout="constrained")
     left, right = figure.subplots(1, 2)
-    for curve, colour in zip(curves, COLOURS * (1 + len(curves) // len(COLOURS)), strict=False):
+    for curve, colour in zip(curves, cycle(COLOURS), strict=False):
         left.fill_between(intensity_g, curve.low, curve.high, color=colour, alpha=0.18, linewidth=0)
         left.plot(intensity_g, curve.fit.at(intensity_g), color=colour, label=curve.label, linewidth=1.8)
         inside = curve.seen_g <= intensity_g[-1]
@@ -101,15 +103,8 @@ def fragilities(
     left.set(xlabel=words, ylabel="probability", ylim=(0.0, 1.0), xlim=(0.0, intensity_g[-1]))
     gap_mm, per_mm = touching[0][0], np.array([intensity / gap for gap, intensity in touching])
     gaps = np.linspace(0.02, 3.0, 120) * gap_mm
-    logarithms = np.log(per_mm)
-    probability = np.array(
-        [
-            Lognormal(float(np.exp(logarithms.mean())) * gap, float(np.std(logarithms, ddof=1))).at(
-                intensity_g[1:]
-            )
-            for gap in gaps
-        ]
-    )
+    per_gap = fit_capacities(per_mm)
+    probability = np.array([per_gap.at(intensity_g[1:] / gap) for gap in gaps])
     lines = right.contour(gaps, intensity_g[1:], probability.T, levels=LEVELS, colors=LEVEL_COLOURS)
     right.clabel(lines, fmt=lambda value: f"{100 * value:.0f} %", fontsize=8)
     right.axvline(gap_mm, color="#888888", linestyle=":")

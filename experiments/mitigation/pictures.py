@@ -10,19 +10,20 @@ from matplotlib.figure import Figure
 
 from pounding.experiments.mitigation.response import Response
 from pounding.experiments.mitigation.search import Answer
+from pounding.experiments.pictures.palette import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from pounding.experiments.pictures.plots import STYLE
 
 MARKS = {
-    "none": ("*", "#000000"),
-    "wider-gap": ("o", "#0072b2"),
-    "bumpers": ("s", "#d55e00"),
-    "hard-links": ("D", "#cc79a7"),
-    "links": ("^", "#009e73"),
-    "dampers": ("v", "#56b4e9"),
-    "damping": ("P", "#e69f00"),
-    "walls": ("X", "#7f7f7f"),
+    "none": ("*", BLACK),
+    "wider-gap": ("o", BLUE),
+    "bumpers": ("s", VERMILION),
+    "hard-links": ("D", PURPLE),
+    "links": ("^", GREEN),
+    "dampers": ("v", SKY),
+    "damping": ("P", ORANGE),
+    "walls": ("X", GREY),
 }
-"""Mark and colour of each measure; the colours are those of Okabe and Ito, which the colour-blind tell apart."""
+"""Mark and colour of each measure."""
 
 
 @matplotlib.rc_context(STYLE)

@@ -7,17 +7,10 @@ from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
+from pounding.experiments.output.html import TEMPLATES
 from pounding.frames.files import write_whole
 
 IMAGES = (".png", ".gif")
-
-_TEMPLATES = Environment(
-    loader=PackageLoader("pounding.experiments.output", "templates"),
-    autoescape=True,
-    undefined=StrictUndefined,
-)
 
 
 class Section(NamedTuple):
@@ -57,7 +50,7 @@ def write_index(title: str, sections: Sequence[Section], path: Path) -> None:
             others = [one for one in files if one.suffix not in IMAGES]
             links = {"images": _links(images, path.parent), "files": _links(others, path.parent)}
             parts.append({"title": section.title, "words": section.words, "command": section.command} | links)
-    page = _TEMPLATES.get_template("index.html").render(title=title, parts=parts)
+    page = TEMPLATES.get_template("index.html").render(title=title, parts=parts)
     write_whole(path, page.encode())
 
 

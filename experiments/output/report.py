@@ -8,16 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from pounding.experiments.output.html import TEMPLATES
 from pounding.frames.files import replacing
-
-_TEMPLATES = Environment(
-    loader=PackageLoader("pounding.experiments.output", "templates"),
-    autoescape=True,
-    undefined=StrictUndefined,
-)
 
 
 def write_report(
@@ -31,7 +25,7 @@ def write_report(
         path: HTML file to write.
         pictures: Pictures, put into the file itself; of a street one a pair.
     """
-    html = _TEMPLATES.get_template(f"{kind}.html").render(
+    html = TEMPLATES.get_template(f"{kind}.html").render(
         result=result, pictures=[_embedded(picture) for picture in pictures]
     )
     with replacing(Path(path)) as part:

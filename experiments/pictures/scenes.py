@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pounding.experiments.pictures.palette import BLUE
 from pounding.experiments.pictures.series import places
 from pounding.experiments.results.dataset import labels
 from pounding.frames.drawing.pictures import (
@@ -54,7 +55,7 @@ ARROW = {"shaft_radius": 0.03, "tip_radius": 0.08}
 
 RED = "#b3262e"
 
-BEHIND = "#0072b2"
+BEHIND = BLUE
 """Colour of the lines of another run."""
 
 

@@ -64,18 +64,17 @@ class Columns(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         Raises:
             ExperimentError: A value beyond its bound.
         """
-        if self.count < 1:
-            raise ExperimentError(f"{where}: count is {self.count}; a floor hits one column or more")
-        for key, bound in (
-            ("depth_m", bounds.LENGTH),
-            ("width_m", bounds.LENGTH),
-            ("youngs_modulus_gpa", bounds.MODULUS),
+        for key, bound, per, unit in (
+            ("count", bounds.COLUMNS, 1.0, ""),
+            ("depth_m", bounds.LENGTH, 1.0, "m"),
+            ("width_m", bounds.LENGTH, 1.0, "m"),
+            ("youngs_modulus_gpa", bounds.MODULUS, 1.0, "GPa"),
+            ("shear_kn", bounds.CONTACT_FORCE, 1e3, "kN"),
+            ("moment_kn_m", bounds.MOMENT, 1e3, "kN m"),
         ):
-            bound.check(getattr(self, key), f"{where}: {key}", ExperimentError)
-        for key in ("shear_kn", "moment_kn_m"):
             value = getattr(self, key)
-            if value is not None and not 0.0 < value < 1e9:
-                raise ExperimentError(f"{where}: {key} is {value:g}; it must be positive")
+            if value is not None:
+                bound.check(value, f"{where}: {key}", ExperimentError, per=per, unit=unit)
 
 
 @dataclass(frozen=True)

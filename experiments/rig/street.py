@@ -15,7 +15,7 @@ from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.motion import distinct
 from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import contact_floors, is_left_lower
-from pounding.experiments.rig.street_file import Bumper, Street
+from pounding.experiments.rig.street_file import Bumper, Gap, Street
 
 if TYPE_CHECKING:
     from pounding.experiments.rig.states import FrameState
@@ -78,8 +78,8 @@ def built_row(
     return row
 
 
-def chosen_sets(street: Street, definitions: Sequence[Frame], scale: TableScale) -> list[Parameters]:
-    """Return the parameter set that each gap uses, before any frame is built.
+def chosen_sets(street: Street, definitions: Sequence[Frame], scale: TableScale) -> list[Parameters | None]:
+    """Return the parameter set that each gap uses, before any frame is built; None where a bumper is the contact.
 
     Args:
         street: The street.
@@ -91,13 +91,13 @@ def chosen_sets(street: Street, definitions: Sequence[Frame], scale: TableScale)
         ContactError: An unknown law.
     """
     return [
-        "floors" if gap.bumper else chosen_parameters(definitions[pair : pair + 2], scale, gap.wish)
+        None if gap.bumper else chosen_parameters(definitions[pair : pair + 2], scale, gap.wish)
         for pair, gap in enumerate(street.gap)
     ]
 
 
 def street_contacts(
-    street: Street, row: Sequence[ReducedFrame], chosen: Sequence[Parameters]
+    street: Street, row: Sequence[ReducedFrame], chosen: Sequence[Parameters | None]
 ) -> tuple[list[Contact], list[Basis]]:
     """Return the contacts of a street, each with what its numbers rest on.
 
@@ -116,27 +116,56 @@ def street_contacts(
         lower = neighbours[0] if is_left_lower(*neighbours) else neighbours[1]
         for stated, gap_mm in gap.by_floor():
             floor = lower.storeys if stated is None else stated
-            gap_m = 1e-3 * (gap_mm or 0.0)
-            if gap.columns is not None:
-                place = place_of(*neighbours, floor)
-                (law,), (sentence,) = choose_laws(
-                    neighbours, floor, parameters, gap.wish, masses_at(*neighbours, place)
-                )
-                softer = softened(law, place, gap.columns)
-                contacts.append(Contact(softer, gap_m, place.floors, pair))
-                sentence += f", in series with {gap.columns.count} columns: {softer.stiffness:.4g} N/m"
-                bases.append(Basis(pair, floor, sentence, (place, gap.columns)))
-                continue
-            level = contact_floors(*neighbours, floor)
-            if gap.bumper is None:
-                (law,), (sentence,) = choose_laws(neighbours, floor, parameters, gap.wish)
-                contacts.append(Contact(law, gap_m, level, pair, gap.y_m))
+            at = _Spot(pair, neighbours, floor, 1e-3 * (gap_mm or 0.0))
+            if gap.bumper is not None:
+                contact, basis = _on_a_block(at, gap, gap.bumper)
+            elif gap.columns is not None:
+                contact, basis = _on_columns(at, gap, gap.columns, parameters)
             else:
-                free = Contact(gap.bumper.block, gap_m, level, pair, gap.y_m)
-                contacts.append(bumped(free, gap.bumper.block))
-                sentence = _bumper_basis(gap.bumper)
-            bases.append(Basis(pair, floor, sentence))
+                contact, basis = _of_floors(at, gap, parameters)
+            contacts.append(contact)
+            bases.append(basis)
     return contacts, bases
+
+
+class _Spot(NamedTuple):
+    """A floor of the lower of two neighbours, and the gap there [m]."""
+
+    pair: int
+    neighbours: tuple[ReducedFrame, ReducedFrame]
+    floor: int
+    gap_m: float
+
+
+def _of_floors(at: _Spot, gap: Gap, parameters: Parameters | None) -> tuple[Contact, Basis]:
+    assert parameters is not None
+    level = contact_floors(*at.neighbours, at.floor)
+    (law,), (sentence,) = choose_laws(at.neighbours, at.floor, parameters, gap.wish)
+    return Contact(law, at.gap_m, level, at.pair, gap.y_m), Basis(at.pair, at.floor, sentence)
+
+
+def _on_a_block(at: _Spot, gap: Gap, bumper: Bumper) -> tuple[Contact, Basis]:
+    level = contact_floors(*at.neighbours, at.floor)
+    free = Contact(bumper.block, at.gap_m, level, at.pair, gap.y_m)
+    sentence = (
+        f"{RubberBlock.name}: {bumper.area_m2:g} m2 of {bumper.thickness_mm:g} mm and {bumper.modulus_mpa:g} MPa, "
+        f"restitution {bumper.restitution:g}, as stated"
+    )
+    return bumped(free, bumper.block), Basis(at.pair, at.floor, sentence)
+
+
+def _on_columns(
+    at: _Spot, gap: Gap, columns: Columns, parameters: Parameters | None
+) -> tuple[Contact, Basis]:
+    assert parameters is not None
+    place = place_of(*at.neighbours, at.floor)
+    masses = masses_at(*at.neighbours, place)
+    (law,), (sentence,) = choose_laws(at.neighbours, at.floor, parameters, gap.wish, masses)
+    softer = softened(law, place, columns)
+    sentence += f", in series with {columns.count} columns: {softer.stiffness:.4g} N/m"
+    return Contact(softer, at.gap_m, place.floors, at.pair), Basis(
+        at.pair, at.floor, sentence, (place, columns)
+    )
 
 
 def bumped(contact: Contact, block: RubberBlock) -> Contact:
@@ -156,10 +185,3 @@ def bumped(contact: Contact, block: RubberBlock) -> Contact:
             "thickness_mm of at most the gap"
         )
     return dataclasses.replace(contact, law=block, gap_m=left)
-
-
-def _bumper_basis(bumper: Bumper) -> str:
-    return (
-        f"{RubberBlock.name}: {bumper.area_m2:g} m2 of {bumper.thickness_mm:g} mm and {bumper.modulus_mpa:g} MPa, "
-        f"restitution {bumper.restitution:g}, as stated"
-    )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +17,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.column_hits import Columns
 from pounding.experiments.rig.contact_choice import ContactWish, Parameters
 from pounding.experiments.rig.pounding import one_each
-from pounding.toml_text import shown, tree_of
+from pounding.toml_text import meant, shown, tree_of
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
@@ -211,15 +210,16 @@ def _known_keys(tree: dict[str, Any], where: str) -> None:
         for number, entry in enumerate(entries if isinstance(entries, list) else [], 1):
             if isinstance(entry, dict):
                 _refuse_unknown(entry, structure, f"{where}: [[{table}]] {number}")
+                for inside, own in (("columns", Columns), ("bumper", Bumper)):
+                    if table == "gap" and isinstance(entry.get(inside), dict):
+                        _refuse_unknown(entry[inside], own, f"{where}: [[gap]] {number}: {inside}")
 
 
 def _refuse_unknown(tree: dict[str, Any], structure: type, where: str) -> None:
     known = list(structure.__struct_fields__)  # type: ignore[attr-defined]
     for key in tree:
         if key not in known:
-            near = difflib.get_close_matches(key, known, 1)
-            meant = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
-            raise ExperimentError(f"{where}: {shown(key)} is not a key of a street; {meant}")
+            raise ExperimentError(f"{where}: {shown(key)} is not a key of a street{meant(key, known)}")
 
 
 def _check(street: Street, where: str) -> None:

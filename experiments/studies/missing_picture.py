@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from pounding.experiments.pictures.palette import BLUE, ORANGE
 from pounding.frames.files import replacing
 
 KINDS = (
     ("#d5d8dc", "states of free vibration"),
     ("#56b4e9", "a state for each frame, fitted in each split"),
-    ("#e69f00", "two states chosen beforehand"),
+    (ORANGE, "two states chosen beforehand"),
 )
 """Colour and label of the models by how their frames' states are chosen."""
 
@@ -47,7 +48,7 @@ def picture(rows: Sequence[dict[str, Any]], sap2000: float, path: Path) -> None:
             color="#2c3e50",
             label=None if place else "the six splits",
         )
-    axes.axvline(100 * sap2000, color="#0072b2", ls="--", lw=1.2, label="SAP2000, as printed (not held out)")
+    axes.axvline(100 * sap2000, color=BLUE, ls="--", lw=1.2, label="SAP2000, as printed (not held out)")
     names = [one["model"].split(" + ") for one in rows]
     axes.set_yticks(y, [_numbers(name) for name in names], fontsize=8)
     axes.invert_yaxis()

@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from pounding.experiments.pictures.palette import BLUE, GREEN, PURPLE, VERMILION
 from pounding.experiments.studies.sap2000_model import Real
 from pounding.frames.files import replacing
 
-COLOURS = {"elcentro": "#0072b2", "hachinohe": "#009e73", "northridge": "#d55e00", "kobe": "#cc79a7"}
+COLOURS = {"elcentro": BLUE, "hachinohe": GREEN, "northridge": VERMILION, "kobe": PURPLE}
 NAMES = {"elcentro": "El Centro", "hachinohe": "Hachinohe", "northridge": "Northridge", "kobe": "Kobe"}
 
 

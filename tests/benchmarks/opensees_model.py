@@ -77,7 +77,7 @@ def material(law: str, numbers: dict[str, float], gap_m: float) -> tuple:
     raise ValueError(f"no OpenSees material for {law}")
 
 
-def _frame(first_node: int, frame: LumpedFrame) -> None:
+def add_frame(first_node: int, frame: LumpedFrame) -> None:
     ops.node(first_node, 0.0)
     ops.fix(first_node, 1)
     for storey, (mass, stiffness) in enumerate(
@@ -170,8 +170,8 @@ def _shaken(
     ops.wipe()
     ops.model("basic", "-ndm", 1, "-ndf", 1)
     ops.logFile("/dev/null", "-noEcho")
-    _frame(LEFT, left)
-    _frame(RIGHT, right)
+    add_frame(LEFT, left)
+    add_frame(RIGHT, right)
     ops.uniaxialMaterial(*material(law, numbers, gap_m))
     ops.element("zeroLength", CONTACT, LEFT + floor, RIGHT + floor, "-mat", 1, "-dir", 1, "-doRayleigh", 0)
     ops.timeSeries("Path", 1, "-dt", sample_s, "-values", *acceleration_m_s2.tolist())

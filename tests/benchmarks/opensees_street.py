@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import openseespy.opensees as ops
-from opensees_model import _frame, lumped, material
+from opensees_model import add_frame, lumped, material
 from opensees_peer import numbers, stick
 
 from pounding.contact.parameters import make_law
@@ -36,7 +36,7 @@ def theirs(step_s: float) -> tuple[list[float], list[float]]:
     ops.model("basic", "-ndm", 1, "-ndf", 1)
     ops.logFile("/dev/null", "-noEcho")
     for place, frame in enumerate(ROW):
-        _frame(1000 * place, frame)
+        add_frame(1000 * place, frame)
     for pair in range(2):
         name, _, *values = material(LAW.name, numbers(LAW), GAP_M)
         ops.uniaxialMaterial(name, 1 + pair, *values)

@@ -11,7 +11,7 @@ import pytest
 from pounding.contact.parameters import thesis_law
 from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.fragility.capacity import Limit, passing, touching_intensity
+from pounding.experiments.fragility.capacity import Limit, closings, passing, touching_intensity
 from pounding.experiments.fragility.intensity import Intensity
 from pounding.experiments.fragility.lognormal import Lognormal, band, fit_capacities, fit_counts
 from pounding.experiments.records import find
@@ -26,7 +26,8 @@ RECORDS = (two_sines(1.2), two_sines(1.2).flipped())
 
 def test_at_the_touching_intensity_the_floors_begin_to_touch() -> None:
     for record in RECORDS:
-        critical = touching_intensity(FRAMES, [CONTACT], record, record.pga_g)
+        closing = closings(FRAMES, [CONTACT], record)
+        critical = touching_intensity(closing, [CONTACT], record.name, record.pga_g)
         factors = critical / record.pga_g * np.array([[0.995, 1.01]])
         (below, above), *_ = passing(FRAMES, [CONTACT], [record], factors, [Limit("force", 0.0)])[0]
         assert not below

@@ -110,7 +110,7 @@ def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
     [
         ("gap_mm = 3", "gap_mm = -3", "gap_mm is -3 mm; it must be"),
         ("gap_mm = 3", "gap_mm = nan", "gap_mm is nan mm"),
-        ("gap_mm = 3", "gap_m = 3", "did you mean gap_mm"),
+        ("gap_mm = 3", "gap_m = 3", "expected gap_mm (mind the unit)"),
         ("gap_mm = 3", "gap_mm = []", "gap_mm is empty"),
         ("gap_mm = 3", 'gap_mm = "3"', "Expected"),
         ("gap_mm = 3", 'gap_mm = 3\nlaw = "hertzz"', "hertzz"),

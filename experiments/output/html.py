@@ -1,0 +1,12 @@
+"""The HTML templates of this room."""
+
+from __future__ import annotations
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+TEMPLATES = Environment(
+    loader=PackageLoader("pounding.experiments.output", "templates"),
+    autoescape=True,
+    undefined=StrictUndefined,
+)
+"""Values are escaped, and one that is missing is an error."""
