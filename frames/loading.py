@@ -15,7 +15,7 @@ import msgspec
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.storey_laws import KINDS
-from pounding.toml_text import meant, shown, tree_of
+from pounding.toml_text import meant, plainly, shown, tree_of
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
 """Order in which the shipped frames are shown: those of Table 3.1 first."""
@@ -94,7 +94,7 @@ def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None
     except (msgspec.ValidationError, OverflowError) as error:
         # A FrameError of our own checks comes wrapped; it is a sentence already.
         cause = error.__cause__
-        reason = str(cause) if isinstance(cause, FrameError) else str(error)
+        reason = str(cause) if isinstance(cause, FrameError) else plainly(error)
         raise FrameError(f"{place}: {reason}") from error
 
 

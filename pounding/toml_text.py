@@ -61,3 +61,45 @@ def meant(key: str, known: Sequence[str]) -> str:
         return f"; expected {same[0]} (mind the unit)"
     near = difflib.get_close_matches(key, known, 1)
     return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
+
+
+KINDS = {
+    "int": "a whole number",
+    "float": "a number",
+    "str": "a text in quotes",
+    "array": "a list in square brackets",
+    "object": "a table",
+    "bool": "true or false",
+}
+"""Kinds of values as msgspec calls them, in words."""
+
+
+def in_words(message: str) -> str:
+    """Return what msgspec says of a value of the wrong kind, without its own words.
+
+    Args:
+        message: Its message, such as ``Expected `int`, got `float```; another one is returned as it is.
+    """
+    found = re.fullmatch(r"Expected `([^`]+)`, got `([^`]+)`", message)
+    if found is None:
+        return message
+    wanted = [KINDS.get(kind, kind) for kind in found[1].split(" | ") if kind != "null"]
+    got = "a number with a fraction" if found[2] == "float" else KINDS.get(found[2], found[2])
+    return f"expected {' or '.join(wanted)}, found {got}"
+
+
+def plainly(error: Exception) -> str:
+    """Return what is wrong with a value and where, of an error of msgspec: ``count of columns of gap 1: expected ...``.
+
+    Args:
+        error: What `msgspec.convert` raised.
+    """
+    message, _, path = str(error).partition(" - at `$")
+    # Lists count from 0 there, and from 1 for a person.
+    steps = [
+        name + (f" {int(number) + 1}" if number else "")
+        for name, number in re.findall(r"\.(\w+)(?:\[(\d+)\])?", path)
+    ]
+    missing = re.fullmatch(r"Object missing required field `(.+)`", message)
+    said = f"the key {missing[1]} is missing; add it" if missing else in_words(message)
+    return f"{' of '.join(reversed(steps))}: {said}" if steps else said

@@ -16,7 +16,7 @@ from pounding.diagnosis.case.places import FILE, Places
 from pounding.diagnosis.case.tables import ChannelTable, ContactTable, Description, FrameTable, RunTable
 from pounding.diagnosis.errors import CaseError
 from pounding.frames.definition import PlateFrame, StickFrame
-from pounding.toml_text import tree_of
+from pounding.toml_text import in_words, tree_of
 
 TABLES: dict[str, type[msgspec.Struct]] = {
     "frame": FrameTable,
@@ -125,7 +125,8 @@ def _convert(raw: dict[str, Any], places: Places) -> Description:
             what = f"{name}the key {missing[1]!r} is missing; add it"
             raise places.error(what, table, number) from None
         named = f"`{key}`: " if key else ""
-        what = f"{name}{named}{message[0].lower()}{message[1:]}; correct the value"
+        said = in_words(message)
+        what = f"{name}{named}{said[0].lower()}{said[1:]}; correct the value"
         raise places.error(what, table, number, key) from None
 
 

@@ -22,7 +22,7 @@ from pounding.experiments import csv_table
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.measurements.quantities import BOUNDS, UNITS
 from pounding.experiments.text_file import read_text
-from pounding.toml_text import tree_of
+from pounding.toml_text import plainly, tree_of
 from pounding.units import named
 
 Real = NDArray[np.floating[Any]]
@@ -156,7 +156,7 @@ def _described(path: Path) -> dict[str, _Column]:
     try:
         entries = msgspec.convert(tree, _Described).columns()
     except (msgspec.ValidationError, OverflowError) as error:
-        raise ExperimentError(f"{path}: {error}; correct the value") from error
+        raise ExperimentError(f"{path}: {plainly(error)}; correct the value") from error
     return {entry.name: entry for entry in entries if entry.quantity in UNITS}
 
 

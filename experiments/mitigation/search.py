@@ -89,7 +89,7 @@ def compare(
     evaluations: int = 25,
     progress: Callable[[str, int], None] | None = None,
 ) -> list[Answer]:
-    """Return what each measure can do for a street under records, the street as it is first.
+    """Return what each measure can do for a street under records, the street as it is first, and alone if nothing touches.
 
     Args:
         street: The street.
@@ -113,7 +113,9 @@ def compare(
         as_it_is = respond(street)
         answers = []
         for measure in measures(street, as_it_is.required_gap_mm):
-            if measure.name == "none" or not names or measure.name in names:
+            # Where nothing touches there is nothing to do.
+            wanted = as_it_is.touches > 0 and (not names or measure.name in names)
+            if measure.name == "none" or wanted:
                 told = _Told(measure.name, progress)
                 answers.append(_best(measure, respond, objective, evaluations, told))
     return answers

@@ -17,7 +17,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.column_hits import Columns
 from pounding.experiments.rig.contact_choice import ContactWish, Parameters
 from pounding.experiments.rig.pounding import one_each
-from pounding.toml_text import meant, shown, tree_of
+from pounding.toml_text import meant, plainly, shown, tree_of
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
@@ -180,7 +180,7 @@ def load_street(path: str | Path) -> Street:
     try:
         street = msgspec.convert(tree, Street)
     except (msgspec.ValidationError, OverflowError) as error:
-        raise ExperimentError(f"{where}: {error}") from error
+        raise ExperimentError(f"{where}: {plainly(error)}") from error
     _check(street, where)
     beside = Path(path).parent
     return Street(tuple(_found(one, beside) for one in street.building), street.gap)

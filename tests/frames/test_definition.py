@@ -80,7 +80,7 @@ WRONG = {
     "damping_ratio = 0.005": ("damping_ratio = 1.5", "0.5 % is 0.005"),
     'kind = "plate"': ('kind = "dome"', 'must be "plate" or "stick"'),
     "[plate]": ("colour = 3\n[plate]", "'colour' is not a key of a frame"),
-    "length_m = 0.4": ('length_m = "long"', "Expected `float`"),
+    "length_m = 0.4": ('length_m = "long"', "length_m of plate: expected a number, found a text in quotes"),
     "[columns]": ("[columns", "not TOML"),
     "kind": ("added_mass_kg = [1.0, -2.0, 0.0]\nkind", "added_mass_kg of floor 2 is -2.0"),
     "storeys = 3\n": ("storeys = 3\nnonstructural_mass_kg = -40.0\n", "must stay positive"),

@@ -253,7 +253,11 @@ def test_other_spellings_of_a_unit_are_the_unit(folder: Path, written: str, mean
         ),
         ("floor = 2\nquantity", "floor = 0\nquantity", "of floor 0, the table, is zero by definition"),
         ("floor = 2\nquantity", "flor = 2\nquantity", "line 28: channel 'd2': unknown key 'flor'.*'floor'"),
-        ("floor = 2\nquantity", "floor = 2.5\nquantity", "channel 'd2': `floor`: expected `int"),
+        (
+            "floor = 2\nquantity",
+            "floor = 2.5\nquantity",
+            "channel 'd2': `floor`: expected a whole number, found",
+        ),
         ('frame = "5B"\nfloor', 'frame = "5A"\nfloor', "'d2': frame '5A' is not in the case"),
         ('frame = "5B"\nfloor', "floor", "the key 'frame' is missing"),
         ('name = "force"', 'name = "d2"', "channel 'd2' stands there twice"),

@@ -112,6 +112,11 @@ def test_links_beside_contacts_off_the_middle_are_refused_before_any_run() -> No
         compare(twisted, [RECORD])
 
 
+def test_where_nothing_touches_nothing_is_tried() -> None:
+    answers = compare(street(gap_m=1.0), [RECORD])
+    assert [answer.measure.name for answer in answers] == ["none"]
+
+
 def test_floors_that_lie_against_each_other_are_refused() -> None:
     with pytest.raises(ExperimentError, match="leave no room for a measure between them"):
         compare(street(gap_m=0.0), [RECORD])

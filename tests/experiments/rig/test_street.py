@@ -112,7 +112,17 @@ def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
         ("gap_mm = 3", "gap_mm = nan", "gap_mm is nan mm"),
         ("gap_mm = 3", "gap_m = 3", "expected gap_mm (mind the unit)"),
         ("gap_mm = 3", "gap_mm = []", "gap_mm is empty"),
-        ("gap_mm = 3", 'gap_mm = "3"', "Expected"),
+        (
+            "gap_mm = 3",
+            'gap_mm = "3"',
+            "gap_mm of gap 1: expected a number or a list in square brackets, found a text",
+        ),
+        ('frame = "10"', "name = 'x'", "building 2: the key frame is missing; add it"),
+        (
+            "gap_mm = 3",
+            "gap_mm = 3\ncolumns = { count = 2.5, depth_m = 1, width_m = 1 }",
+            "count of columns of gap 1: expected a whole number, found a number with a fraction",
+        ),
         ("gap_mm = 3", 'gap_mm = 3\nlaw = "hertzz"', "hertzz"),
         ("gap_mm = 3", "gap_mm = 3\nstiffness = -1", "stiffness is -1"),
         ("[[gap]]\ngap_mm = 3\n", "", "1 [[gap]] for 3 buildings; give 2"),
