@@ -19,7 +19,7 @@ from PIL import Image
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue_page import shown, tables
 from pounding.diagnosis.effects.describing import Curves, Sketch, nothing, relation
-from pounding.diagnosis.report.palette import GREY, ORANGE
+from pounding.experiments.pictures.palette import GREY, ORANGE
 
 COLUMNS = 5
 PAGE = Path(__file__).parent / "catalogue.md"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +65,13 @@ def test_the_documentation_has_what_the_effects_say() -> None:
     for heading, table in tables(kinds()).items():
         section = page.split(f"## {heading}\n")[1].split("\n## ")[0]
         assert table in section, "run `python docs/diagnosis/sketches.py`"
+
+
+def test_the_script_that_draws_the_page_runs_and_has_a_panel_for_every_effect() -> None:
+    script = runpy.run_path(str(PAGE.parent / "sketches.py"))
+    assert script["PAGE"] == PAGE
+    drawn = {name for name, _ in script["panels"]()}
+    assert {kind.name for kind in shown(kinds())} < drawn
 
 
 def test_every_effect_that_may_be_named_is_described() -> None:
