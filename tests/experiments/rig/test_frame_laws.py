@@ -98,7 +98,7 @@ def test_the_required_gap_of_a_frame_with_laws_is_that_of_its_run() -> None:
 @pytest.mark.parametrize(
     ("law", "said"),
     [
-        ('kind = "friction"\nstorey = 3', "Object missing required field `force_n`"),
+        ('kind = "friction"\nstorey = 3', "the key force_n is missing; add it"),
         ('kind = "cubic"\nstorey = 3\nstiffness_n_per_m3 = 1', "storey_law 1: storey is 3, must be 1 to 2"),
         ('kind = "drag"\nfloor = 0\ncoefficient_n_s2_per_m2 = 1', "storey_law 1: floor is 0, must be 1 to 2"),
         ('kind = "damper"\nstorey = 1\ndamping_n_s_per_m = nan', "storey_law 1: damping_n_s_per_m is nan"),
