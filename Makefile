@@ -36,7 +36,6 @@ types: $(VENV)/installed
 	$(BIN)/mypy
 
 docs: $(VENV)/installed
-	rm -rf docs/reference
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs docs/_build/html
 
 # pounding/frames and so on are links; git makes text files of them where it may not make links.

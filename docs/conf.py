@@ -7,6 +7,7 @@ from pathlib import Path
 from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.ext.napoleon import GoogleDocstring
+from sphinx_gallery.sorting import ExplicitOrder
 
 project = "pounding"
 author = "the pounding developers"
@@ -18,19 +19,53 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 napoleon_google_docstring = True
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "gallery"]
+
+# The scripts of the gallery run when the documentation is built, those that changed since it was built last.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "examples",
+    "subsection_order": ["gallery/frames", "gallery/contact", "gallery/experiments", "gallery/diagnosis"],
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "only_warn_on_example_error": False,
+    "reset_modules": ("matplotlib",),
+    "download_all_examples": False,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "write_computation_times": False,
+    "thumbnail_size": (400, 280),
+    "capture_repr": (),
+}
 html_theme = "furo"
 html_math_renderer = "mathml"
 html_title = "pounding"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_theme_options = {"top_of_page_buttons": []}
+
+# Each script of docs/gallery runs, unless it is as it was in the last build; pages and pictures go to docs/auto_gallery.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "filename_pattern": r"\.py$",
+    "subsection_order": ExplicitOrder(
+        [f"gallery/{room}" for room in ("frames", "contact", "experiments", "diagnosis")]
+    ),
+    "image_srcset": ["2x"],
+    "thumbnail_size": (440, 308),
+    "download_all_examples": False,
+    "show_signature": False,
+    "min_reported_time": 1,
+}
 
 # In a docstring a name between single backticks is a link where the reference has it, and code elsewhere.
 default_role = "py:obj"

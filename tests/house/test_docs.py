@@ -23,7 +23,7 @@ A_STUDY = re.compile(r"pounding study ([a-z][a-z0-9-]*)")
 A_VERB = re.compile(r"^(?:\$ )?(?:\.venv/bin/)?pounding ([a-z]+(?:-[a-z]+)*)\b", re.MULTILINE)
 CODE = re.compile(r"^```.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 
-GENERATED = ("docs/_build", "docs/reference/")
+GENERATED = ("docs/_build", "docs/examples/")
 """What the build of the documentation writes, and what no clone has."""
 
 
