@@ -64,8 +64,8 @@ SHORTENED = Afresh(((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05)))
 steps in the direction of Gauss and Newton get further."""
 PIECE = 2048
 """Rows of which products are taken at a time."""
-STRIDES = (0.1, 0.03, 0.01)
-"""Strides of the search along single coordinates."""
+STRIDE = 0.1
+"""First stride of the search along single coordinates."""
 
 
 class Likelihood(Protocol):
@@ -235,7 +235,7 @@ def descend(
                 moved, last = trial, damping
                 break
         if posterior.kinked and before - after < SETTINGS.refinement.strides_below:
-            moved, after = _strides(posterior, moved, min(after, before))
+            moved, after = _along_each(posterior, moved, min(after, before))
         if after >= before:
             break
         settled = posterior.settled(moved)
@@ -247,23 +247,50 @@ def descend(
     return posterior, theta
 
 
-def _strides(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.ndarray, float]:
+def _along_each(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.ndarray, float]:
     """Return parameters and cost after a search along single coordinates."""
-    for stride in STRIDES:
-        for j in posterior.kinked:
-            for sign in (1.0, -1.0):
-                gained = False
-                while True:
-                    moved = theta.copy()
-                    moved[j] += sign * stride
-                    tried = posterior.cost(moved)
-                    if tried > cost - SETTINGS.refinement.stride_gain:
-                        break
-                    theta, cost, gained = moved, tried, True
-                if gained:
-                    # The way back leads where it came from.
-                    break
+    for j in posterior.kinked:
+        theta, cost = _along(posterior, theta, cost, j)
     return theta, cost
+
+
+def _along(posterior: Posterior, theta: np.ndarray, cost: float, j: int) -> tuple[np.ndarray, float]:
+    """Return parameters and cost after a search along one coordinate: strides that grow, then a parabola's vertex."""
+    enough = SETTINGS.refinement.stride_gain
+
+    def at(moved: float) -> tuple[np.ndarray, float]:
+        there = theta.copy()
+        there[j] += moved
+        return there, posterior.cost(there)
+
+    beside = []
+    for stride in (STRIDE, -STRIDE):
+        there, tried = at(stride)
+        if tried < cost - enough:
+            return _onwards(posterior, there, tried, j, 2 * stride)
+        beside.append(tried)
+    bend = sum(beside) - 2 * cost
+    if not (np.isfinite(bend) and bend > 0.0):
+        return theta, cost
+    lean = beside[1] - beside[0]
+    if lean**2 < 8 * bend * enough:
+        # The vertex of the parabola through the three lies less than that below.
+        return theta, cost
+    there, tried = at(STRIDE * lean / (2 * bend))
+    return (there, tried) if tried < cost - enough else (theta, cost)
+
+
+def _onwards(
+    posterior: Posterior, theta: np.ndarray, cost: float, j: int, stride: float
+) -> tuple[np.ndarray, float]:
+    """Return parameters and cost after strides along a coordinate, each twice the last, as long as they gain."""
+    while True:
+        there = theta.copy()
+        there[j] += stride
+        tried = posterior.cost(there)
+        if not tried < cost - SETTINGS.refinement.stride_gain:
+            return theta, cost
+        theta, cost, stride = there, tried, 2 * stride
 
 
 def _log_inside(lower: float, upper: float) -> float:

@@ -84,6 +84,7 @@ class Model:
         ]
         self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
         self._last_table: dict[int, tuple[tuple[float, float, int], np.ndarray]] = {}
+        self._last_measured: dict[int, tuple[bytes, np.ndarray]] = {}
         self._last_plain: tuple[bytes, Assembly] | None = None
         self._own: np.ndarray | None = None
 
@@ -324,17 +325,19 @@ class Model:
                 outputs[:, channel] = shift(
                     outputs[:, channel], run.step_s, -late * (1 + clock), -clock / (1 + clock)
                 )
-        return innovations * factor, before, after, (outputs + added) * factor + assembly.channel_offset
+        if added is not None:
+            outputs += added
+        return innovations * factor, before, after, outputs * factor + assembly.channel_offset
 
     def _inputs(
         self, assembly: Assembly, modes: Modes, number: int, run: RunData
-    ) -> tuple[KnownForces, np.ndarray, np.ndarray]:
-        """Return known forces, the table at midpoints (samples, substeps), and what the tilt adds to the channels."""
+    ) -> tuple[KnownForces, np.ndarray, np.ndarray | None]:
+        """Return known forces, the table at midpoints (samples, substeps), and what a tilt adds to the channels."""
         samples, substeps = len(run.table), run.substeps
         middle = (np.arange(samples)[:, None] + (np.arange(substeps)[None, :] + 0.5) / substeps) * run.step_s
         at = np.arange(samples) * run.step_s
         known = KnownForces.none(samples, substeps, len(modes.omega))
-        added = np.zeros((samples, len(self.observed.names)))
+        added = None
         for column, (left, right) in enumerate(self.observed.contact_floors):
             direction = modes.floors[right] - modes.floors[left]
             known = known.with_one(
@@ -343,7 +346,7 @@ class Model:
                 direction,
             )
         if assembly.table_tilt:
-            known = tilt_inputs(self, assembly, modes, number, middle, at, known, added)
+            known, added = tilt_inputs(self, assembly, modes, number, middle, at, known)
         return known, self._table_between(assembly, number, middle), added
 
     def _table_between(self, assembly: Assembly, number: int, middle: np.ndarray) -> np.ndarray:
@@ -370,8 +373,22 @@ class Model:
                 force[event.within(times_s)] *= 1.0 + gain
         return force
 
-    def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray) -> np.ndarray:
+    def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray | None) -> np.ndarray:
         """Return the measured channels without the gain, delay, clock and offset that the assembly gives their sensors."""
+        sensors = (
+            assembly.channel_gain,
+            assembly.channel_offset,
+            assembly.channel_delay_s,
+            assembly.channel_clock,
+        )
+        key = np.concatenate(sensors).tobytes()
+        last = self._last_measured.get(number)
+        if last is None or last[0] != key:
+            # Slopes and searches of effects leave the sensors alone.
+            self._last_measured[number] = last = key, self._by_sensors(assembly, number, run)
+        return last[1] if added is None else np.asarray(last[1] - added)
+
+    def _by_sensors(self, assembly: Assembly, number: int, run: RunData) -> np.ndarray:
         measured = run.measured
         untimely = _untimely(assembly)
         if len(untimely):
@@ -379,7 +396,7 @@ class Model:
             for channel in untimely:
                 late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
                 measured[:, channel] = self._retimed(number, int(channel), late, clock)
-        return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain) - added)
+        return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain))
 
     def _retimed(self, number: int, channel: int, delay_s: float, clock: float) -> np.ndarray:
         key = (number, channel, round(delay_s, 8), round(clock, 9))

@@ -26,8 +26,12 @@ TABLE_MOVED, TABLE_VELOCITY = -2, -1
 LEAK = 2.0 * math.pi * 0.002
 """[rad/s] below which the table's displacement, integrated from its acceleration, is forgotten: far below a run's."""
 
+CONTRACT = {"contract"}
+"""Freedom of the compiler: product and sum may be one instruction, which rounds once where two do twice. NaN stay NaN, and
+sums keep their order."""
 
-@njit(cache=True, nogil=True, error_model="numpy")
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _effect_forces(
     laws: Real,
     rows: Real,
@@ -61,7 +65,7 @@ def _effect_forces(
             force[m] += rows[j, m] * pull
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _whole_step(steps: Real, decay: Real) -> tuple[Real, Real]:
     """Return what a force at the middle of each substep leaves at the step's end, and the step's transition.
 
@@ -94,7 +98,7 @@ def _whole_step(steps: Real, decay: Real) -> tuple[Real, Real]:
     return left, whole
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def predict(
     modes: Real,
     half: Real,

@@ -62,9 +62,8 @@ def tilt_inputs(
     middle: np.ndarray,
     at: np.ndarray,
     known: KnownForces,
-    added: np.ndarray,
-) -> KnownForces:
-    """Return known forces with those of an assembly's tilt, and add to what the channels see, in place.
+) -> tuple[KnownForces, np.ndarray]:
+    """Return known forces with those of an assembly's tilt, and what it adds to the channels [SI], (samples, channels).
 
     The inertia of the pitching floors is left out of the forces at the samples: an absolute acceleration shows it
     through the floors' own motion, not at once.
@@ -77,12 +76,10 @@ def tilt_inputs(
         middle: Midpoints of the substeps [s], shape (samples, substeps).
         at: Times of the samples [s], shape (samples,).
         known: The other known forces.
-        added: What is added to the channels in SI, shape (samples, channels).
     """
     run = model.observed.runs[number]
     pitch, pitching, inertia, weight, seen = tilt_series(model, modes, run)
     size = assembly.table_tilt
     series = [(np.interp(middle, at, one), one) for one in (pitch, pitching)]
-    added += size * pitch[:, None] * seen
     leaning = known.with_one(*series[0], size * weight)
-    return leaning.with_one(*series[1], -size * inertia, at_samples=False)
+    return leaning.with_one(*series[1], -size * inertia, at_samples=False), size * pitch[:, None] * seen

@@ -37,7 +37,7 @@ NO_THRESHOLDS = {
         "numbers.PROBE",
         "posterior.DAMPED",
         "posterior.SHORTENED",
-        "posterior.STRIDES",
+        "posterior.STRIDE",
         "posterior.PIECE",
         "evidence.AT_ONCE",
         "contacts.REACH",
