@@ -55,7 +55,7 @@ def search(
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
         null = again
-        found = _refined_best(model, null, effects, runs, progress)
+        found = _refined_best(model, null, effects, runs, progress, found)
     if found.judged:
         progress("looking for a second effect", 0.75)
         second(found, effects)
@@ -69,8 +69,9 @@ def _refined_best(
     effects: Sequence[Effect],
     runs: tuple[tuple[int, ...], tuple[int, ...]],
     progress: Progress,
+    before: Findings | None = None,
 ) -> Findings:
-    """Return the findings of single effects about a null model."""
+    """Return the findings of single effects about a null model, those about another one before it among them."""
     progress("scoring the catalogue", 0.25)
     sizes = scales(model, null.filtered)
     scores = score(model, null.filtered, effects, sizes)
@@ -101,11 +102,14 @@ def _refined_best(
     for fits in each(found, further, order, told):
         for fit in fits:
             keep(found, fit)
+    for one in before.judged if before is not None else []:
+        keep(found, one.fit)
     turned(found, effects)
     ticked(found)
     weighed(found)
     from_baseline(found)
-    if unexplained(found, best(found)) or bent(model, best(found).fit.filtered):
+    if before is None and (unexplained(found, best(found)) or bent(model, best(found).fit.filtered)):
+        # What starts from the baseline model is the same about any null model.
         progress("trying larger effects", 0.65)
         rescue(found, effects)
     faded(found)

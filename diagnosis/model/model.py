@@ -373,7 +373,9 @@ class Model:
                 force[event.within(times_s)] *= 1.0 + gain
         return force
 
-    def _corrected(self, assembly: Assembly, number: int, run: RunData, added: np.ndarray | None) -> np.ndarray:
+    def _corrected(
+        self, assembly: Assembly, number: int, run: RunData, added: np.ndarray | None
+    ) -> np.ndarray:
         """Return the measured channels without the gain, delay, clock and offset that the assembly gives their sensors."""
         sensors = (
             assembly.channel_gain,
