@@ -273,7 +273,7 @@ def _along(posterior: Posterior, theta: np.ndarray, cost: float, j: int) -> tupl
     if not (np.isfinite(bend) and bend > 0.0):
         return theta, cost
     lean = beside[1] - beside[0]
-    if lean**2 < 8 * bend * enough:
+    if abs(lean) < np.sqrt(8 * bend * enough):
         # The vertex of the parabola through the three lies less than that below.
         return theta, cost
     there, tried = at(STRIDE * lean / (2 * bend))

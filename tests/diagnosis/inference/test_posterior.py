@@ -16,10 +16,12 @@ from pounding.diagnosis.inference.posterior import (
     Marquardt,
     Posterior,
     Trials,
+    _along,
     add_products,
     bounded_step,
     descend,
 )
+from pounding.diagnosis.settings import SETTINGS
 
 RNG = np.random.default_rng(3)
 COLUMNS = RNG.normal(size=(40, 3)) * [3.0, 1.0, 0.2]
@@ -110,6 +112,27 @@ def test_what_slopes_do_not_see_is_searched_along_its_coordinate() -> None:
     costs = [one.cost(descend(one, np.zeros(3), 20)[1]) for one in (whole, blind)]
     best = whole.cost(exact(Curve()))
     assert costs[0] < best + 0.5 < costs[1]
+
+
+def test_a_search_along_a_coordinate_ends_at_the_vertex_of_a_parabola() -> None:
+    whole = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
+    start = np.array([0.8, -1.5, 0.33])
+    theta, cost = _along(whole, start, whole.cost(start), 2)
+    least = min(whole.cost(np.array([0.8, -1.5, x])) for x in np.linspace(-2.0, 2.0, 4001))
+    assert cost == whole.cost(theta) == pytest.approx(least, abs=1e-4)
+
+
+class Walled(Kink):
+    """The same, beside a wall so steep that its square is beyond a float."""
+
+    def cost(self, theta: np.ndarray) -> float:
+        return 1e200 if theta[2] < 0.3 else super().cost(theta)
+
+
+def test_a_search_along_a_coordinate_stands_a_wall() -> None:
+    whole = Posterior((Walled(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
+    start = np.array([0.8, -1.5, 0.38])
+    assert _along(whole, start, whole.cost(start), 2)[1] <= whole.cost(start)
 
 
 class Explosive(Curve):
