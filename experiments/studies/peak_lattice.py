@@ -138,15 +138,19 @@ class PeakLattice:
         return np.asarray((1 - weight) * table[..., lower, :] + weight * table[..., lower + 1, :])
 
     @cached_property
-    def errors(self) -> dict[str, Real]:
-        """abs(ours - measured) / measured of each frame, (states, factors, ratios, gains, floors, records, sides)."""
+    def predictions(self) -> dict[str, Real]:
+        """Peaks [mm] of each frame by all models, (states, factors, ratios, gains, floors, records, sides)."""
         found = {}
         for name in FRAMES:
             peaks = np.array([[self.peaks(name, state, float(f)) for f in FACTORS] for state in PLACES])
             peaks = np.moveaxis(peaks, -1, 2)[:, :, :, None]
-            ours = GAINS[:, None, None, None] * peaks
-            found[name] = np.abs(ours / self.measured[name] - 1.0)
+            found[name] = np.asarray(GAINS[:, None, None, None] * peaks)
         return found
+
+    @cached_property
+    def errors(self) -> dict[str, Real]:
+        """abs(ours - measured) / measured of each frame, shapes as of `predictions`."""
+        return {name: np.abs(self.predictions[name] / self.measured[name] - 1.0) for name in FRAMES}
 
     def fit(
         self, freedom: Freedom, records: Sequence[int], frames: Sequence[str] = FRAMES, every: bool = False
@@ -160,7 +164,7 @@ class PeakLattice:
             every: Whether contested peaks are used, too.
         """
         states: dict[str, Frequency] = {}
-        each = {name: self._summed(name, freedom, records, every) for name in frames}
+        each = {name: self.summed(name, freedom, records, every) for name in frames}
         total = np.sum([sums.min(axis=0) for sums, _ in each.values()], axis=0)
         count = sum(counted for _, counted in each.values())
         factor, ratio, gain = (int(one) for one in np.unravel_index(int(np.argmin(total)), total.shape))
@@ -182,17 +186,43 @@ class PeakLattice:
             frames: Frames whose peaks are used.
             every: Whether contested peaks are used, too.
         """
-        ratio, total, count = RATIOS.index(chosen.setting.damping), 0.0, 0
+        ratio, setting = RATIOS.index(chosen.setting.damping), chosen.setting
+        peaks = {
+            name: setting.gain * self.peaks(name, chosen.states[name], setting.factor)[..., ratio]
+            for name in frames
+        }
+        return self.error_of(peaks, records, frames, every)
+
+    def error_of(
+        self,
+        peaks: dict[str, Real],
+        records: Sequence[int],
+        frames: Sequence[str] = FRAMES,
+        every: bool = False,
+    ) -> float:
+        """Return the mean error of predicted peaks [-].
+
+        Args:
+            peaks: Predicted peaks of each frame [mm], shape (floors, records, sides).
+            records: Numbers of the records whose peaks are used.
+            frames: Frames whose peaks are used.
+            every: Whether contested peaks are used, too.
+        """
+        total, count = 0.0, 0
         for name in frames:
-            peaks = self.peaks(name, chosen.states[name], chosen.setting.factor)[..., ratio]
-            off = np.abs(chosen.setting.gain * peaks / self.measured[name] - 1.0)[
-                self._used(name, records, every)
-            ]
+            off = np.abs(peaks[name] / self.measured[name] - 1.0)[self._used(name, records, every)]
             total, count = total + float(off.sum()), count + off.size
         return total / count
 
-    def _summed(self, name: str, freedom: Freedom, records: Sequence[int], every: bool) -> tuple[Real, int]:
-        """Return sums of errors, (allowed states, factors, ratios, gains), and how many peaks they are of."""
+    def summed(self, name: str, freedom: Freedom, records: Sequence[int], every: bool) -> tuple[Real, int]:
+        """Return sums of errors, (allowed states, factors, ratios, gains), and how many peaks they are of.
+
+        Args:
+            name: Name of the frame.
+            freedom: What may be chosen.
+            records: Numbers of the records whose peaks are used.
+            every: Whether contested peaks are used, too.
+        """
         factors, ratios, gains = self._grids(freedom)
         chosen = [PLACES.index(state) for state in freedom.allowed(name)]
         used = self._used(name, records, every)

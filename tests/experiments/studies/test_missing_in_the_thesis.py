@@ -5,6 +5,7 @@ import pytest
 
 from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.studies import foretold, peak_lattice
+from pounding.experiments.studies.averaged_peaks import averaged, averaged_errors, weighted_median
 from pounding.experiments.studies.frame_states import (
     TWO_STATES,
     Setting,
@@ -91,6 +92,33 @@ def test_the_model_picked_inside_a_split_is_one_of_those_offered(lattice, monkey
     assert len(picked) == 6
     assert set(picked) <= set(offered)
     assert 0.05 < error < 0.3
+
+
+def test_a_weighted_median_has_half_of_the_weight_on_each_side():
+    values = np.array([[3.0, 1.0], [1.0, 2.0], [2.0, 9.0]])
+    assert weighted_median(values, np.array([0.6, 0.3, 0.1])).tolist() == [3.0, 1.0]
+    assert weighted_median(values, np.array([0.2, 0.3, 0.5])).tolist() == [2.0, 2.0]
+
+
+def test_the_average_of_all_models_is_the_hidden_one_where_the_fitted_peaks_tell_it(lattice, monkeypatch):
+    monkeypatch.setattr(peak_lattice, "RATIOS", (None, 0.01, 0.02))
+    rng = np.random.default_rng(2)
+    truth = {name: 0.85 * lattice.peaks(name, TWO_STATES[name], 0.98)[..., 2] for name in FRAMES}
+    noisy = {name: peaks * (1 + 0.01 * rng.standard_normal(peaks.shape)) for name, peaks in truth.items()}
+    monkeypatch.setattr(lattice, "measured", noisy)
+    lattice.__dict__.pop("errors", None)
+    errors = averaged_errors(lattice, 2)
+    before = averaged(lattice, [0, 1])
+    changed = {name: peaks.copy() for name, peaks in noisy.items()}
+    for peaks in changed.values():
+        peaks[:, 2:] *= 3.0
+    monkeypatch.setattr(lattice, "measured", changed)
+    lattice.__dict__.pop("errors", None)
+    after = averaged(lattice, [0, 1])
+    lattice.__dict__.pop("errors", None)
+    assert len(errors) == 6
+    assert max(errors) < 0.015
+    assert all(np.array_equal(before[name], after[name]) for name in FRAMES)
 
 
 def test_every_model_is_named_and_those_with_states_chosen_beforehand_say_so():
