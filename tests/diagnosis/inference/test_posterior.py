@@ -21,7 +21,6 @@ from pounding.diagnosis.inference.posterior import (
     bounded_step,
     descend,
 )
-from pounding.diagnosis.settings import SETTINGS
 
 RNG = np.random.default_rng(3)
 COLUMNS = RNG.normal(size=(40, 3)) * [3.0, 1.0, 0.2]
