@@ -39,7 +39,7 @@ def build(
     """Return the reduced form of a frame: the baseline model, unless options say otherwise.
 
     Args:
-        frame: A plate frame or a stick; a stick keeps its storeys as they are and takes ``damping`` alone.
+        frame: A plate frame or a stick; a stick keeps its storeys as they are and takes ``damping`` and ``planar`` alone.
         joints: "calibrated" or "rigid".
         p_delta: Whether gravity's geometric stiffness counts.
         damping: Damping ratio of all modes, a fraction; the frame's own when None.
@@ -48,7 +48,7 @@ def build(
         modes: Or keep so many.
         planar: True: only the motions that a shaking along x can excite, on the floors' displacements along
             x. False: all motions, and the floors' displacement along y and rotation about z are kept too.
-            None: True for a frame with a doubly symmetric plan.
+            None: True for a frame with a doubly symmetric plan. A stick keeps the rotation, and needs its torsion for it.
         density: How fine the mesh is.
         rigid_floors: Whether floors are rigid in their plane.
         use_cache: Whether a result on disk may be used and written.
@@ -61,7 +61,7 @@ def build(
         raise FrameError(f"damping: {damping} is not a fraction from 0 to below 1 (0.5 % is 0.005)")
     if isinstance(frame, StickFrame):
         with _solvable(frame):
-            return stick.build(frame, damping)
+            return stick.build(frame, damping, planar=planar)
     if keep_hz is not None and modes is not None:
         raise FrameError("reduction: give either keep_hz or modes")
     symmetric = is_symmetric(frame)

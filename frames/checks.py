@@ -15,7 +15,7 @@ from pounding.scale import scale_of
 from pounding.toml_text import shown
 
 if TYPE_CHECKING:
-    from pounding.frames.definition import Matrices, ModeTable, PlateFrame, Slab, StickFrame
+    from pounding.frames.definition import Matrices, ModeTable, PlateFrame, Slab, StickFrame, Torsion
 
 EDGE = 1e-9
 """Round-off allowed when a column stands on the edge of the floor [m]."""
@@ -113,6 +113,50 @@ def stick_frame(frame: StickFrame) -> None:
     _scale(name, frame.scale)
     if frame.slab is not None:
         _slab(name, frame.slab)
+    if frame.torsion is not None:
+        _torsion(name, frame, frame.torsion)
+
+
+def _torsion(name: str, frame: StickFrame, torsion: Torsion) -> None:
+    if (torsion.frequency_ratio is None) == (not torsion.stiffness_n_m_per_rad):
+        stated = "none" if torsion.frequency_ratio is None else "both"
+        raise FrameError(
+            f"{name}: torsion needs either frequency_ratio or stiffness_n_m_per_rad, one of them ({stated} is stated)"
+        )
+    if torsion.frequency_ratio is not None:
+        _within(name, "torsion.frequency_ratio", torsion.frequency_ratio, bounds.FREQUENCY_RATIO)
+    for key, bound in (
+        ("stiffness_n_m_per_rad", bounds.ROTATIONAL_STIFFNESS),
+        ("floor_inertia_kg_m2", bounds.INERTIA),
+    ):
+        values = getattr(torsion, key)
+        _per_storey(name, f"torsion.{key}", values, frame.storeys)
+        for number, value in enumerate(values, 1):
+            _within(name, f"torsion.{key}, value {number}", value, bound)
+    _eccentricity(name, frame, torsion.eccentricity_m)
+    if frame.yielding is not None:
+        raise FrameError(
+            f"{name}: torsion and yielding exclude each other: when a storey yields that turns depends on the place of each "
+            "of its columns, which a stick does not know; leave one out"
+        )
+
+
+def _eccentricity(name: str, frame: StickFrame, stated: float | list[float]) -> None:
+    values = stated if isinstance(stated, list) else [stated]
+    if isinstance(stated, list):
+        _per_storey(name, "torsion.eccentricity_m", stated, frame.storeys, required=True)
+        if frame.stiffness_ratio is not None or frame.modes is not None or frame.matrices is not None:
+            raise FrameError(
+                f"{name}: torsion.eccentricity_m is a list, one for each storey, and only a chain has storeys of its own; "
+                "state one number"
+            )
+    half = frame.plan_m[1] / 2.0
+    for value in values:
+        if not abs(value) <= half:  # true for NaN
+            raise FrameError(
+                f"{name}: torsion.eccentricity_m is {value:g} m, off the floor, whose width (the second of plan_m) is "
+                f"{frame.plan_m[1]:g} m; correct either"
+            )
 
 
 def _one_source(name: str, frame: StickFrame) -> None:

@@ -294,11 +294,37 @@ class Matrices(Data, frozen=True):
     left_out: LeftOut | None = None
 
 
+class Torsion(Data, frozen=True):
+    """How the floors of a stick turn about the vertical; see `pounding.frames.torsion`.
+
+    Attributes:
+        eccentricity_m: Place across the shaking (y) of the centre of stiffness, from the centre of mass in the middle of the
+            plan [m]; one for all storeys, or one for each storey of a chain.
+        stiffness_n_m_per_rad: Torsional stiffness of each storey about its centre of stiffness, from the first up
+            [N m/rad]; empty with ``frequency_ratio``.
+        frequency_ratio: First frequency of the torsion over that of the sway if there were no eccentricity [-]: the
+            torsional radius over the radius of gyration of Eurocode 8.
+        floor_inertia_kg_m2: Moment of inertia of each floor about the vertical through its middle [kg m^2]; empty:
+            that of a uniform floor of the plan.
+    """
+
+    eccentricity_m: float | list[float] = 0.0
+    stiffness_n_m_per_rad: list[float] = []
+    frequency_ratio: float | None = None
+    floor_inertia_kg_m2: list[float] = []
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether a shaking along x turns no floor."""
+        off = self.eccentricity_m
+        return not any(off) if isinstance(off, list) else not off
+
+
 class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     """A frame known by its floors alone: a chain of floor masses on storey springs, or what a table of modes or
     matrices say.
 
-    The storey stiffnesses, some of the lowest frequencies, modes or matrices are stated. What they are taken from (a
+    Its floors move along x; with ``torsion`` they also turn about the vertical. The storey stiffnesses, some of the lowest frequencies, modes or matrices are stated. What they are taken from (a
     test, a code's estimate) holds its own joints and its own weight, so that ``joints`` and ``p_delta`` do
     not change a stick.
 
@@ -324,6 +350,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
         storey_law: Further forces in its storeys and on its floors; see `pounding.frames.storey_laws`.
         scale: Length over that of the building, ``"1:30"`` or a number; see `pounding.frames.scale`.
         slab: The floors' slab, for an estimate of the contact; None where it is not known.
+        torsion: How the floors turn about the vertical; None: they do not.
     """
 
     name: str
@@ -344,6 +371,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     storey_law: list[StatedLaw] = []
     scale: str | float | None = None
     slab: Slab | None = None
+    torsion: Torsion | None = None
 
     def __post_init__(self) -> None:
         checks.stick_frame(self)

@@ -55,8 +55,12 @@ def script(reduced: ReducedFrame) -> str:
         reduced: A stick in its reduced form.
 
     Raises:
-        FrameError: Its mass couples floors, which masses on nodes cannot do, or its storeys yield.
+        FrameError: Its mass couples floors, which masses on nodes cannot do, its floors turn, or its storeys yield.
     """
+    if reduced.turns:
+        raise FrameError(
+            f"frame {reduced.name}: its floors turn, and the script's nodes move along x alone; leave the table torsion out"
+        )
     coupled = np.abs(reduced.mass - np.diag(np.diag(reduced.mass))).max()
     if coupled > ROUND_OFF * np.abs(reduced.mass).max():
         raise FrameError(

@@ -8,10 +8,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding.frames.chain import chain
 from pounding.frames.definition import ModeTable, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.reduction.craig_bampton import dense_modes, modal_damping
 from pounding.frames.reduction.reduced_frame import ReducedFrame
+from pounding.frames.torsion import ratios_of, twisting
 
 Real = NDArray[np.float64]
 
@@ -25,20 +27,32 @@ STEPS = 60
 """Most steps of the search for storey stiffnesses."""
 
 
-def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
-    """Return a stick as a reduced frame; its coordinates are the floors' displacements along x.
+def build(frame: StickFrame, damping: float | None = None, *, planar: bool | None = None) -> ReducedFrame:
+    """Return a stick as a reduced frame: the floors' displacements along x, and their rotations where they turn.
 
     Args:
         frame: The stick.
         damping: Damping ratio of all modes instead of the stick's own, a fraction.
+        planar: True: only the floors' displacements. False: their rotations too. None: rotations where the stick has an
+            eccentricity.
 
     Raises:
-        FrameError: No chain of storeys with these masses has the stated frequencies.
+        FrameError: No chain of storeys with these masses has the stated frequencies, or ``planar`` is not what its
+            torsion allows.
     """
-    mass = mass_matrix(frame)
-    stiffness = stiffness_matrix(frame)
+    mass, stiffness = mass_matrix(frame), stiffness_matrix(frame)
     frequencies, shapes = dense_modes(stiffness, mass)
     ratios = _ratios(frame, frequencies) if damping is None else np.full(frame.storeys, damping)
+    turns = _turns(frame, planar)
+    if turns:
+        assert frame.torsion is not None
+        sways = shapes
+        mass, stiffness = twisting(frame, frame.torsion, mass, stiffness)
+        frequencies, shapes = dense_modes(stiffness, mass)
+        half = slice(frame.storeys, None)
+        _, alone = dense_modes(stiffness[half, half], mass[half, half])
+        ratios = ratios_of(shapes, sways, alone, mass, ratios)
+    still = np.zeros(len(mass) - frame.storeys)
     return ReducedFrame(
         name=frame.name,
         storeys=frame.storeys,
@@ -49,15 +63,29 @@ def build(frame: StickFrame, damping: float | None = None) -> ReducedFrame:
         mass=mass,
         stiffness=stiffness,
         damping=modal_damping(mass, shapes, frequencies, ratios),
-        influence=np.ones(frame.storeys),
+        influence=np.concatenate([np.ones(frame.storeys), still]),
         floor_x=np.arange(frame.storeys),
-        floor_rz=np.arange(0),
+        floor_rz=frame.storeys + np.arange(len(still)),
         frequencies_hz=frequencies,
         shapes=shapes,
         damping_ratios=ratios,
         moving_mass_kg=frame.moving_mass_kg,
-        basis=np.eye(frame.storeys),
+        basis=np.eye(len(mass)),
     )
+
+
+def _turns(frame: StickFrame, planar: bool | None) -> bool:
+    """Return whether the rotations are kept, or raise `FrameError` for what the stick's torsion does not allow."""
+    if frame.torsion is None:
+        if planar is False:
+            raise FrameError(
+                f"frame {frame.name} is a stick whose floors do not turn, as a contact off the middle asks for; state a table "
+                "torsion in its file, or leave y_m out"
+            )
+        return False
+    if planar and not frame.torsion.is_symmetric:
+        raise FrameError(f"frame {frame.name}: it has an eccentricity, planar=True cannot be")
+    return planar is False or not frame.torsion.is_symmetric
 
 
 def _ratios(frame: StickFrame, frequencies_hz: Real) -> Real:
@@ -95,8 +123,8 @@ def caughey(frequencies_hz: Real, ratios: Real) -> Real:
 
 
 def _from_elsewhere(frame: StickFrame) -> dict[str, Any]:
-    """Return modes or matrices for the provenance, so that a result can be made again without their files."""
-    stated = {"modes": frame.modes, "matrices": frame.matrices}
+    """Return modes, matrices and torsion for the provenance, so that a result can be made again without their files."""
+    stated = {"modes": frame.modes, "matrices": frame.matrices, "torsion": frame.torsion}
     return {key: msgspec.to_builtins(value) for key, value in stated.items() if value is not None}
 
 
@@ -121,6 +149,11 @@ def notes(frame: StickFrame) -> list[str]:
         found.append(
             f"condensed to {frame.storeys} floors: {out.rows} rows are left out, with {out.diagonal_mass:.4g} on "
             f"the diagonal of the mass matrix, of which {out.added_to_floors_kg:.4g} kg along x went to the floors"
+        )
+    if frame.torsion is not None and not frame.torsion.is_symmetric:
+        found.append(
+            "the floors turn: the stated stiffnesses or frequencies are those of the sway without eccentricity, whose first "
+            f"frequency is {dense_modes(stiffness_matrix(frame), mass_matrix(frame))[0][0]:.4g} Hz"
         )
     return found
 
@@ -197,13 +230,6 @@ def bending_shear(heights_m: Real, ratio: float) -> Real:
     bending = np.linalg.inv(low**2 * (3.0 * high - low) / 6.0)
     shear = chain(ratio**2 / np.diff(height, prepend=0.0))
     return np.asarray((bending + bending.T) / 2.0 + shear)
-
-
-def chain(storeys: Real) -> Real:
-    """Return the stiffness matrix (n, n) [N/m] of storeys (n,) [N/m] in a row, the first on the base."""
-    storeys = np.asarray(storeys, float)
-    above = np.append(storeys[1:], 0.0)
-    return np.diag(storeys + above) - np.diag(above[:-1], 1) - np.diag(above[:-1], -1)
 
 
 def storey_stiffnesses(frame: StickFrame) -> Real:

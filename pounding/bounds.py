@@ -134,6 +134,8 @@ SWAY = Bound(0.0, 100.0, "m", "no building sways so far")
 PEAK = Bound(1e-9, 1e3, "m", "no sensor resolves less, and no building is taller")
 FORCE = Bound(-1e12, 1e12, "N", "no contact carries more than the weight of a hundred towers")
 
+FREQUENCY_RATIO = Bound(0.05, 20.0, "", "floors turn about as fast as they sway, within a factor of a few")
+INERTIA = Bound(1e-12, 1e13, "kg m^2", "floors lie between a model's block and the largest one")
 STIFFNESS_RATIO = Bound(0.0, 1e3, "", "0 is a wall that bends, 30 nearly a shear frame")
 
 # Counts.

@@ -94,7 +94,7 @@ def _stick(reduced: ReducedFrame) -> Shape:
     for storey in range(1, reduced.storeys + 1):
         first = sum(len(part) for part in nodes)
         nodes.append(np.column_stack([corners, np.full(4, heights[storey])]))
-        rows.append(np.tile(_blend(reduced, storey, 1.0), (4, 1)))
+        rows += [_blend(reduced, storey, 1.0, corner) for corner in corners]
         quads.append(first + np.arange(4)[None, :])
         level.append(storey)
         column.append(False)
@@ -104,20 +104,24 @@ def _stick(reduced: ReducedFrame) -> Shape:
             inwards = y - np.sign(y) * COLUMN * width
             strip = np.array([[x, side, level_z] for level_z in z for side in (y, inwards)])
             nodes.append(strip)
-            rows.append(np.repeat([_blend(reduced, storey, share) for share in bend], 2, axis=0))
+            shares = np.repeat(bend, 2)
+            rows += [
+                _blend(reduced, storey, share, node) for share, node in zip(shares, strip, strict=True)
+            ]
             start = first + 2 * np.arange(PIECES)[:, None]
             quads.append(start + np.array([0, 1, 3, 2]))
             level.extend([storey] * PIECES)
             column.extend([True] * PIECES)
-    follows = np.zeros((3 * sum(len(part) for part in nodes), len(reduced.mass)))
-    follows[0::3] = np.vstack(rows)
+    follows = np.concatenate(rows)
     return Shape(np.vstack(nodes), np.vstack(quads), np.array(level), np.array(column), csr_matrix(follows))
 
 
-def _blend(reduced: ReducedFrame, storey: int, share: float) -> Real:
-    """Return the row (n,) of a place between the floor below (0) and above (1) a storey."""
-    row = np.zeros(len(reduced.mass))
-    row[reduced.floor_x[storey - 1]] += share
-    if storey > 1:
-        row[reduced.floor_x[storey - 2]] += 1.0 - share
-    return row
+def _blend(reduced: ReducedFrame, storey: int, share: float, place: Real) -> Real:
+    """Return the rows (3, n) of a place in plan between the floor below (0) and above (1) a storey."""
+    rows = np.zeros((3, len(reduced.mass)))
+    for floor, weight in ((storey - 1, share), (storey - 2, 1.0 - share)):
+        if floor >= 0:
+            rows[0, reduced.floor_x[floor]] += weight
+            if reduced.turns:
+                rows[:2, reduced.floor_rz[floor]] += weight * np.array([-place[1], place[0]])
+    return rows

@@ -98,7 +98,10 @@ class ReducedFrame:
         if not 1 <= floor <= self.storeys:
             raise FrameError(f"frame {self.name}: no floor {floor}, it has 1 to {self.storeys}")
         if abs(y_m) > self.plan_m[1] / 2.0 + 1e-9:
-            raise FrameError(f"frame {self.name}: y = {y_m} m is off the floor of width {self.plan_m[1]} m")
+            raise FrameError(
+                f"frame {self.name}: y = {y_m:g} m is off its floors, which are {self.plan_m[1]:g} m wide; correct y_m, or the "
+                "width in its file (the second of plan_m of a stick)"
+            )
         row = np.zeros(self.size)
         row[self.floor_x[floor - 1]] = 1.0
         if y_m:
@@ -106,6 +109,27 @@ class ReducedFrame:
                 raise FrameError(f"frame {self.name}: rotations were not kept; build it with planar=False")
             row[self.floor_rz[floor - 1]] = -y_m
         return row
+
+    @property
+    def turns(self) -> bool:
+        """Whether the floors' rotation about the vertical is among the coordinates."""
+        return len(self.floor_rz) > 0
+
+    def mass_at(self, floor: int, y_m: float = 0.0) -> float:
+        """Return the mass [kg] that a push on a floor's edge finds.
+
+        A floor carries its row of the mass matrix condensed to the floors, half of its columns included. The floor of a stick
+        that turns is a rigid body: off the middle less than its mass resists, 1 / (1 / m + y^2 / J).
+
+        Args:
+            floor: Floor, 1 to storeys.
+            y_m: Place along the edge [m], from the middle.
+        """
+        if self.is_mesh or not self.turns:
+            return float(self.storey_model()[0][floor - 1].sum())
+        mass = self.mass[np.ix_(self.floor_x, self.floor_x)][floor - 1].sum()
+        inertia = self.mass[np.ix_(self.floor_rz, self.floor_rz)][floor - 1].sum()
+        return float(1.0 / (1.0 / mass + y_m**2 / inertia))
 
     def storey_model(self) -> tuple[Real, Real, Real]:
         """Return mass, stiffness and damping (storeys, storeys) condensed to the floors' motion along x.

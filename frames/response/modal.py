@@ -63,7 +63,7 @@ def analyse(
     """Return the natural modes of a frame.
 
     Args:
-        frame: A plate frame, or a stick (which moves along x alone).
+        frame: A plate frame, or a stick (which moves along x, and turns if it has an eccentricity).
         options: How a plate frame is modelled; the baseline model when None.
         up_to_hz: Modes up to this frequency [Hz].
         damping: Damping ratio of all modes, a fraction; the frame's own when None.
@@ -152,18 +152,24 @@ def _of_stick(frame: StickFrame, up_to_hz: float, damping: float | None) -> Mode
     reduced = build_stick(frame, damping)
     wanted = reduced.frequencies_hz <= up_to_hz
     shapes = reduced.shapes[:, wanted]
-    participation = np.zeros((shapes.shape[1], 6))
-    heights = reduced.heights_m
-    load = reduced.mass @ np.column_stack([np.ones_like(heights), heights])
-    participation[:, [0, 4]] = shapes.T @ load
-    total, tilt = reduced.mass.sum(), heights @ reduced.mass @ heights
-    rigid = np.array([total, total, total, tilt, tilt, 1.0])
-    energies = np.tile([1.0, 0.0, 0.0, 0.0], (shapes.shape[1], 1))
+    mass, heights = reduced.mass, reduced.heights_m
+    motion = np.zeros((len(mass), 6))
+    motion[reduced.floor_x, 0], motion[reduced.floor_x, 4] = 1.0, heights
+    motion[reduced.floor_rz, 5] = 1.0
+    total, _, _, _, tilt, turn = np.einsum("ij,ij->j", motion, mass @ motion)
+    energies = np.zeros((shapes.shape[1], len(KINDS)))
+    energies[:, 0] = _energy(shapes, mass, reduced.floor_x)
+    energies[:, 2] = _energy(shapes, mass, reduced.floor_rz)
     return Modes(
         reduced.frequencies_hz[wanted],
         shapes,
         reduced.damping_ratios[wanted],
-        participation,
-        rigid,
+        shapes.T @ mass @ motion,
+        np.array([total, total, total, tilt, tilt, turn or 1.0]),
         describe(energies),
     )
+
+
+def _energy(shapes: Real, mass: Real, rows: NDArray[np.int64]) -> Real:
+    """Return the share of some coordinates in each mode's kinetic energy (m,)."""
+    return np.asarray(np.einsum("im,ij,jm->m", shapes[rows], mass[np.ix_(rows, rows)], shapes[rows]))
