@@ -119,9 +119,9 @@ def stick_frame(frame: StickFrame) -> None:
 
 def _torsion(name: str, frame: StickFrame, torsion: Torsion) -> None:
     if (torsion.frequency_ratio is None) == (not torsion.stiffness_n_m_per_rad):
-        stated = "none" if torsion.frequency_ratio is None else "both"
+        stated = "none is" if torsion.frequency_ratio is None else "both are"
         raise FrameError(
-            f"{name}: torsion needs either frequency_ratio or stiffness_n_m_per_rad, one of them ({stated} is stated)"
+            f"{name}: torsion needs either frequency_ratio or stiffness_n_m_per_rad, one of them ({stated} stated)"
         )
     if torsion.frequency_ratio is not None:
         _within(name, "torsion.frequency_ratio", torsion.frequency_ratio, bounds.FREQUENCY_RATIO)

@@ -324,9 +324,9 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     """A frame known by its floors alone: a chain of floor masses on storey springs, or what a table of modes or
     matrices say.
 
-    Its floors move along x; with ``torsion`` they also turn about the vertical. The storey stiffnesses, some of the lowest frequencies, modes or matrices are stated. What they are taken from (a
-    test, a code's estimate) holds its own joints and its own weight, so that ``joints`` and ``p_delta`` do
-    not change a stick.
+    Its floors move along x; with ``torsion`` they also turn about the vertical. The storey stiffnesses, some of the lowest
+    frequencies, modes or matrices are stated. What they are taken from (a test, a code's estimate) holds its own joints
+    and its own weight, so that ``joints`` and ``p_delta`` do not change a stick.
 
     Attributes:
         name: Name of the frame.

@@ -85,7 +85,9 @@ def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None
     _known_keys(tree, kinds[kind], place)
     _known_laws(tree.get("storey_law"), place)
     if "torsion" in tree and "plan_m" not in tree:
-        raise FrameError(f"{place}: torsion needs plan_m, the floors' length along the shaking and their width [m]")
+        raise FrameError(
+            f"{place}: torsion needs plan_m, the floors' length along the shaking and their width [m]"
+        )
     if "modes" in tree or "matrices" in tree:
         # scipy's sparse matrices take time to import, and most frames need none.
         from pounding.frames.elsewhere import inlined

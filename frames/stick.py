@@ -79,8 +79,8 @@ def _turns(frame: StickFrame, planar: bool | None) -> bool:
     if frame.torsion is None:
         if planar is False:
             raise FrameError(
-                f"frame {frame.name} is a stick whose floors do not turn, as a contact off the middle asks for; state a table "
-                "torsion in its file, or leave y_m out"
+                f"frame {frame.name} is a stick whose floors do not turn, as a contact off the middle asks for; state a "
+                "table torsion in its file, or leave y_m out"
             )
         return False
     if planar and not frame.torsion.is_symmetric:

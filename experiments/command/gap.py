@@ -19,17 +19,15 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output.report import write_report
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import fine_step
 from pounding.experiments.rig.states import FrameState, states_of
-from pounding.experiments.rig.street import named
+from pounding.experiments.rig.street import built_row, named
 from pounding.experiments.rig.street_file import (
     Building,
     Gap,
     Street,
     is_street_file,
     load_street,
-    refuse_columns,
 )
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.experiments.separation.gaps.gap import gap_answer, history
@@ -75,18 +73,22 @@ def gap(
         record: Name or file of the ground motion.
     """
     street = _street(left, right, floor)
-    refuse_columns(street)
     names = [building.frame for building in street.building]
     definitions = [frames.load(name) for name in names]
     scale = table_scale(definitions, time_factor)
     motion = find(record, records).scaled(scale.time_factor, pga)
     states = states_of(names, state, motion.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
-    row = named(street, [built_in(one, joints, p_delta) for one in states])
+    row = named(street, built_row(street, states, joints, p_delta))
     step_s = motion.step_s / fine_step(motion.step_s)
     estimates.announce(*(estimates.of_gap(pair, motion.duration_s, step_s) for pair in pairwise(row)))
     places = [
-        _Place(one, other, number, None if present is None else between.free_mm(present))
+        _Place(
+            one,
+            other,
+            None if present is None else between.free_mm(present),
+            {"floor": number, "y_m": between.y_m, "on_columns": between.columns is not None},
+        )
         for (one, other), between in zip(pairwise(row), street.gap, strict=True)
         for number, present in between.by_floor()
     ]
@@ -135,19 +137,19 @@ def _street(left: str, right: str | None, floor: int | None) -> Street:
 
 
 class _Place(NamedTuple):
-    """A floor at which two neighbours may meet; the lower one's roof, and no stated gap, where these are None."""
+    """A place where two neighbours may meet, as `gap_answer` takes it; no stated gap where that is None."""
 
     left: frames.ReducedFrame
     right: frames.ReducedFrame
-    floor: int | None
     gap_mm: float | None
+    where: dict[str, Any]
 
     def answer(self, motion: Record, **options: Any) -> dict[str, Any]:
-        found = gap_answer(self.left, self.right, motion, floor=self.floor, **options)
+        found = gap_answer(self.left, self.right, motion, **self.where, **options)
         return found if self.gap_mm is None else found | {"gap_mm": self.gap_mm}
 
     def picture(self, motion: Record, answer: dict[str, Any]) -> Figure:
-        return gap_history(*history(self.left, self.right, motion, floor=self.floor), answer)
+        return gap_history(*history(self.left, self.right, motion, **self.where), answer)
 
 
 def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:

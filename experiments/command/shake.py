@@ -28,6 +28,7 @@ from pounding.experiments.rig.states import FrameState, states_of
 from pounding.experiments.rig.street import named
 from pounding.experiments.rig.street_file import Building, Street, is_street_file, load_street
 from pounding.experiments.rig.table_scale import TableScale, table_scale
+from pounding.experiments.rig.turning import turning_sentence
 
 COLUMNS_HELP = (
     "CSV of your own measured histories to plot over the run: header, first column time_s, one column per "
@@ -205,6 +206,7 @@ def _show(result: dict[str, Any], done: Shaking, state: FrameState, scale: Table
     if done.stress is not None:
         yield f"largest von Mises stress {result['max_stress_mpa']:.0f} MPa, {done.stress.place}"
     yield from ductility_sentence(result["frame"], result["ductility"])
+    yield from turning_sentence(result["frame"], result["peaks"])
     for row in result.get("measured", []):
         error = row["rms_error_ratio"]
         yield (

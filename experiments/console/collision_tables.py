@@ -11,6 +11,7 @@ from pounding.experiments.rig.ductility import ductility_sentence
 from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.states import FrameState
 from pounding.experiments.rig.table_scale import TableScale
+from pounding.experiments.rig.turning import turning_sentence
 
 HEADS = ("time s", "floor", "peak N", "N s", "approach m/s", "touches, max ms", "restitution")
 """Of the table of impacts; duration and restitution are those of single touches."""
@@ -28,6 +29,7 @@ def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableSca
         yield from _impacts(run)
         for side, name in zip(run["peaks"], run["buildings"], strict=True):
             yield from ductility_sentence(name, run["ductility"][side])
+            yield from turning_sentence(name, run["peaks"][side])
         yield (
             f"energy closes to {100 * run['energy_error']:.2g} %; "
             f"{run['model_s']:.1f} simulated s in {run['wall_s']:.2f} s"

@@ -76,13 +76,14 @@ class Instant(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Where a contact is: the frame on its left (0 is the first), and the floor of each of the two.
+    """Where a contact is: the frame on its left (0 is the first), the floor of each of the two, and y along their edge [m].
 
     A floor between two whole numbers is a place on columns.
     """
 
     left: int
     floors: tuple[float, float]
+    y_m: float = 0.0
 
     @property
     def words(self) -> str:
@@ -127,7 +128,9 @@ def setting(motion: Motion, *, title: str = "") -> Setting:
         factor=factor,
         contacts=tuple(
             Place(
-                pairs.index((c.left, c.right)), (c.floor, c.floor if c.right_floor is None else c.right_floor)
+                pairs.index((c.left, c.right)),
+                (c.floor, c.floor if c.right_floor is None else c.right_floor),
+                c.y_m,
             )
             for c in motion.contacts
         ),
@@ -307,7 +310,7 @@ class Stage:
         for (side, arrow, actor), floor in zip(pair, place.floors, strict=True):
             arrow.visibility = force > 0.0
             if force > 0.0:
-                arrow.position = actor.edge(floor, -side)
+                arrow.position = actor.edge(floor, -side, place.y_m)
                 arrow.scale = self._unit * ARROW_M * (0.3 + 0.7 * force / largest)
 
 
@@ -359,13 +362,16 @@ class _Actor:
         self._behind.points[:] = nodes
         self._behind.Modified()
 
-    def edge(self, floor: float, side: float) -> Real:
-        """Return where the front corner of a floor's left (-1) or right (1) edge is drawn (3,) [m]."""
+    def edge(self, floor: float, side: float, y_m: float = 0.0) -> Real:
+        """Return where a place on a floor's left (-1) or right (1) edge is drawn (3,) [m]: for y = 0 its front corner."""
         reduced = self.reduced
+        y = y_m or plan(reduced)[2]
+        floors = self._q[reduced.floor_x]
+        if reduced.turns:
+            floors = floors - y * self._q[reduced.floor_rz]
         numbers = np.arange(reduced.storeys + 1)
-        moved = np.interp(floor, numbers, [0.0, *self._q[reduced.floor_x]])
-        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(moved)
-        return self.place + [x, plan(reduced)[2], float(np.interp(floor, numbers, [0.0, *reduced.heights_m]))]
+        x = side * reduced.plan_m[0] / 2.0 + self.factor * float(np.interp(floor, numbers, [0.0, *floors]))
+        return self.place + [x, y, float(np.interp(floor, numbers, [0.0, *reduced.heights_m]))]
 
 
 def enlargement(motion: Motion) -> float:

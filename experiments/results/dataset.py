@@ -50,9 +50,9 @@ def dataset(
     Returns:
         ``relative_`` and ``absolute_`` ``displacement``, ``velocity`` and ``acceleration`` (frame, floor,
         time), ``table_displacement``, ``table_velocity`` and ``table_acceleration`` (time), ``height``
-        (frame, floor) and, with contacts, ``contact_force`` (contact, contact_time). Each variable has
-        ``units`` and ``long_name``. Absolute displacement and velocity hold the plain integral of the
-        record's acceleration, with whatever drift the record has.
+        (frame, floor), ``rotation`` (frame, floor, time) where floors turn and, with contacts, ``contact_force``
+        (contact, contact_time). Each variable has ``units`` and ``long_name``. Absolute displacement and velocity
+        hold the plain integral of the record's acceleration, with whatever drift the record has.
     """
     times = np.arange(0.0, motion.model_s + 1e-9 * step_s, step_s)
     table = table_motion(record, times)
@@ -68,6 +68,9 @@ def dataset(
         data[f"absolute_{kind}"] = (
             ("frame", "floor", "time"), values + table[kind], _label(f"{kind} in the room", UNITS[kind])
         )  # fmt: skip
+    if any(frame.reduced.turns for frame in motion.frames):
+        turned = _rotations(motion, times)
+        data["rotation"] = (("frame", "floor", "time"), turned, _label("rotation about the vertical", "rad"))
     data["height"] = (("frame", "floor"), _heights(motion), _label("height above the table", "m"))
     coordinates: dict[str, Any] = {
         "time": ("time", times, _label("time on the model's clock", "s")),
@@ -158,6 +161,17 @@ def _floors(motion: Motion, times: Real) -> dict[str, Real]:
     for place, frame in enumerate(motion.frames):
         for kind, values in zip(UNITS, sampled_floors(frame, times), strict=True):
             found[kind][place, : frame.reduced.storeys] = values.T
+    return found
+
+
+def _rotations(motion: Motion, times: Real) -> Real:
+    """Return the floors' rotations (frame, floor, time) [rad]; NaN for a frame whose floors do not turn."""
+    found = np.full(
+        (len(motion.frames), max(one.reduced.storeys for one in motion.frames), len(times)), np.nan
+    )
+    for place, frame in enumerate(motion.frames):
+        if frame.reduced.turns:
+            found[place, : frame.reduced.storeys] = frame.sampled(times)[0][:, frame.reduced.floor_rz].T
     return found
 
 

@@ -137,13 +137,12 @@ def masses_at(left: ReducedFrame, right: ReducedFrame, place: Place) -> tuple[fl
     """
     found = []
     for frame, level in zip((left, right), place.floors, strict=True):
-        floors = frame.storey_model()[0].sum(axis=1)
         below, share = int(level), level - int(level)
         if not share:
-            found.append(float(floors[below - 1]))
+            found.append(frame.mass_at(below))
             continue
         lower, upper = column_weights(share)
-        found.append(float(upper * floors[below]) + (float(lower * floors[below - 1]) if below else 0.0))
+        found.append(upper * frame.mass_at(below + 1) + (lower * frame.mass_at(below) if below else 0.0))
     return found[0], found[1]
 
 

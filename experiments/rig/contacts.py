@@ -66,6 +66,7 @@ def check(contact: Contact, frames: Sequence[ReducedFrame]) -> None:
 
     Raises:
         ExperimentError: A pair or a floor that is not there, or floors at different heights.
+        FrameError: A place off the floors, or off the middle of floors that do not turn.
         ContactError: A negative gap.
     """
     checked_gap(contact.gap_m)
@@ -135,7 +136,7 @@ def sides_of(frames: Sequence[ReducedFrame], contact: Contact | Within) -> tuple
     """
     first, second = (contact.body,) * 2 if isinstance(contact, Within) else (contact.pair, contact.pair + 1)
     both = (first, contact.floors[0]), (second, contact.floors[1])
-    left, right = (Side(body, _row(frames[body], floor, contact.y_m)) for body, floor in both)
+    left, right = (Side(body, place_row(frames[body], floor, contact.y_m)) for body, floor in both)
     return left, right
 
 
@@ -152,6 +153,7 @@ def height_of(frame: ReducedFrame, floor: float) -> float:
 def _check_place(frame: ReducedFrame, floor: float, contact: Contact) -> None:
     if float(floor).is_integer():
         floor_coordinate(frame, int(floor))
+        frame.point_row(int(floor), contact.y_m)
         return
     if not 0.0 < floor < frame.storeys:
         raise ExperimentError(f"{frame.name} has no columns at {floor:g}: its storeys end at {frame.storeys}")
@@ -161,7 +163,14 @@ def _check_place(frame: ReducedFrame, floor: float, contact: Contact) -> None:
         )
 
 
-def _row(frame: ReducedFrame, floor: float, y_m: float) -> Real:
+def place_row(frame: ReducedFrame, floor: float, y_m: float = 0.0) -> Real:
+    """Return the displacement in x of a place for a unit of each coordinate of its frame (n,).
+
+    Args:
+        frame: The frame.
+        floor: Number of the floor; a number between two floors is a place on the columns there.
+        y_m: Place along the floor's edge, from the middle [m]; 0 on columns.
+    """
     if y_m:
         return np.asarray(frame.point_row(int(floor), y_m), float)
     row = np.zeros(len(frame.mass))

@@ -29,7 +29,7 @@ from pounding.experiments.rig.laws import filled
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
 from pounding.experiments.rig.storeys import history_of as storey_history
-from pounding.frames.response.exact import checked, poles
+from pounding.frames.response.exact import checked, poles, select
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -346,15 +346,15 @@ class ExactRig:
         )  # fmt: skip
 
     def coordinates(self, solution: Solution, index: int, chosen: ArrayLike) -> tuple[Real, Real]:
-        """Return displacements (m, k) [m] and velocities (m, k) [m/s] of some coordinates of a frame.
+        """Return displacements (m, k) [m] and velocities (m, k) [m/s] of some coordinates or places of a frame.
 
         Args:
             solution: What `solve` returned.
             index: Number of the frame, from 0.
-            chosen: Coordinates (k,).
+            chosen: Coordinates (k,), or rows that combine coordinates (k, n).
         """
         one, states = self.poles[index], solution.states[:, :, slice(*self.spans[index])]
-        output = one.output[:, np.asarray(chosen)]
+        output = select(one.output, chosen)
         both = np.hstack([output, one.rates[:, None] * output])
         moved = states[:, 0] @ both.real - states[:, 1] @ both.imag
         value, rate = np.split(moved, 2, axis=1)

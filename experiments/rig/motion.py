@@ -70,7 +70,11 @@ class FrameMotion:
         )
 
     def peaks(self) -> list[dict[str, Any]]:
-        """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room)."""
+        """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room), all in its middle.
+
+        Floors that turn also have `edge_mm`, the largest displacement along x of the two ends of their edges, and
+        `rotation_mrad`, the largest rotation.
+        """
         found = []
         for number in range(1, self.reduced.storeys + 1):
             floor = self.floor(number)
@@ -82,9 +86,27 @@ class FrameMotion:
                     "min_mm": 1e3 * max(0.0, -float(moved.min())),
                     "max_acceleration_g": float(np.abs(self.floor_acceleration(number)).max())
                     / STANDARD_GRAVITY,
+                    **self._turning(number),
                 }
             )
         return found
+
+    def _turning(self, number: int) -> dict[str, float]:
+        """Return what only floors that turn have."""
+        if not self.reduced.turns:
+            return {}
+        half = self.reduced.plan_m[1] / 2.0
+        turn = np.zeros(self.reduced.size)
+        turn[self.reduced.floor_rz[number - 1]] = 1.0
+        return {
+            "edge_mm": 1e3 * max(self._largest(self.reduced.point_row(number, y)) for y in (-half, half)),
+            "rotation_mrad": 1e3 * self._largest(turn),
+        }
+
+    def _largest(self, row: Real) -> float:
+        """Return the largest magnitude of a combination of coordinates (n,)."""
+        moved = turning_points(self.time_s, self.displacement_m @ row, self.velocity_m_s @ row)
+        return float(np.abs(moved).max())
 
 
 @dataclass(frozen=True, eq=False)

@@ -179,23 +179,21 @@ def rig_of(
     )
 
 
-def floor_masses(left: ReducedFrame, right: ReducedFrame, floor: int | None = None) -> tuple[float, float]:
+def floor_masses(
+    left: ReducedFrame, right: ReducedFrame, floor: int | None = None, y_m: float = 0.0
+) -> tuple[float, float]:
     """Return the masses [kg] of the floors that meet, for the laws whose damping refers to them.
-
-    A floor carries its row of the mass matrix condensed to the floors, half of its columns included.
 
     Args:
         left, right: Reduced frames.
         floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m]; see `ReducedFrame.mass_at`.
 
     Raises:
         ExperimentError: The floors cannot meet.
     """
     numbers = contact_floors(left, right, floor)
-    first, second = (
-        float(frame.storey_model()[0][number - 1].sum())
-        for frame, number in zip((left, right), numbers, strict=True)
-    )
+    first, second = (frame.mass_at(number, y_m) for frame, number in zip((left, right), numbers, strict=True))
     return first, second
 
 

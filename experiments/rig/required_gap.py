@@ -17,6 +17,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import place_row
 from pounding.frames import ReducedFrame
 from pounding.frames.floors import level_floors
 from pounding.frames.response.exact import Poles, poles, refine, run, select
@@ -114,8 +115,8 @@ def contact_floors(left: ReducedFrame, right: ReducedFrame, floor: int | None = 
             return pair
     raise ExperimentError(
         f"floor {wanted} of frame {lower.name} at {lower.heights_m[wanted - 1]:.4g} m faces no floor of "
-        f"{other.name}: name a floor at a shared height; what a floor does to columns `pounding pound` says for a street "
-        "whose gap has a table 'columns'"
+        f"{other.name}: name a floor at a shared height; what a floor does to columns `pounding pound` and `gap` say for "
+        "a street whose gap has a table 'columns'"
     )
 
 
@@ -128,39 +129,50 @@ def motions(frame: ReducedFrame, record: Record, floors: list[int]) -> NDArray[n
     """Return the exact motion of floors without pounding.
 
     Args:
-        frame: A frame, linear but for the laws that its file states in storeys.
+        frame: A frame, linear but for storeys that yield and the laws that its file states.
         record: Table motion at the frame's scale.
         floors: Floor numbers, from 1.
 
     Returns:
-        Displacement relative to the table (m, floors) [m], at steps of at most `FINEST_STEP_S`.
-
-    Raises:
-        ExperimentError: The frame yields.
+        Displacement of their middles relative to the table (m, floors) [m], at steps of at most `FINEST_STEP_S`.
     """
-    if frame.definition.yielding is not None:
-        raise ExperimentError(
-            f"frame {frame.name} yields, and the required gap is found by the formulas of linear frames; take its "
-            "table 'yielding' out of the file, or try gaps with `pounding pound`"
-        )
+    rows = [place_row(frame, floor) for floor in floors]
+    return place_motions(frame, record, np.reshape(rows, (len(floors), frame.size)))
+
+
+def place_motions(
+    frame: ReducedFrame, record: Record, rows: NDArray[np.floating[Any]]
+) -> NDArray[np.floating[Any]]:
+    """Return the exact motion of places without pounding, as `motions` does.
+
+    Args:
+        frame: The frame.
+        record: Table motion at the frame's scale.
+        rows: Displacement of each place for a unit of each coordinate (k, n), see `place_row`.
+
+    Returns:
+        Displacement of the places relative to the table (m, k) [m].
+    """
     parts = fine_step(record.step_s)
     history = refine(record.acceleration_m_s2, parts)
-    outputs = [int(frame.floor_x[floor - 1]) for floor in floors]
-    if frame.definition.storey_law:
-        return _with_laws(frame, record, outputs, record.step_s / parts * np.arange(len(history)))
-    return floor_motions(poles(frame), outputs, history, record.step_s / parts)
+    if frame.definition.storey_law or frame.definition.yielding is not None:
+        return _with_laws(frame, record, rows, record.step_s / parts * np.arange(len(history)))
+    return floor_motions(poles(frame), rows, history, record.step_s / parts)
 
 
 def _with_laws(
-    frame: ReducedFrame, record: Record, coordinates: list[int], times_s: NDArray[np.floating[Any]]
+    frame: ReducedFrame,
+    record: Record,
+    rows: NDArray[np.floating[Any]],
+    times_s: NDArray[np.floating[Any]],
 ) -> NDArray[np.floating[Any]]:
-    """Return the displacement of coordinates (m, k) [m] at times (m,) [s], by the exact solver with the laws in storeys."""
+    """Return the displacement of places (m, k) [m] at times (m,) [s], by the exact solver with the laws in storeys."""
     # Its compiled loop takes a second to load, which linear frames need not wait for.
     from pounding.experiments.rig.exact import ExactRig
 
     rig = ExactRig([frame], [])
     solution = rig.solve(record.acceleration_m_s2, record.step_s)
-    value, rate = rig.coordinates(solution, 0, coordinates)
+    value, rate = rig.coordinates(solution, 0, rows)
     return np.asarray(CubicHermiteSpline(solution.time_s, value, rate)(times_s))
 
 
@@ -180,20 +192,23 @@ def detuned(frame: ReducedFrame, factor: float) -> ReducedFrame:
 
 
 def floor_motions(
-    frame: Poles, coordinates: list[int], history: NDArray[np.floating[Any]], step_s: float
+    frame: Poles,
+    outputs: list[int] | NDArray[np.floating[Any]],
+    history: NDArray[np.floating[Any]],
+    step_s: float,
 ) -> NDArray[np.floating[Any]]:
-    """Return the displacement of coordinates (m, k) [m] under a table acceleration (m,) [m/s^2].
+    """Return the displacement of coordinates or places (m, k) [m] under a table acceleration (m,) [m/s^2].
 
     `pounding.frames.response.exact.forced` without the velocities, and without the modes whose static part is below a
     millionth of the largest.
 
     Args:
         frame: Poles of the frame.
-        coordinates: Indices of the coordinates (k,).
+        outputs: Indices of the coordinates (k,), or rows that combine coordinates (k, n).
         history: Acceleration of the table (m,) [m/s^2].
         step_s: Sample step [s].
     """
-    weights = frame.load[:, None] * select(frame.output, coordinates)
+    weights = frame.load[:, None] * select(frame.output, outputs)
     static = np.abs(weights / frame.rates[:, None]).max(axis=1)
     counted = static > NEGLIGIBLE_MODE * static.max()
     states = run(frame.rates[counted], history, step_s)
@@ -202,33 +217,57 @@ def floor_motions(
 
 
 def pair_gap(
-    left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None
+    left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None, y_m: float = 0.0
 ) -> RequiredGap:
-    """Return the required gap of two frames under a record, from an exact linear run without pounding.
+    """Return the required gap of two frames under a record, from an exact run without pounding.
 
     Args:
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale, see `Record.scaled`.
         floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m].
 
     Raises:
         ExperimentError: See `contact_floors`.
+        FrameError: A place off the floors, or off the middle of floors that do not turn.
     """
-    at_left, at_right = contact_floors(left, right, floor)
-    step = record.step_s / fine_step(record.step_s)
-    return required_gap(
-        motions(left, record, [at_left])[:, 0], motions(right, record, [at_right])[:, 0], step
+    return gap_at(left, right, record, contact_floors(left, right, floor), y_m)
+
+
+def gap_at(
+    left: ReducedFrame,
+    right: ReducedFrame,
+    record: Record,
+    floors: tuple[float, float],
+    y_m: float = 0.0,
+) -> RequiredGap:
+    """Return the required gap of two frames at any place, as `pair_gap` does.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        record: Table motion at the frames' scale.
+        floors: Floor of the left and of the right frame; a number between two floors is a place on columns.
+        y_m: Place along the floors' edge, from the middle [m].
+    """
+    one, other = (
+        place_motions(frame, record, place_row(frame, floor, y_m)[None, :])[:, 0]
+        for frame, floor in zip((left, right), floors, strict=True)
     )
+    return required_gap(one, other, record.step_s / fine_step(record.step_s))
 
 
-def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> list[tuple[int, RequiredGap]]:
+def gaps_by_floor(
+    left: ReducedFrame, right: ReducedFrame, record: Record, y_m: float = 0.0
+) -> list[tuple[int, RequiredGap]]:
     """Return the required gap at every shared floor, each with the floor's number in the lower frame.
 
     Args:
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale.
+        y_m: Place along the floors' edge, from the middle [m].
 
     Raises:
         ExperimentError: No floors of the two are level.
@@ -237,8 +276,10 @@ def gaps_by_floor(left: ReducedFrame, right: ReducedFrame, record: Record) -> li
     if not pairs:
         raise ExperimentError(f"frames {left.name} and {right.name} have no floor at a shared height")
     step = record.step_s / fine_step(record.step_s)
-    moved_left = motions(left, record, [pair[0] for pair in pairs])
-    moved_right = motions(right, record, [pair[1] for pair in pairs])
+    moved_left, moved_right = (
+        place_motions(frame, record, np.stack([place_row(frame, pair[side], y_m) for pair in pairs]))
+        for side, frame in enumerate((left, right))
+    )
     of_lower = 0 if is_left_lower(left, right) else 1
     return [
         (pair[of_lower], required_gap(moved_left[:, index], moved_right[:, index], step))

@@ -119,8 +119,14 @@ def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:
 
 
 def largest_drift(motion: FrameMotion) -> tuple[float, int, float]:
-    """Return the largest storey drift over its height, its storey and its time [s]."""
-    heights = np.diff(motion.reduced.heights_m, prepend=0.0)
-    drifts = np.abs(np.diff(motion.displacement_m[:, motion.reduced.floor_x], prepend=0.0, axis=1)) / heights
+    """Return the largest storey drift over its height, its storey and its time [s]; of floors that turn, at their edges."""
+    reduced = motion.reduced
+    heights = np.diff(reduced.heights_m, prepend=0.0)
+    floors = motion.displacement_m[:, reduced.floor_x]
+    places = [floors]
+    if reduced.turns:
+        sideways = reduced.plan_m[1] / 2.0 * motion.displacement_m[:, reduced.floor_rz]
+        places = [floors - sideways, floors + sideways]
+    drifts = np.max([np.abs(np.diff(one, prepend=0.0, axis=1)) for one in places], axis=0) / heights
     place, storey = np.unravel_index(int(drifts.argmax()), drifts.shape)
     return float(drifts[place, storey]), int(storey) + 1, float(motion.time_s[place])

@@ -6,14 +6,13 @@ import dataclasses
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pounding import frames
 from pounding.contact.rubber import RubberBlock
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.column_hits import Columns, Place, masses_at, place_of, softened
 from pounding.experiments.rig.contact_choice import Parameters, choose_laws, chosen_parameters
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.motion import distinct
-from pounding.experiments.rig.pounding import built_in
+from pounding.experiments.rig.pounding import built_in, floor_masses
 from pounding.experiments.rig.required_gap import contact_floors, is_left_lower
 from pounding.experiments.rig.street_file import Bumper, Gap, Street
 
@@ -63,19 +62,13 @@ def built_row(
         p_delta: Geometric stiffness of gravity.
 
     Raises:
-        ExperimentError: A contact off the middle of a stick, which has no twist.
+        FrameError: A contact off the middle of a stick whose file says nothing of torsion.
     """
     off_middle = {pair + side for pair, gap in enumerate(street.gap) if gap.y_m for side in (0, 1)}
-    row = []
-    for place, state in enumerate(states):
-        twisting = place in off_middle
-        if twisting and isinstance(frames.load(state.frame), frames.StickFrame):
-            raise ExperimentError(
-                f"{state.frame} is a stick, whose floors do not twist; leave y_m out of the gaps beside it, or describe it "
-                "with plates and columns"
-            )
-        row.append(built_in(state, joints, p_delta, planar=False if twisting else None))
-    return row
+    return [
+        built_in(state, joints, p_delta, planar=False if place in off_middle else None)
+        for place, state in enumerate(states)
+    ]
 
 
 def chosen_sets(street: Street, definitions: Sequence[Frame], scale: TableScale) -> list[Parameters | None]:
@@ -140,7 +133,8 @@ class _Spot(NamedTuple):
 def _of_floors(at: _Spot, gap: Gap, parameters: Parameters | None) -> tuple[Contact, Basis]:
     assert parameters is not None
     level = contact_floors(*at.neighbours, at.floor)
-    (law,), (sentence,) = choose_laws(at.neighbours, at.floor, parameters, gap.wish)
+    masses = floor_masses(*at.neighbours, at.floor, gap.y_m)
+    (law,), (sentence,) = choose_laws(at.neighbours, at.floor, parameters, gap.wish, masses)
     return Contact(law, at.gap_m, level, at.pair, gap.y_m), Basis(at.pair, at.floor, sentence)
 
 

@@ -198,8 +198,8 @@ def refuse_columns(street: Street) -> None:
     for number, gap in enumerate(street.gap, 1):
         if gap.columns is not None:
             raise ExperimentError(
-                f"street: [[gap]] {number} has columns that a floor hits, which `pounding pound` alone knows; leave the "
-                "table 'columns' out, and name floors that face each other"
+                f"street: [[gap]] {number} has columns that a floor hits, which `pounding pound` and `gap` alone know; "
+                "leave the table 'columns' out, and name floors that face each other"
             )
 
 

@@ -105,9 +105,7 @@ def _stick(reduced: ReducedFrame) -> Shape:
             strip = np.array([[x, side, level_z] for level_z in z for side in (y, inwards)])
             nodes.append(strip)
             shares = np.repeat(bend, 2)
-            rows += [
-                _blend(reduced, storey, share, node) for share, node in zip(shares, strip, strict=True)
-            ]
+            rows += [_blend(reduced, storey, share, node) for share, node in zip(shares, strip, strict=True)]
             start = first + 2 * np.arange(PIECES)[:, None]
             quads.append(start + np.array([0, 1, 3, 2]))
             level.extend([storey] * PIECES)

@@ -99,8 +99,8 @@ class ReducedFrame:
             raise FrameError(f"frame {self.name}: no floor {floor}, it has 1 to {self.storeys}")
         if abs(y_m) > self.plan_m[1] / 2.0 + 1e-9:
             raise FrameError(
-                f"frame {self.name}: y = {y_m:g} m is off its floors, which are {self.plan_m[1]:g} m wide; correct y_m, or the "
-                "width in its file (the second of plan_m of a stick)"
+                f"frame {self.name}: y = {y_m:g} m is off its floors, which are {self.plan_m[1]:g} m wide; correct y_m, or "
+                "the width in its file (the second of plan_m of a stick)"
             )
         row = np.zeros(self.size)
         row[self.floor_x[floor - 1]] = 1.0
@@ -118,8 +118,8 @@ class ReducedFrame:
     def mass_at(self, floor: int, y_m: float = 0.0) -> float:
         """Return the mass [kg] that a push on a floor's edge finds.
 
-        A floor carries its row of the mass matrix condensed to the floors, half of its columns included. The floor of a stick
-        that turns is a rigid body: off the middle less than its mass resists, 1 / (1 / m + y^2 / J).
+        A floor carries its row of the mass matrix condensed to the floors, half of its columns included. The floor of a
+        stick that turns is a rigid body: off the middle less than its mass resists, 1 / (1 / m + y^2 / J).
 
         Args:
             floor: Floor, 1 to storeys.

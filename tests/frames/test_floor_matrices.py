@@ -9,8 +9,8 @@ import pytest
 
 from pounding import frames
 from pounding.frames import FrameError
-from pounding.frames.definition import Matrices
 from pounding.frames.chain import chain
+from pounding.frames.definition import Matrices
 
 STIFFNESS = chain(np.array([5e3, 4e3])).tolist()
 MASS = [[6.0, 0.2], [0.2, 5.0]]

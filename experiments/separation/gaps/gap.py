@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -10,21 +10,22 @@ from numpy.typing import NDArray
 
 from pounding.experiments import published
 from pounding.experiments.records import REFERENCES, Record
+from pounding.experiments.rig.column_hits import place_of
+from pounding.experiments.rig.contacts import place_row
 from pounding.experiments.rig.required_gap import (
     RequiredGap,
     contact_floors,
     detuned,
     fine_step,
-    floor_motions,
+    gap_at,
     gaps_by_floor,
-    motions,
-    pair_gap,
+    is_left_lower,
+    place_motions,
     required_gap,
 )
-from pounding.experiments.separation.gaps.variants import modal_frame
 from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
-from pounding.frames.response.exact import refine
+from pounding.frames.floors import level_floors
 from pounding.scale import THESIS
 
 MM = 1000.0
@@ -41,6 +42,8 @@ def gap_answer(
     record: Record,
     *,
     floor: int | None = None,
+    y_m: float = 0.0,
+    on_columns: bool = False,
     own_peak: bool = True,
     length_scale: float = THESIS.buildings_length,
 ) -> dict[str, Any]:
@@ -51,6 +54,8 @@ def gap_answer(
         right: The other frame.
         record: Table motion at the frames' scale, see `Record.scaled`.
         floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m].
+        on_columns: Whether the floor faces the columns of the other frame.
         own_peak: Whether the record has its own peak: only then is there a published number to compare with.
         length_scale: Full-scale length over the frames' length, for the rules with a unit of their own.
 
@@ -58,41 +63,94 @@ def gap_answer(
         ``left``, ``right``, ``record``, ``pga_g``, ``floor``, ``required_gap_mm`` (largest closing motion),
         ``time_s``, ``equation_4_1_mm``, ``reversed_mm`` (the frames on swapped sides, or the record with the
         other sign), ``left_peak_mm``, ``right_peak_mm``, ``spread`` (``low_mm``, ``high_mm``, ``basis``),
-        ``floors`` (the required gap at every shared floor), ``rules`` (``name``, ``gap_mm``, ``basis``,
+        ``floors`` (the required gap at every shared floor), ``y_m``, ``edges`` (the required gap at both ends of the shared
+        edge, for frames that turn), ``rules`` (``name``, ``gap_mm``, ``basis``,
         ``in_range``, ``reason``), ``published`` (or None) and ``warnings``.
 
     Raises:
         ExperimentError: A floor that cannot meet the other frame.
+        FrameError: A place off the floors, or off the middle of floors that do not turn.
     """
-    at_left, at_right = contact_floors(left, right, floor)
-    gap = pair_gap(left, right, record, floor=floor)
-    lower_floor = at_left if left.heights_m[-1] < right.heights_m[-1] else at_right
+    places = meeting(left, right, floor, on_columns=on_columns)
+    gap = gap_at(left, right, record, places, y_m)
+    lower_floor = int(places[0] if is_left_lower(left, right) else places[1])
     floors = [
         {
             "floor": number,
             "required_gap_mm": MM * found.closing_m,
             "equation_4_1_mm": MM * found.equation_4_1_m,
         }
-        for number, found in gaps_by_floor(left, right, record)
+        for number, found in _shared(left, right, record, y_m)
     ]
+    edges = _edges(left, right, record, places)
     return {
         "left": left.name,
         "right": right.name,
         "record": record.name,
         "pga_g": record.pga_g,
         "floor": lower_floor,
+        "on_columns": on_columns,
+        "y_m": y_m,
         "required_gap_mm": MM * gap.closing_m,
         "time_s": gap.time_s,
         "equation_4_1_mm": MM * gap.equation_4_1_m,
         "reversed_mm": MM * gap.opening_m,
         "left_peak_mm": MM * gap.left_peak_m,
         "right_peak_mm": MM * gap.right_peak_m,
-        "spread": spread(left, right, record, floor=floor),
+        "spread": spread(left, right, record, floor=floor, y_m=y_m, on_columns=on_columns),
         "floors": floors,
+        "edges": edges,
         "rules": [asdict(answer) for answer in rules_beside(left, right, gap, record.pga_g, length_scale)],
         "published": published_gap(left.name, right.name, lower_floor, record.name) if own_peak else None,
-        "warnings": _warnings(record, floors, lower_floor),
+        "warnings": _warnings((left, right), record, floors, edges, lower_floor, MM * gap.closing_m),
     }
+
+
+def meeting(
+    left: ReducedFrame, right: ReducedFrame, floor: int | None = None, *, on_columns: bool = False
+) -> tuple[float, float]:
+    """Return where two frames may meet: floors of the left and the right one; on columns, one lies between two floors.
+
+    Args:
+        left: Frame that moves in +x towards the other.
+        right: The other frame.
+        floor: Floor of the lower frame; its roof when None.
+        on_columns: Whether the floor faces the columns of the other frame.
+
+    Raises:
+        ExperimentError: The floor is not there, or faces something else.
+    """
+    return place_of(left, right, floor).floors if on_columns else contact_floors(left, right, floor)
+
+
+def _shared(
+    left: ReducedFrame, right: ReducedFrame, record: Record, y_m: float
+) -> list[tuple[int, RequiredGap]]:
+    """Return the required gap at every shared floor; none where all floors face columns."""
+    shared = level_floors(left.heights_m, right.heights_m)
+    return gaps_by_floor(left, right, record, y_m) if shared else []
+
+
+def _edges(
+    left: ReducedFrame, right: ReducedFrame, record: Record, places: tuple[float, float]
+) -> list[dict[str, float]]:
+    """Return the required gap at both ends of the edge that two frames share; none for frames that do not turn.
+
+    Between the ends the closing motion is straight, so that no place between them needs more than both.
+    """
+    if not (left.turns or right.turns) or not all(float(floor).is_integer() for floor in places):
+        return []
+    half = min(left.plan_m[1], right.plan_m[1]) / 2.0
+    step = record.step_s / fine_step(record.step_s)
+    found = []
+    for y_m in (-half, half):
+        # Without contact a frame that does not turn moves alike along its whole edge.
+        one, other = (
+            place_motions(frame, record, place_row(frame, floor, y_m if frame.turns else 0.0)[None, :])[:, 0]
+            for frame, floor in zip((left, right), places, strict=True)
+        )
+        found.append({"y_m": y_m, "required_gap_mm": MM * required_gap(one, other, step).closing_m})
+    return found
 
 
 def rules_beside(
@@ -123,6 +181,8 @@ def spread(
     record: Record,
     *,
     floor: int | None = None,
+    y_m: float = 0.0,
+    on_columns: bool = False,
     share: float = FREQUENCY_UNCERTAINTY,
 ) -> dict[str, Any]:
     """Return the least and the largest required gap when each frame's frequencies are off by a share either
@@ -133,14 +193,19 @@ def spread(
         right: The other frame.
         record: Table motion at the frames' scale.
         floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m].
+        on_columns: Whether the floor faces the columns of the other frame.
         share: Share of the frequencies, alike for all modes of a frame.
 
     Returns:
         ``low_mm``, ``high_mm`` over the nine combinations, and ``basis`` in words.
     """
-    pair = contact_floors(left, right, floor)
+    pair = meeting(left, right, floor, on_columns=on_columns)
     moved = [
-        [_detuned(frame, record, at, factor) for factor in (1.0 - share, 1.0, 1.0 + share)]
+        [
+            place_motions(detuned(frame, factor), record, place_row(frame, at, y_m)[None, :])[:, 0]
+            for factor in (1.0 - share, 1.0, 1.0 + share)
+        ]
         for frame, at in zip((left, right), pair, strict=True)
     ]
     step = record.step_s / fine_step(record.step_s)
@@ -174,32 +239,30 @@ def published_gap(left: str, right: str, floor: int, record: str) -> dict[str, A
 
 
 def history(
-    left: ReducedFrame, right: ReducedFrame, record: Record, *, floor: int | None = None
+    left: ReducedFrame,
+    right: ReducedFrame,
+    record: Record,
+    *,
+    floor: int | None = None,
+    y_m: float = 0.0,
+    on_columns: bool = False,
 ) -> tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]], NDArray[np.floating[Any]]]:
-    """Return times (m,) [s] and the displacements of both contact floors (m,) [m], for a picture.
+    """Return times (m,) [s] and the displacements of both places that may meet (m,) [m], for a picture.
 
     Args:
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale.
         floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m].
+        on_columns: Whether the floor faces the columns of the other frame.
     """
-    at_left, at_right = contact_floors(left, right, floor)
-    first = motions(left, record, [at_left])[:, 0]
+    first, second = (
+        place_motions(frame, record, place_row(frame, at, y_m)[None, :])[:, 0]
+        for frame, at in zip((left, right), meeting(left, right, floor, on_columns=on_columns), strict=True)
+    )
     times = record.step_s / fine_step(record.step_s) * np.arange(len(first))
-    return times, first, motions(right, record, [at_right])[:, 0]
-
-
-def _detuned(frame: ReducedFrame, record: Record, floor: int, factor: float) -> NDArray[np.floating[Any]]:
-    if frame.definition.storey_law:
-        return motions(detuned(frame, factor), record, [floor])[:, 0]
-    modal = modal_frame(frame)
-    modal = replace(modal, circular=factor * modal.circular)
-    parts = fine_step(record.step_s)
-    history, step = refine(record.acceleration_m_s2, parts), record.step_s / parts
-    return floor_motions(modal.poles(frame.damping_ratio), [int(frame.floor_x[floor - 1])], history, step)[
-        :, 0
-    ]
+    return times, first, second
 
 
 def _damping(ratio: float) -> float:
@@ -207,18 +270,30 @@ def _damping(ratio: float) -> float:
     return max(ratio, 1e-6)
 
 
-def _warnings(record: Record, floors: list[dict[str, Any]], floor: int) -> list[str]:
+def _warnings(
+    pair: tuple[ReducedFrame, ReducedFrame],
+    record: Record,
+    floors: list[dict[str, Any]],
+    edges: list[dict[str, float]],
+    floor: int,
+    own_mm: float,
+) -> list[str]:
     found = []
-    if record.pga_g > HIGHEST_TESTED_PGA_G:
+    linear = [frame.name for frame in pair if frame.definition.yielding is None]
+    if record.pga_g > HIGHEST_TESTED_PGA_G and linear:
         found.append(
-            f"{record.pga_g:.3g} g is above anything tested ({HIGHEST_TESTED_PGA_G} g): the frames "
-            "are linear here and "
-            "would yield"
+            f"{record.pga_g:.3g} g is above anything tested ({HIGHEST_TESTED_PGA_G} g): "
+            f"{'the frames are' if len(linear) == 2 else f'{linear[0]} is'} linear here and would yield"
         )
-    governing = max(floors, key=lambda entry: entry["required_gap_mm"])
-    own = next(entry["required_gap_mm"] for entry in floors if entry["floor"] == floor)
-    if governing["required_gap_mm"] > 1.02 * own:
+    governing = max(floors, key=lambda entry: entry["required_gap_mm"], default=None)
+    if governing is not None and governing["required_gap_mm"] > 1.02 * own_mm:
         found.append(
             f"floor {governing['floor']} needs more than floor {floor}: {governing['required_gap_mm']:.3g} mm"
+        )
+    widest = max(edges, key=lambda entry: entry["required_gap_mm"], default=None)
+    if widest is not None and widest["required_gap_mm"] > 1.02 * own_mm:
+        found.append(
+            f"the floors turn, and at the end of their edge (y = {widest['y_m']:g} m) floor {floor} needs "
+            f"{widest['required_gap_mm']:.4g} mm"
         )
     return found

@@ -11,10 +11,11 @@ import pytest
 from pounding.contact.laws import Hertz, LinearViscoelastic
 from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import find
 from pounding.experiments.rig.column_hits import Columns, beyond, borne, masses_at, place_of, softened
 from pounding.experiments.rig.contacts import Contact, column_weights, height_of
 from pounding.experiments.rig.rig import Rig
-from pounding.frames import StickFrame, build
+from pounding.frames import StickFrame, build, load
 from tests.experiments.rig.models import two_sines
 
 COLUMNS = Columns(
@@ -166,7 +167,26 @@ def test_pound_reports_the_columns(folder: Path, capsys: pytest.CaptureFixture[s
     assert "What one column that is hit bears" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("verb", ["gap", "mitigate", "fragility"])
+def test_the_required_gap_before_columns_is_the_closing_motion_of_the_place_that_is_hit(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["gap", str(folder / "street.toml"), "--record", "elcentro-chopra", "--json"])
+    (answer,) = json.loads(capsys.readouterr().out)["pairs"]
+    tall, low = (build(load(folder / f"{name}.toml")) for name in ("tall", "low"))
+    record = find("elcentro-chopra")
+    run = Rig([tall, low]).run(record, solver="exact")
+    moved, other = (frame.sampled(record.time_s.clip(max=run.model_s))[0] for frame in run.frames)
+    # 8.6 m lies between the floors at 7.2 and 10.4 m.
+    share = (8.6 - 7.2) / 3.2
+    upper = 3 * share**2 - 2 * share**3
+    closing = (1 - upper) * moved[:, 1] + upper * moved[:, 2] - other[:, 1]
+    assert answer["required_gap_mm"] == pytest.approx(1e3 * closing.max(), rel=5e-3)
+    assert answer["on_columns"]
+    assert answer["floor"] == 2
+    assert answer["floors"] == []
+
+
+@pytest.mark.parametrize("verb", ["mitigate", "fragility"])
 def test_what_knows_floors_alone_refuses_columns(
     verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -87,12 +87,30 @@ def test_a_contact_off_the_middle_twists_the_floors(tmp_path: Path) -> None:
     assert [len(frame.floor_rz) for frame in row] == [5, 10, 0]
 
 
-def test_a_stick_does_not_twist(tmp_path: Path) -> None:
-    house = 'kind = "stick"\nname = "house"\nstoreys = 1\nstorey_height_m = 3\nfloor_mass_kg = [1e5]\n'
-    (tmp_path / "house.toml").write_text(house + "frequency_hz = [2.0]\ndamping_ratio = 0.05\n")
-    read = street(tmp_path, ROW.replace('"5A"', '"house.toml"').replace("gap_mm = 3", "gap_mm = 3\ny_m = 1"))
-    with pytest.raises(ExperimentError, match="is a stick, whose floors do not twist; leave y_m out"):
-        streets.built_row(read, states_of([one.frame for one in read.building]))
+HOUSE = 'kind = "stick"\nname = "house"\nstoreys = 1\nstorey_height_m = 3\nfloor_mass_kg = [1e5]\nplan_m = [12, 9]\n'
+
+
+@pytest.mark.parametrize(
+    ("key", "y_m", "sentence"),
+    [
+        ("", 1, "is a stick whose floors do not turn, as a contact off the middle asks for; state a table"),
+        ("torsion = { frequency_ratio = 1.2 }", 5, "y = 5 m is off its floors, which are 9 m wide; correct"),
+    ],
+)
+def test_a_contact_off_the_middle_that_a_stick_cannot_have(
+    tmp_path: Path, key: str, y_m: float, sentence: str
+) -> None:
+    (tmp_path / "house.toml").write_text(HOUSE + f"frequency_hz = [2.0]\ndamping_ratio = 0.05\n{key}\n")
+    pair = '[[building]]\nframe = "house.toml"\n' * 2 + f"[[gap]]\ngap_mm = 3\ny_m = {y_m}\nstiffness = 1e9\n"
+    read = street(tmp_path, pair)
+    names = [one.frame for one in read.building]
+
+    def stand() -> None:
+        row = streets.built_row(read, states_of(names))
+        Rig(row, streets.street_contacts(read, row, ["floors"])[0])
+
+    with pytest.raises(InputError, match=sentence):
+        stand()
 
 
 def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from pounding import frames
 from pounding.contact.parameters import thesis_law
 from pounding.experiments.command.app import main
-from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.pounding import pound
@@ -125,11 +124,17 @@ def test_a_frame_of_plates_beyond_yield_reports_its_ductility_and_no_stress() ->
     assert not [sentence for sentence in done.warnings if "stress" in sentence]
 
 
-def test_a_required_gap_by_linear_formulas_is_refused() -> None:
-    with pytest.raises(
-        ExperimentError, match="yields, and the required gap is found by the formulas of linear"
-    ):
-        pair_gap(stick(Yielding(storey_shear_n=SHEAR)), stick(None), motion(100))
+def test_the_required_gap_of_frames_that_yield_is_the_closing_motion_of_their_run() -> None:
+    record = motion(300)
+    soft, stiff = stick(Yielding(storey_shear_n=SHEAR, hardening_ratio=HARDENING)), stick(None)
+    found = pair_gap(soft, stiff, record)
+    # The other solver, of another method, with a gap that never closes.
+    run = Rig([soft, stiff]).run(record, solver="exudyn")
+    one, other = (frame.sampled(record.time_s[:-1])[0][:, 0] for frame in run.frames)
+    assert found.closing_m == pytest.approx((one - other).max(), rel=0.01)
+    assert found.left_peak_m > 2.0 * SHEAR / STIFFNESS
+    linear = pair_gap(stick(None), stiff, record)
+    assert linear.closing_m == 0.0
 
 
 @pytest.mark.parametrize(
