@@ -105,7 +105,7 @@ def fragility(
     """
     limits = _limits(force, drift)
     aim = None if target is None else spectrum(target)
-    row = linear_street(street, time_factor, damping)
+    row = linear_street(street, time_factor, damping, columns=True)
     shakings = _shakings(record, set_, records, row.scale)
     streets = [_with_gap(row.street, value) for value in gap] if gap else [row.street]
     contacts = [row.contacts(one)[0] for one in streets]

@@ -57,13 +57,16 @@ class LinearStreet:
         }
 
 
-def linear_street(file: str, time_factor: float | None, damping: float | None) -> LinearStreet:
+def linear_street(
+    file: str, time_factor: float | None, damping: float | None, *, columns: bool = False
+) -> LinearStreet:
     """Return the street of a file, built.
 
     Args:
         file: The street file.
         time_factor: Factor on the record's time that the user states [-].
         damping: Damping ratio of every mode that the user states [-].
+        columns: Whether floors may hit columns.
 
     Raises:
         ExperimentError: No street file, columns that are hit, or a building that is not linear.
@@ -74,7 +77,8 @@ def linear_street(file: str, time_factor: float | None, damping: float | None) -
             f"{file} is no street file; pounding new-street writes one from two frames or more"
         )
     street = load_street(file)
-    refuse_columns(street)
+    if not columns:
+        refuse_columns(street)
     names = [building.frame for building in street.building]
     definitions = [load(name) for name in names]
     scale = table_scale(definitions, time_factor)

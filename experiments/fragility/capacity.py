@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
-from pounding.experiments.rig.contacts import Contact
+from pounding.experiments.rig.contacts import Contact, sides_of
 from pounding.experiments.rig.many import Case, Outcome, many
-from pounding.experiments.rig.required_gap import motions
+from pounding.experiments.rig.required_gap import place_motions
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.floating[Any]]
@@ -58,19 +58,13 @@ def closings(frames: Sequence[ReducedFrame], contacts: Sequence[Contact], record
     Raises:
         ExperimentError: A frame yields.
     """
-    floors = [sorted(set(_floors(contacts, place))) for place in range(len(frames))]
-    moved = [
-        motions(frame, record, own) if own else np.zeros((1, 0))
-        for frame, own in zip(frames, floors, strict=True)
-    ]
-    found = []
-    for contact in contacts:
-        left, right = (
-            moved[contact.pair + side][:, floors[contact.pair + side].index(floor)]
-            for side, floor in enumerate(contact.whole_floors)
-        )
-        found.append(max(0.0, float((left - right).max())))
-    return np.array(found)
+    sides = [sides_of(frames, contact) for contact in contacts]
+    moved = []
+    for body, frame in enumerate(frames):
+        rows = [side.row for pair in sides for side in pair if side.body == body]
+        moved.append(iter(place_motions(frame, record, np.stack(rows)).T if rows else ()))
+    # Each frame gives its places in the order of the contacts.
+    return np.array([max(0.0, float((next(moved[a.body]) - next(moved[b.body])).max())) for a, b in sides])
 
 
 def touching_intensity(
@@ -130,12 +124,3 @@ def passing(
         for outcome in many(cases, workers=workers, progress=progress)
     ]
     return np.array(found, bool).T.reshape(len(limits), *factors.shape)
-
-
-def _floors(contacts: Sequence[Contact], place: int) -> list[int]:
-    return [
-        floor
-        for contact in contacts
-        for side, floor in enumerate(contact.whole_floors)
-        if contact.pair + side == place
-    ]

@@ -14,6 +14,7 @@ from pounding.constants import STANDARD_GRAVITY
 from pounding.contact.rubber import RubberBlock
 from pounding.experiments.mitigation.standing import Standing, joined
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contacts import Contact, sides_of
 from pounding.experiments.rig.exact import run_exact
 from pounding.experiments.rig.impacts import THRESHOLD_N
 from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion
@@ -141,10 +142,15 @@ class _Floors:
         )
 
     def closing_m(self) -> list[float]:
-        return [
-            float(self._apart("displacement_m", one.pair, one.whole_floors).max())
-            for one in self._standing.contacts
-        ]
+        return [float(self._closing(contact).max()) for contact in self._standing.contacts]
+
+    def _closing(self, contact: Contact) -> Real:
+        if not contact.y_m:
+            return self._apart("displacement_m", contact.pair, contact.whole_floors)
+        # No frames are joined then: contacts off the middle stand without links.
+        left, right = sides_of(self._standing.frames, contact)
+        moved = [self._motion.frames[side.body].displacement_m @ side.row for side in (left, right)]
+        return np.asarray(moved[0] - moved[1])
 
     def link_force_n(self, place: int) -> float:
         link = self._standing.links[place]

@@ -187,7 +187,7 @@ def load_street(path: str | Path) -> Street:
 
 
 def refuse_columns(street: Street) -> None:
-    """Refuse a street with columns that are hit, for what knows floors alone.
+    """Refuse a street with columns that are hit, for what knows floors that face each other alone.
 
     Args:
         street: The street.
@@ -198,8 +198,8 @@ def refuse_columns(street: Street) -> None:
     for number, gap in enumerate(street.gap, 1):
         if gap.columns is not None:
             raise ExperimentError(
-                f"street: [[gap]] {number} has columns that a floor hits, which `pounding pound` and `gap` alone know; "
-                "leave the table 'columns' out, and name floors that face each other"
+                f"street: [[gap]] {number} has columns that a floor hits, and the measures here stand between floors that "
+                "face each other; leave the table 'columns' out and name such floors, or try gaps with `pounding pound`"
             )
 
 

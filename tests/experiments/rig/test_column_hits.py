@@ -11,9 +11,11 @@ import pytest
 from pounding.contact.laws import Hertz, LinearViscoelastic
 from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.fragility.capacity import closings
 from pounding.experiments.records import find
 from pounding.experiments.rig.column_hits import Columns, beyond, borne, masses_at, place_of, softened
 from pounding.experiments.rig.contacts import Contact, column_weights, height_of
+from pounding.experiments.rig.required_gap import gap_at
 from pounding.experiments.rig.rig import Rig
 from pounding.frames import StickFrame, build, load
 from tests.experiments.rig.models import two_sines
@@ -186,12 +188,18 @@ def test_the_required_gap_before_columns_is_the_closing_motion_of_the_place_that
     assert [one["floor"] for one in answer["floors"]] == [1]
 
 
-@pytest.mark.parametrize("verb", ["mitigate", "fragility"])
-def test_what_knows_floors_alone_refuses_columns(
-    verb: str, folder: Path, capsys: pytest.CaptureFixture[str]
+def test_how_likely_a_floor_hits_columns_follows_from_the_same_closing() -> None:
+    record, law = two_sines(1.0), LinearViscoelastic(1e6, 100.0)
+    contacts = [Contact(law, 0.001, PLACE.floors), Contact(law, 0.001, 1)]
+    expected = [gap_at(LEFT, RIGHT, record, contact.floors).closing_m for contact in contacts]
+    assert closings([LEFT, RIGHT], contacts, record) == pytest.approx(expected)
+
+
+def test_measures_stand_between_floors_and_are_refused_before_columns(
+    folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as left:
-        main([verb, str(folder / "street.toml"), "--record", "elcentro-chopra"])
+        main(["mitigate", str(folder / "street.toml"), "--record", "elcentro-chopra"])
     assert left.value.code == 2
     assert "has columns that a floor hits" in " ".join(capsys.readouterr().err.split())
 

@@ -10,6 +10,9 @@ from scipy.integrate import solve_ivp
 
 from pounding import frames
 from pounding.contact.laws import LinearViscoelastic
+from pounding.experiments.fragility.capacity import closings
+from pounding.experiments.mitigation.response import response
+from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.records import Record
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.pounding import pound
@@ -118,3 +121,12 @@ def test_the_required_gap_is_told_for_both_ends_of_the_edge() -> None:
     at_the_end = gap_answer(turning, right, shaking(), y_m=-7.5, own_peak=False, length_scale=1.0)
     assert at_the_end["required_gap_mm"] == pytest.approx(ends[-7.5], rel=1e-6)
     assert at_the_end["spread"]["low_mm"] <= ends[-7.5] <= at_the_end["spread"]["high_mm"]
+
+
+def test_fragility_and_measures_find_the_same_closing_off_the_middle() -> None:
+    row = (stick(2.5, {"frequency_ratio": 1.3}, planar=False), stick(1.6, TORSION))
+    contact = Contact(LAW, 0.05, 2, y_m=-7.5)
+    expected = pair_gap(*row, shaking(), y_m=-7.5).closing_m
+    assert closings(row, [contact], shaking()) == pytest.approx([expected])
+    found = response(Standing(row, (contact,)), shaking())
+    assert found.required_gap_mm == pytest.approx([1e3 * expected], rel=1e-3)
