@@ -100,7 +100,8 @@ def _lasting(period_s: float) -> Callable[[Touch], str]:
 def _sinking(worst: Touch) -> str:
     return (
         f"an overlap above {DEEPEST_SHARE:g} of the gap, up to {1e3 * worst.depth_m:.3g} mm of {1e3 * worst.gap_m:.4g} mm "
-        f"{_where(worst)}: the contact is too soft for this gap; give a stiffer one"
+        f"{_where(worst)}: the contact is too soft for this gap, or the gap too small to tell from none; give a stiffer "
+        "contact, or 0 for floors that lie against each other"
     )
 
 

@@ -157,10 +157,7 @@ def _check_place(frame: ReducedFrame, floor: float, contact: Contact) -> None:
         return
     if not 0.0 < floor < frame.storeys:
         raise ExperimentError(f"{frame.name} has no columns at {floor:g}: its storeys end at {frame.storeys}")
-    if frame.is_mesh or contact.y_m:
-        raise ExperimentError(
-            f"{frame.name}: a contact on columns is modelled for sticks, in the middle of the floors' edge"
-        )
+    place_row(frame, floor, contact.y_m)
 
 
 def place_row(frame: ReducedFrame, floor: float, y_m: float = 0.0) -> Real:
@@ -170,7 +167,15 @@ def place_row(frame: ReducedFrame, floor: float, y_m: float = 0.0) -> Real:
         frame: The frame.
         floor: Number of the floor; a number between two floors is a place on the columns there.
         y_m: Place along the floor's edge, from the middle [m]; 0 on columns.
+
+    Raises:
+        ExperimentError: A place on columns of a frame of plates, or off their middle.
+        FrameError: A place off the floors, or off the middle of floors that do not turn.
     """
+    if not float(floor).is_integer() and (frame.is_mesh or y_m):
+        raise ExperimentError(
+            f"{frame.name}: a contact on columns is modelled for sticks, in the middle of the floors' edge"
+        )
     if y_m:
         return np.asarray(frame.point_row(int(floor), y_m), float)
     row = np.zeros(len(frame.mass))
