@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -87,10 +87,10 @@ def gap(
             one,
             other,
             None if present is None else between.free_mm(present),
-            {"floor": number, "y_m": between.y_m, "on_columns": between.columns is not None},
+            {"floor": number, "y_m": y_m, "on_columns": between.columns is not None},
         )
         for (one, other), between in zip(pairwise(row), street.gap, strict=True)
-        for number, present in between.by_floor()
+        for (number, present), y_m in product(between.by_floor(), between.places_m)
     ]
     own_peak = pga is None and scale.is_laboratory
     length = scale.scale.buildings_length
@@ -168,9 +168,13 @@ def _is_short(answer: dict[str, Any]) -> bool:
 
 def _sentence(answer: dict[str, Any]) -> str:
     return (
-        f"{answer['left']} and {answer['right']} meet at floor {answer['floor']}: their gap is {answer['gap_mm']:g} mm, and "
+        f"{answer['left']} and {answer['right']} meet at floor {_floor(answer)}: their gap is {answer['gap_mm']:g} mm, and "
         f"{answer['record']} asks for {answer['required_gap_mm']:.2f} mm"
     )
+
+
+def _floor(answer: dict[str, Any]) -> str:
+    return f"{answer['floor']}" + (f" at y = {answer['y_m']:g} m" if answer["y_m"] else "")
 
 
 def _street_tables(
@@ -190,7 +194,7 @@ def _street_row(answer: dict[str, Any]) -> list[str]:
     spread = answer["spread"]
     return [
         f"{answer['left']} and {answer['right']}",
-        f"{answer['floor']}",
+        _floor(answer),
         f"{answer['gap_mm']:g}",
         f"{answer['required_gap_mm']:.2f}",
         f"{spread['low_mm']:.2f} to {spread['high_mm']:.2f}",

@@ -38,7 +38,7 @@ GAP_KEYS = """\
 # restitution = 0.65        # and stiffness = 3.75e9 (N/m), or radius_m of a Hertz contact: what is known of the contact
 # bumper = { thickness_mm = 40, area_m2 = 0.3 }   # a block of rubber in the gap, for the floors' own contact
 # columns = { count = 4, depth_m = 0.5, width_m = 0.5 }   # where a floor hits the neighbour's columns
-# y_m = 0.0                 # contact off the middle of the floors' edge; for frames of plates and columns
+# y_m = [-5.0, 0.0, 5.0]    # places along the floors' edge, for floors that turn; a stick needs a table torsion for it
 """
 
 

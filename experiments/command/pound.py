@@ -276,6 +276,5 @@ def _bases(bases: Sequence[Basis], row: Sequence[ReducedFrame]) -> list[str]:
 
 
 def _place(basis: Basis, row: Sequence[ReducedFrame]) -> str:
-    if len(row) == 2:
-        return f"floor {basis.floor}"
-    return f"{row[basis.pair].name} and {row[basis.pair + 1].name}, floor {basis.floor}"
+    place = f"floor {basis.floor}" + (f", y = {basis.y_m:g} m" if basis.y_m else "")
+    return place if len(row) == 2 else f"{row[basis.pair].name} and {row[basis.pair + 1].name}, {place}"

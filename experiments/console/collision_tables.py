@@ -110,7 +110,7 @@ def _together(bases: Iterable[str]) -> Iterable[str]:
 def _row(impact: dict[str, Any]) -> list[str]:
     return [
         f"{impact['time_s']:.4f}",
-        f"{impact['floor']:g}",
+        f"{impact['floor']:g}" + (f" at y = {impact['y_m']:g} m" if impact["y_m"] else ""),
         f"{impact['peak_force_n']:.0f}",
         f"{impact['impulse_n_s']:.3f}",
         f"{impact['approach_velocity_m_s']:.3f}",

@@ -89,7 +89,7 @@ class Place(NamedTuple):
     def words(self) -> str:
         """Where it is, in words."""
         whole = next((floor for floor in self.floors if float(floor).is_integer()), self.floors[0])
-        return f"contact at floor {whole:g}"
+        return f"contact at floor {whole:g}" + (f", y = {self.y_m:g} m" if self.y_m else "")
 
 
 @dataclass(frozen=True, eq=False)

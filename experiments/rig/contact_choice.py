@@ -92,6 +92,7 @@ def choose_laws(
     chosen: Parameters,
     wish: ContactWish,
     masses: tuple[float, float] | None = None,
+    places: int = 1,
 ) -> tuple[list[Law], list[str]]:
     """Return the laws between two floors and, for each, the sentence on what its numbers rest on.
 
@@ -101,6 +102,7 @@ def choose_laws(
         chosen: The parameter set.
         wish: What the user says.
         masses: The masses that meet [kg]; those of the two floors when None.
+        places: How many places along their edge share the slab's strip.
     """
     masses = masses or floor_masses(*pair, floor)
     if chosen != "floors":
@@ -109,19 +111,30 @@ def choose_laws(
         ]
     restitution = restitution_of(wish.restitution)
     found = [
-        floor_law(name, _stiffness(pair, masses, name, wish), restitution, masses, tension=wish.tension)
+        floor_law(
+            name, _stiffness(pair, masses, name, wish, places), restitution, masses, tension=wish.tension
+        )
         for name in wish.laws
     ]
     return [law for law, _ in found], [basis for _, basis in found]
 
 
 def _stiffness(
-    pair: tuple[ReducedFrame, ReducedFrame], masses: tuple[float, float], name: str, wish: ContactWish
+    pair: tuple[ReducedFrame, ReducedFrame],
+    masses: tuple[float, float],
+    name: str,
+    wish: ContactWish,
+    places: int,
 ) -> Estimate:
     if wish.stiffness is not None:
         return Estimate(wish.stiffness, "as stated")
     left, right = (_floor(frame, mass) for frame, mass in zip(pair, masses, strict=True))
-    return hertz_spheres((left, right), wish.radius_m) if is_hertz(name) else slab_strip((left, right))
+    if is_hertz(name):
+        return hertz_spheres((left, right), wish.radius_m)
+    strip = slab_strip((left, right))
+    if places == 1:
+        return strip
+    return Estimate(strip.value / places, f"one of {places} places that share {strip.basis}")
 
 
 def _floor(frame: ReducedFrame, mass_kg: float) -> Floor:

@@ -55,6 +55,7 @@ class Impact:
         longest_touch_ms: Duration of the longest touch [ms].
         touch_restitutions: Restitution of each touch, in time; the frames' own motion takes part, so it may pass
             the law's by a little, and by much in a slow touch.
+        y_m: Place along the floors' edge, from the middle [m].
     """
 
     time_s: float
@@ -69,6 +70,7 @@ class Impact:
     touches: int
     longest_touch_ms: float
     touch_restitutions: list[float | None]
+    y_m: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Return the impact as a dictionary, in the order above."""
@@ -89,7 +91,7 @@ def impacts(
     sampled = times[force >= threshold_n]
     above = np.union1d(sampled, _unseen(history, threshold_n))
     touches = touches_of(history)
-    return [_impact(touches, start, end) for start, end in groups(above, merging_s)]
+    return [_impact(touches, start, end, history.y_m) for start, end in groups(above, merging_s)]
 
 
 def all_impacts(motion: Motion, **options: float) -> list[Impact]:
@@ -121,7 +123,7 @@ def _unseen(history: ContactHistory, threshold_n: float) -> Real:
     return np.concatenate(found) if found else np.empty(0)
 
 
-def _impact(touches: list[Touch], start_s: float, end_s: float) -> Impact:
+def _impact(touches: list[Touch], start_s: float, end_s: float, y_m: float) -> Impact:
     whisker = 1.0 / SAMPLE_RATE_HZ
     inside = [one for one in touches if one.last_s >= start_s - whisker and one.first_s <= end_s + whisker]
     first, last = inside[0], inside[-1]
@@ -138,4 +140,5 @@ def _impact(touches: list[Touch], start_s: float, end_s: float) -> Impact:
         touches=len(inside),
         longest_touch_ms=1e3 * max(one.duration_s for one in inside),
         touch_restitutions=[one.restitution for one in inside],
+        y_m=y_m,
     )

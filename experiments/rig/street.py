@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pounding.contact.rubber import RubberBlock
@@ -31,12 +32,14 @@ class Basis(NamedTuple):
         floor: Floor of the lower of them.
         sentence: The basis in words, the law's name first.
         hit: Where it is on columns, and on which; None where two floors meet.
+        y_m: Place along the floors' edge, from the middle [m].
     """
 
     pair: int
     floor: int
     sentence: str
     hit: tuple[Place, Columns] | None = None
+    y_m: float = 0.0
 
 
 def named(street: Street, row: Sequence[ReducedFrame]) -> list[ReducedFrame]:
@@ -64,7 +67,7 @@ def built_row(
     Raises:
         FrameError: A contact off the middle of a stick whose file says nothing of torsion.
     """
-    off_middle = {pair + side for pair, gap in enumerate(street.gap) if gap.y_m for side in (0, 1)}
+    off_middle = {pair + side for pair, gap in enumerate(street.gap) if gap.is_off_middle for side in (0, 1)}
     return [
         built_in(state, joints, p_delta, planar=False if place in off_middle else None)
         for place, state in enumerate(states)
@@ -107,9 +110,9 @@ def street_contacts(
     for pair, (gap, parameters) in enumerate(zip(street.gap, chosen, strict=True)):
         neighbours = row[pair], row[pair + 1]
         lower = neighbours[0] if is_left_lower(*neighbours) else neighbours[1]
-        for stated, gap_mm in gap.by_floor():
+        for (stated, gap_mm), y_m in product(gap.by_floor(), gap.places_m):
             floor = lower.storeys if stated is None else stated
-            at = _Spot(pair, neighbours, floor, 1e-3 * (gap_mm or 0.0))
+            at = _Spot(pair, neighbours, floor, 1e-3 * (gap_mm or 0.0), y_m)
             if gap.bumper is not None:
                 contact, basis = _on_a_block(at, gap, gap.bumper)
             elif gap.columns is not None:
@@ -122,30 +125,33 @@ def street_contacts(
 
 
 class _Spot(NamedTuple):
-    """A floor of the lower of two neighbours, and the gap there [m]."""
+    """A floor of the lower of two neighbours, the gap there [m], and the place along its edge [m]."""
 
     pair: int
     neighbours: tuple[ReducedFrame, ReducedFrame]
     floor: int
     gap_m: float
+    y_m: float
 
 
 def _of_floors(at: _Spot, gap: Gap, parameters: Parameters | None) -> tuple[Contact, Basis]:
     assert parameters is not None
     level = contact_floors(*at.neighbours, at.floor)
-    masses = floor_masses(*at.neighbours, at.floor, gap.y_m)
-    (law,), (sentence,) = choose_laws(at.neighbours, at.floor, parameters, gap.wish, masses)
-    return Contact(law, at.gap_m, level, at.pair, gap.y_m), Basis(at.pair, at.floor, sentence)
+    masses = floor_masses(*at.neighbours, at.floor, at.y_m)
+    (law,), (sentence,) = choose_laws(
+        at.neighbours, at.floor, parameters, gap.wish, masses, len(gap.places_m)
+    )
+    return Contact(law, at.gap_m, level, at.pair, at.y_m), Basis(at.pair, at.floor, sentence, y_m=at.y_m)
 
 
 def _on_a_block(at: _Spot, gap: Gap, bumper: Bumper) -> tuple[Contact, Basis]:
     level = contact_floors(*at.neighbours, at.floor)
-    free = Contact(bumper.block, at.gap_m, level, at.pair, gap.y_m)
+    free = Contact(bumper.block, at.gap_m, level, at.pair, at.y_m)
     sentence = (
         f"{RubberBlock.name}: {bumper.area_m2:g} m2 of {bumper.thickness_mm:g} mm and {bumper.modulus_mpa:g} MPa, "
         f"restitution {bumper.restitution:g}, as stated"
     )
-    return bumped(free, bumper.block), Basis(at.pair, at.floor, sentence)
+    return bumped(free, bumper.block), Basis(at.pair, at.floor, sentence, y_m=at.y_m)
 
 
 def _on_columns(

@@ -70,7 +70,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     Attributes:
         gap_mm: Gap at rest [mm], one for all floors or one a floor.
         floors: Floors of the lower neighbour that can touch; default: its roof.
-        y_m: Place of the contacts along the floors' edge, from the middle [m].
+        y_m: Place of the contacts along the floors' edge, from the middle [m]; or several, each with a contact.
         law: Name of the impact law.
         parameters: Where its numbers come from; default: by the scale, see `chosen_parameters`.
         stiffness: Contact stiffness in the law's unit; default: that of the parameters.
@@ -83,7 +83,7 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     gap_mm: float | tuple[float, ...]
     floors: tuple[int, ...] = ()
-    y_m: float = 0.0
+    y_m: float | tuple[float, ...] = 0.0
     law: str = DEFAULT_LAW
     parameters: Parameters | None = None
     stiffness: float | None = None
@@ -97,6 +97,16 @@ class Gap(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def gaps_mm(self) -> tuple[float, ...]:
         """Gaps [mm]: one, or one a floor."""
         return self.gap_mm if isinstance(self.gap_mm, tuple) else (self.gap_mm,)
+
+    @property
+    def places_m(self) -> tuple[float, ...]:
+        """Places of the contacts along the edge of each floor [m], one or more."""
+        return self.y_m if isinstance(self.y_m, tuple) else (self.y_m,)
+
+    @property
+    def is_off_middle(self) -> bool:
+        """Whether a contact lies off the middle of the floors' edge."""
+        return any(self.places_m)
 
     def by_floor(self) -> list[tuple[int | None, float | None]]:
         """Return each floor with a contact (None: the lower neighbour's roof) and its gap [mm] (None: not stated)."""
@@ -249,11 +259,14 @@ def _check_gap(gap: Gap, where: str) -> None:
         _check_bumper(gap.bumper, f"{where}: bumper")
     if gap.columns is not None:
         gap.columns.check(f"{where}: columns")
-        if gap.bumper is not None or gap.y_m:
+        if gap.bumper is not None or gap.places_m != (0.0,):
             raise ExperimentError(
                 f"{where}: columns stand without bumper and y_m; leave these out, or the columns"
             )
-    bounds.OFFSET.check(gap.y_m, f"{where}: y_m", ExperimentError)
+    if not gap.places_m or len(set(gap.places_m)) != len(gap.places_m):
+        raise ExperimentError(f"{where}: y_m is {list(gap.places_m)}; give one place or several, each once")
+    for place in gap.places_m:
+        bounds.OFFSET.check(place, f"{where}: y_m", ExperimentError)
     for key, bound in (("stiffness", bounds.CONTACT_STIFFNESS), ("radius_m", bounds.LENGTH)):
         value = getattr(gap, key)
         if value is not None:

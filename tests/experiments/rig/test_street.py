@@ -113,6 +113,24 @@ def test_a_contact_off_the_middle_that_a_stick_cannot_have(
         stand()
 
 
+def test_several_places_of_an_edge_share_the_strip_of_the_slab(tmp_path: Path) -> None:
+    keys = "frequency_hz = [2.0]\ndamping_ratio = 0.05\nslab = { thickness_m = 0.2 }\n"
+    (tmp_path / "house.toml").write_text(HOUSE + keys + "torsion = { frequency_ratio = 1.2 }\n")
+    found = []
+    for places in ("0.0", "[-3, 0, 3]"):
+        pair = '[[building]]\nframe = "house.toml"\n' * 2 + f"[[gap]]\ngap_mm = 3\ny_m = {places}\n"
+        read = street(tmp_path, pair)
+        row = streets.built_row(read, states_of([one.frame for one in read.building]))
+        found.append(streets.street_contacts(read, row, ["floors"]))
+    ((whole,), _), (shares, bases) = found
+    assert [one.y_m for one in shares] == [-3.0, 0.0, 3.0]
+    assert [one.law.stiffness for one in shares] == pytest.approx([whole.law.stiffness / 3.0] * 3)
+    # The same damping ratio and a third of the stiffness; off the middle, less mass.
+    assert shares[1].law.damping == pytest.approx(whole.law.damping / 3.0**0.5)
+    assert shares[0].law.damping == shares[2].law.damping < shares[1].law.damping
+    assert "one of 3 places that share E A / L of the slab strip" in bases[0].sentence
+
+
 def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
     (tmp_path / "house.toml").write_text("")
     read = street(tmp_path, ROW.replace('"5A"', '"house.toml"'))
@@ -147,6 +165,8 @@ def test_frame_files_are_found_beside_the_street_file(tmp_path: Path) -> None:
         ('frame = "10"', 'frame = "10"\nname = "../x"', "files are called after it"),
         ("gap_mm = 3", "gap_mm = 3\nbumper = { thickness_mm = -1, area_m2 = 1 }", "thickness_mm is -1 mm"),
         ("gap_mm = 3", "gap_mm = 3\nbumper = { thickness_mm = 1, area = 1 }", "area"),
+        ("gap_mm = 3", "gap_mm = 3\ny_m = [1, 1]", "y_m is [1.0, 1.0]; give one place or several, each once"),
+        ("gap_mm = 3", "gap_mm = 3\ny_m = []", "y_m is []; give one place"),
         ("gap_mm = 3", "gap_mm = 3\ny_m = inf", "y_m is larger than any number"),
         ('frame = "10"', 'fram = "10"', "did you mean frame"),
         ("[[building]]", "[building]", ""),
