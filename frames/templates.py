@@ -21,6 +21,7 @@ frequency_hz = [1.1, 3.2]                     # measured or computed, the lowest
 damping_ratio = [0.03, 0.04]                  # fractions of critical, one a mode, or one number for all
 # damping_beyond = "caughey"                  # of the modes above: not the last ratio, but (of two) Rayleigh's damping
 plan_m = [24.0, 15.0]                         # length along the shaking, width
+# torsion = { eccentricity_m = 2.0, frequency_ratio = 1.3 }   # floors that turn: the walls stand off the middle
 # scale = "1:30"                              # a model of a building; without this line it is the building itself
 slab = { thickness_m = 0.20 }                 # for the contact with a neighbour: concrete, 30 GPa
 """
