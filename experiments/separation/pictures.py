@@ -39,8 +39,8 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
     """
     figure = _figure(9.0, 5.0)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.plot(times_s, 1e3 * left_m, color=OURS, label=f"{result['left']}, floor {result['floor']}")
-    upper.plot(times_s, 1e3 * right_m, color=THEIRS, label=f"{result['right']}, floor {result['floor']}")
+    upper.plot(times_s, 1e3 * left_m, color=OURS, label=f"{result['left']}, {_place(result)}")
+    upper.plot(times_s, 1e3 * right_m, color=THEIRS, label=f"{result['right']}, {_place(result)}")
     upper.set_ylabel("relative to the table [mm]")
     upper.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     lower.plot(times_s, 1e3 * (left_m - right_m), color="#444444")
@@ -54,6 +54,14 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
     lower.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
     upper.set_title(f"{result['left']} beside {result['right']} under {result['record']}", loc="left")
     return figure
+
+
+def _place(result: Mapping[str, Any]) -> str:
+    """Return where two frames may meet, in words."""
+    floor = f"floor {result['floor']}"
+    if result.get("on_columns"):
+        return f"at {floor}"
+    return floor + (f", y {result['y_m']:g} m" if result.get("y_m") else "")
 
 
 @matplotlib.rc_context(STYLE)
