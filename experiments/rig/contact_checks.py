@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from pounding.contact.rubber import FLAT, RubberBlock
 from pounding.experiments.rig.impacts import THRESHOLD_N
@@ -43,7 +43,22 @@ def contact_warnings(motion: Motion) -> list[str]:
         *_beyond(touches, lambda touch: _bounce(touch, SLOWEST_SHARE * fastest), 1.0, _bouncing),
         *_beyond(touches, lambda touch: touch.duration_s / period, LONGEST_SHARE, _lasting(period)),
         *_beyond(touches, _overlap, DEEPEST_SHARE, _sinking),
+        *_in_the_middle(motion),
     ]
+
+
+def _in_the_middle(motion: Motion) -> Iterable[str]:
+    """Return a sentence on each pair of floors that turn and can touch in the middle of their edge alone."""
+    turning = {frame.name for frame in motion.frames if frame.reduced.turns}
+    places: dict[tuple[str, str, float], list[float]] = {}
+    for one in motion.contacts:
+        places.setdefault((one.left, one.right, one.floor), []).append(one.y_m)
+    for (left, right, floor), found in places.items():
+        if turning & {left, right} and found == [0.0] and float(floor).is_integer():
+            yield (
+                f"floors turn, and {left} and {right} can touch on floor {floor:g} of {left} in the middle of the edge alone "
+                "(at an end they meet earlier); give several places as y_m in a street file"
+            )
 
 
 def _flattened(history: ContactHistory) -> str:

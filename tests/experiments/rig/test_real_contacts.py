@@ -149,7 +149,9 @@ def test_a_touch_is_read_from_its_curve() -> None:
 
 @pytest.mark.parametrize(("share", "said"), [(0.9, 0), (1.3, 1)])
 def test_floors_that_part_faster_than_they_met_are_warned_of(share: float, said: int) -> None:
-    slow: Any = SimpleNamespace(reduced=SimpleNamespace(frequencies_hz=np.array([0.5])))
+    slow: Any = SimpleNamespace(
+        name="a", reduced=SimpleNamespace(frequencies_hz=np.array([0.5]), turns=False)
+    )
     motion: Any = SimpleNamespace(contacts=[half_sine(share)], frames=[slow])
     found = [one for one in contact_warnings(motion) if "1 of 1 touches has a restitution above 1" in one]
     assert len(found) == said

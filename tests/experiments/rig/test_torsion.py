@@ -14,6 +14,7 @@ from pounding.experiments.fragility.capacity import closings
 from pounding.experiments.mitigation.response import response
 from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.records import Record
+from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.impacts import all_impacts
 from pounding.experiments.rig.pounding import pound
@@ -100,6 +101,10 @@ def test_both_solvers_agree_on_a_collision_off_the_middle() -> None:
         # The left one is symmetric, and turns because it is hit off its middle.
         assert moved["rotation_mrad"] > 1.0
     assert {impact.y_m for impact in all_impacts(runs[0])} == {-6.0, 6.0}
+    alone = Rig(row, [Contact(LAW, 0.02, 2)]).run(shaking(), solver="exact")
+    in_the_middle = "in the middle of the edge alone"
+    assert in_the_middle in " ".join(contact_warnings(alone))
+    assert in_the_middle not in " ".join(contact_warnings(runs[1]))
 
 
 def test_the_drift_of_floors_that_turn_is_that_of_their_edges() -> None:
