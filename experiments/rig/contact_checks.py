@@ -56,8 +56,8 @@ def _in_the_middle(motion: Motion) -> Iterable[str]:
     for (left, right, floor), found in places.items():
         if turning & {left, right} and found == [0.0] and float(floor).is_integer():
             yield (
-                f"floors turn, and {left} and {right} can touch on floor {floor:g} of {left} in the middle of the edge alone "
-                "(at an end they meet earlier); give several places as y_m in a street file"
+                f"floors turn, and {left} and {right} can touch on floor {floor:g} of {left} in the middle of the edge "
+                "alone (at an end they meet earlier); give several places as y_m in a street file"
             )
 
 
