@@ -84,9 +84,15 @@ def test_without_eccentricity_it_is_the_plain_stick(fields: dict[str, Any]) -> N
 
 def test_a_mode_has_the_damping_of_the_sway_and_the_turn_that_it_is_made_of() -> None:
     torsion = {"eccentricity_m": 2.0, "frequency_ratio": 1.3}
-    found = frames.build(stick(3, damping_ratio=[0.02, 0.04], torsion=torsion))
+    given = [0.02, 0.05, 0.03]
+    found = frames.build(stick(3, damping_ratio=given, torsion=torsion))
     # With one inertia and one eccentricity for all floors each sway mixes with its own turn alone.
-    assert sorted(found.damping_ratios) == pytest.approx([0.02] * 2 + [0.04] * 4)
+    total = 1.0 + 2.0**2 / RADIUS_2 + 1.3**2
+    both = np.sqrt((total + np.array([-1.0, 1.0]) * np.sqrt(total**2 - 4.0 * 1.3**2)) / 2.0)
+    frequencies = np.outer(frames.build(stick(3)).frequencies_hz, both).ravel()
+    order = frequencies.argsort()
+    assert found.frequencies_hz == pytest.approx(frequencies[order])
+    assert found.damping_ratios == pytest.approx(np.repeat(given, 2)[order])
     modes = modal.analyse(found.definition)
     assert modes.effective_mass_ratio[:, 0].sum() == pytest.approx(1.0)
     assert modes.descriptions[:2] == ["1st bending in x", "1st torsion"]
