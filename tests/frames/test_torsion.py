@@ -34,7 +34,7 @@ def stick(storeys: int = 1, **fields: Any) -> Any:
 
 @pytest.mark.parametrize(("eccentricity", "ratio"), [(1.5, 1.2), (-3.0, 0.8), (0.75, 1.0)])
 def test_one_storey_has_the_frequencies_of_the_closed_form(eccentricity: float, ratio: float) -> None:
-    """Roots of x^2 - (1 + e^2 + R^2) x + R^2 = 0 with the eccentricity e in radii of gyration (Chopra, section 9.6)."""
+    """Roots of x^2 - (1 + e^2 + R^2) x + R^2 = 0 with the eccentricity e in radii of gyration (Chopra, chapter 9)."""
     turning = frames.build(stick(torsion={"eccentricity_m": eccentricity, "frequency_ratio": ratio}))
     total = 1.0 + eccentricity**2 / RADIUS_2 + ratio**2
     roots = (total + np.array([-1.0, 1.0]) * np.sqrt(total**2 - 4.0 * ratio**2)) / 2.0
