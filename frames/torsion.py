@@ -3,7 +3,7 @@
 The centre of mass of a floor is the middle of its plan. The springs of a storey act at its centre of stiffness, which lies
 the eccentricity e off the middle, across the shaking. A point at y moves by u - y theta, so the springs of a storey of
 stiffness k bear k (d - e t) for a drift d and a turn t, and its torsional stiffness about the centre of stiffness adds to
-that: the multi-storey form of the one-storey system of Chopra, *Dynamics of Structures*, chapter 9, unsymmetric-plan buildings.
+that: the one-storey system of Chopra, *Dynamics of Structures*, chapter 9 (unsymmetric-plan buildings), in several storeys.
 """
 
 from __future__ import annotations
