@@ -32,6 +32,7 @@ from pounding.diagnosis.report.report_text import (
 )
 from pounding.diagnosis.report.sheet import sheet
 from pounding.diagnosis.settings import SETTINGS
+from pounding.experiments.output.html import LOADER
 from pounding.frames.errors import FrameError
 from pounding.frames.files import write_whole
 
@@ -126,7 +127,8 @@ def _write(folder: Path, case: Case, report: Report, pictures: Pictures, templat
 def _page(template: str, *, report: Report, pictures: Pictures, **more: Any) -> str:
     """Return a report as one HTML page that needs no other file."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent),
+        # The look of all reports is that of the experiments' room.
+        loader=jinja2.ChoiceLoader([jinja2.FileSystemLoader(Path(__file__).parent), LOADER]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,

@@ -12,6 +12,7 @@ from rich.console import RenderableType
 from pounding.experiments.command.gap import Report
 from pounding.experiments.console import options
 from pounding.experiments.console.output import emit, table
+from pounding.experiments.output.building_sketch import Marked, Outline, building_sketch
 from pounding.experiments.output.report import write_report
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.separation import pictures
@@ -54,7 +55,12 @@ def design(
     )
     result = stamp(asdict(site)) | answer(site)
     if report is not None:
-        write_report("design", result, report, [pictures.design_bars(result)])
+        in_range = result["in_range"]
+        words = f"{in_range['low_mm']:.0f}–{in_range['high_mm']:.0f} mm" if in_range["count"] else "no rule"
+        sketch = building_sketch(
+            [Outline("tall", [tall]), Outline("short", [short])], [Marked(0, short, words)]
+        )
+        write_report("design", result, report, [pictures.design_bars(result)], sketch)
     emit(result, as_json=json, show=lambda: _tables(result))
 
 

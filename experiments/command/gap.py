@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import pairwise, product
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -16,10 +16,11 @@ from pounding import frames
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table, warn
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.output.building_sketch import Marked, Outline, building_sketch
 from pounding.experiments.output.report import write_report
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.rig.required_gap import fine_step
+from pounding.experiments.rig.required_gap import fine_step, is_left_lower
 from pounding.experiments.rig.states import FrameState, states_of
 from pounding.experiments.rig.street import built_row, named
 from pounding.experiments.rig.street_file import (
@@ -112,7 +113,15 @@ def gap(
     result = stamp(asked, [motion]) | (_of_street(answers) if right is None else answers[0])
     if report is not None:
         pictures = [place.picture(motion, answer) for place, answer in zip(places, answers, strict=True)]
-        write_report("gap" if right is not None else "street", result, report, pictures)
+        write_report(
+            "gap" if right is not None else "street",
+            result,
+            report,
+            pictures,
+            _sketch(row, answers),
+            lengths=f"The {scale}.",
+            short=[_sentence(answer) for answer in answers if _is_short(answer)],
+        )
     show = _tables if right is not None else _street_tables
     emit(result, as_json=json, show=lambda: show(result, states, scale))
     for sentence in map(str, result["warnings"]):
@@ -160,6 +169,20 @@ def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
         for sentence in answer["warnings"]
     ]
     return {"pairs": answers, "warnings": [*short, *other]}
+
+
+def _sketch(row: Sequence[frames.ReducedFrame], answers: Sequence[dict[str, Any]]) -> str:
+    """Return the buildings with what they need at the highest place where each pair meets, and what it has."""
+    worst: dict[int, Marked] = {}
+    for pair, (left, right) in enumerate(pairwise(row)):
+        own = [answer for answer in answers if (answer["left"], answer["right"]) == (left.name, right.name)]
+        answer = max(own, key=lambda one: one["required_gap_mm"] - one.get("gap_mm", 0.0))
+        lower = left if is_left_lower(left, right) else right
+        needs = f"{answer['required_gap_mm']:.4g}"
+        words = f"{answer['gap_mm']:.4g} / {needs}" if "gap_mm" in answer else f"{needs} mm"
+        height_m = float(lower.heights_m[answer["floor"] - 1])
+        worst[pair] = Marked(pair, height_m, words, _is_short(answer))
+    return building_sketch([Outline(one.name, one.heights_m.tolist()) for one in row], list(worst.values()))
 
 
 def _is_short(answer: dict[str, Any]) -> bool:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+LOADER = PackageLoader("pounding.experiments.output", "templates")
+
 TEMPLATES = Environment(
-    loader=PackageLoader("pounding.experiments.output", "templates"),
+    loader=LOADER,
     autoescape=True,
     undefined=StrictUndefined,
 )

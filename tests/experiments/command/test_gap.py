@@ -150,6 +150,13 @@ def test_gap_report_is_one_file(capsys, tmp_path: Path) -> None:
     # Nothing is fetched: the only sources are the document itself (the picture's letters left out).
     assert "http" not in re.sub(r"base64,[^\"]+", "", html)
     assert [path.name for path in file.parent.iterdir()] == ["gap.html"]
+    assert f"Keep them at least {answer['required_gap_mm']:.1f} mm apart at floor 5." in html
+    assert (
+        html.index('class="sheet"')
+        < html.index("<svg")
+        < html.index("What to check next")
+        < html.index("What all rules")
+    )
 
 
 def test_design_report_and_keys(capsys, tmp_path: Path) -> None:
