@@ -58,6 +58,11 @@ def _storeys(defined: frames.Frame, frame: CaseFrame) -> StoreyFrame:
             "its file has [[storey_law]], and a baseline model is linear, so that what it lacks can be told; take these "
             "tables out"
         )
+    if isinstance(defined, frames.StickFrame) and defined.torsion and np.any(defined.torsion.eccentricity_m):
+        raise frames.FrameError(
+            "its file has an eccentricity, and a baseline model sways without turning; take it out of 'torsion': floors "
+            "that turn are an effect that the diagnosis looks for"
+        )
     if isinstance(defined, frames.PlateFrame):
         return _plates(msgspec_key(defined), frame.name, frame.joints == "rigid", frame.p_delta)
     return from_reduced(frames.build(defined, p_delta=frame.p_delta), frame.name)

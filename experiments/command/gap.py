@@ -168,7 +168,8 @@ def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
         for answer in answers
         for sentence in answer["warnings"]
     ]
-    return {"pairs": answers, "warnings": [*short, *other]}
+    # Several places of one pair say the same of its ends.
+    return {"pairs": answers, "warnings": [*short, *dict.fromkeys(other)]}
 
 
 def _sketch(row: Sequence[frames.ReducedFrame], answers: Sequence[dict[str, Any]]) -> str:

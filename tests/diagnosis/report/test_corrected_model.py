@@ -160,3 +160,20 @@ def test_a_file_with_laws_is_no_baseline(tmp_path: Path) -> None:
     (again,) = baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
     np.testing.assert_allclose(again.stiffness, MODEL.assemble(CALIBRATED).stiffness, rtol=1e-9, atol=1e-6)
     np.testing.assert_allclose(again.damping_ratio, np.exp(MODEL.assemble(CALIBRATED).log_damping), rtol=1e-6)
+
+
+def test_a_file_with_an_eccentricity_is_no_baseline_and_a_symmetric_one_is(tmp_path: Path) -> None:
+    text = (
+        'kind = "stick"\nname = "bench"\nstoreys = 2\nstorey_height_m = 0.2\nscale = "1:30"\nfloor_mass_kg = [6.0, 6.0]\n'
+        "frequency_hz = [6.8]\ndamping_ratio = 0.01\nplan_m = [0.4, 0.4]\n"
+    )
+    frame = CaseFrame("bench", 2, file=tmp_path / "bench.toml")
+    turning = "torsion = {{ eccentricity_m = {}, frequency_ratio = 1.3 }}\n"
+    (tmp_path / "bench.toml").write_text(text + turning.format(0.02), encoding="utf-8")
+    with pytest.raises(CaseError, match="sways without turning; take it out of 'torsion'"):
+        baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
+    (tmp_path / "bench.toml").write_text(text + turning.format(0.0), encoding="utf-8")
+    (even,) = baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
+    (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
+    (plain,) = baseline_frames(Case("bench", tmp_path, (frame,), (), ()))
+    np.testing.assert_allclose(even.stiffness, plain.stiffness, rtol=1e-9)
