@@ -7,7 +7,6 @@ from pathlib import Path
 from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.ext.napoleon import GoogleDocstring
-from sphinx_gallery.sorting import ExplicitOrder
 
 project = "pounding"
 author = "the pounding developers"
@@ -43,6 +42,7 @@ sphinx_gallery_conf = {
     "min_reported_time": 1e9,
     "write_computation_times": False,
     "thumbnail_size": (400, 280),
+    "image_srcset": ["2x"],
     "capture_repr": (),
 }
 html_theme = "furo"
@@ -51,21 +51,6 @@ html_title = "pounding"
 html_static_path = ["_static"]
 html_css_files = ["custom.css"]
 html_theme_options = {"top_of_page_buttons": []}
-
-# Each script of docs/gallery runs, unless it is as it was in the last build; pages and pictures go to docs/auto_gallery.
-sphinx_gallery_conf = {
-    "examples_dirs": "gallery",
-    "gallery_dirs": "auto_gallery",
-    "filename_pattern": r"\.py$",
-    "subsection_order": ExplicitOrder(
-        [f"gallery/{room}" for room in ("frames", "contact", "experiments", "diagnosis")]
-    ),
-    "image_srcset": ["2x"],
-    "thumbnail_size": (440, 308),
-    "download_all_examples": False,
-    "show_signature": False,
-    "min_reported_time": 1,
-}
 
 # In a docstring a name between single backticks is a link where the reference has it, and code elsewhere.
 default_role = "py:obj"
