@@ -207,7 +207,7 @@ def _laboratory(
     rows: list[Row],
     data: xr.Dataset,
     motion: Motion,
-    plot: Callable[[Path], None],
+    plot: Callable[[Path], object],
 ) -> Outcome:
     """Return the outcome of a test whose frame is drawn where its roof has moved most."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures import films, scenes
@@ -16,18 +17,29 @@ SLOWED = 0.05
 """Model seconds in a second of the film."""
 
 
-def still(run: Pounding, path: str | Path, *, size: tuple[int, int] | None = None) -> None:
+def still(
+    run: Pounding,
+    path: str | Path | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    scene: Any = None,
+) -> Any:
     """Draw both frames at the hardest impact, with the force as an arrow, or where they came closest without touching.
 
     Args:
         run: The run.
-        path: Image file to write.
+        path: Image file to write; none when None.
         size: Width and height [pixels].
+        scene: A pyvista plotter to draw into; a new one when None.
+
+    Returns:
+        The plotter; one that was made here stays open if no file was asked for.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
     """
-    scenes.picture(run.motion, path, time_s=moment(run), title=_title(run), size=size)
+    at = moment(run)
+    return scenes.picture(run.motion, path, time_s=at, title=_title(run), size=size, scene=scene)
 
 
 def moment(run: Pounding) -> float:

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.pictures.panels import figure_of, keep, panels
 from pounding.experiments.pictures.plots import STYLE
 from pounding.experiments.rig.impacts import impacts
-from pounding.frames.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,6 +33,8 @@ COLOURS = {
 OTHER = "#555555"
 PALETTE = tuple(COLOURS.values())
 
+DPI = 100
+
 CLOSE_S = 0.0025
 """Shortest close view of an impact [s]: a touch of two frames of the thesis."""
 
@@ -41,25 +42,30 @@ CLOSE_S = 0.0025
 @matplotlib.rc_context(STYLE)
 def force_histories(
     runs: Sequence[Pounding],
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     labels: Sequence[str] | None = None,
     window_s: float | None = None,
-) -> None:
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
     """Plot the force of several runs over each other: the whole run, and the first impact of each, aligned.
 
     Args:
         runs: Runs that differ in their law; of several contacts the one that is hit hardest is shown.
-        path: File to write; its suffix says the format.
+        path: File to write, its suffix says the format; none when None.
         labels: Of the runs; the names of their laws when None.
         window_s: Length of the close view [s]; that of the longest first touch, and at least `CLOSE_S`, when None.
+        axes: Two axes to draw into; a new figure when None.
+
+    Returns:
+        The axes: the whole run, the first impact.
 
     Raises:
-        ExperimentError: In no run the floors touched.
+        ExperimentError: In no run the floors touched, or not two axes were given.
     """
     _require_touch(runs)
-    figure = Figure(figsize=(9.0, 3.8), layout="constrained")
-    whole, close = figure.subplots(1, 2, width_ratios=(3, 2))
+    new = axes is None
+    whole, close = axes = panels(axes, 1, (9.0, 3.8), columns=2, width_ratios=(3, 2))
     shown = hit_hardest(runs)
     window_s = _first_touch_s(shown) if window_s is None else window_s
     starts = [[impact.time_s for impact in impacts(history)] for history in shown]
@@ -80,11 +86,16 @@ def force_histories(
         gap += f" at floor {shown[0].floor}"
     whole.set_title(f"{shown[0].left} beside {shown[0].right}, {runs[0].record.name}, {gap}", fontsize=10)
     whole.set(xlabel="time [s]", ylabel="contact force [N]")
-    # Below the axes: the peaks take whatever room there is inside.
-    figure.legend(*whole.get_legend_handles_labels(), fontsize=8, loc="outside lower center", ncols=3)
+    # Below the axes of a figure of ours: the peaks take whatever room there is inside.
+    named = whole.get_legend_handles_labels()
+    if new:
+        figure_of(whole).legend(*named, fontsize=8, loc="outside lower center", ncols=3)
+    else:
+        close.legend(*named, fontsize=8)
     close.set(xlabel="time after first touch [ms]")
     close.set_title("first impact of each", fontsize=10)
-    _save(figure, path)
+    keep(whole, path, dpi=DPI)
+    return axes
 
 
 def hit_hardest(runs: Sequence[Pounding]) -> list[ContactHistory]:
@@ -105,20 +116,29 @@ def _first_touch_s(shown: Sequence[ContactHistory]) -> float:
 
 
 @matplotlib.rc_context(STYLE)
-def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] | None = None) -> None:
+def loops(
+    runs: Sequence[Pounding],
+    path: str | Path | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    axes: Axes | None = None,
+) -> Axes:
     """Plot force over deformation of the hardest touch of each run; the area of a loop is the energy lost.
 
     Args:
         runs: Runs; of several contacts the one that is hit hardest is shown.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
         labels: Of the runs; the names of their laws when None.
+        axes: Axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
 
     Raises:
         ExperimentError: In no run the floors touched.
     """
     _require_touch(runs)
-    figure = Figure(figsize=(5.4, 3.8), layout="constrained")
-    axes = figure.subplots()
+    (axes,) = panels(axes, 1, (5.4, 3.8))
     for index, history in enumerate(hit_hardest(runs)):
         if history.pulses:
             colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
@@ -126,24 +146,34 @@ def loops(runs: Sequence[Pounding], path: str | Path, *, labels: Sequence[str] |
     axes.set(xlabel="deformation [mm]", ylabel="contact force [N]")
     axes.set_title("hardest touch of each", fontsize=10)
     axes.legend(fontsize=8)
-    _save(figure, path)
+    keep(axes, path, dpi=DPI)
+    return axes
 
 
 @matplotlib.rc_context(STYLE)
-def peak_map(peaks_n: Mapping[str, Mapping[str, float]], path: str | Path, *, title: str = "") -> None:
+def peak_map(
+    peaks_n: Mapping[str, Mapping[str, float]],
+    path: str | Path | None = None,
+    *,
+    title: str = "",
+    axes: Axes | None = None,
+) -> Axes:
     """Plot a map of the peak force: one row a record, one column a gap.
 
     Args:
         peaks_n: For each record, the peak force [N] by the label of its gap, widest first.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
         title: Above the map.
+        axes: Axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
     rows, columns = len(peaks_n), max(len(row) for row in peaks_n.values())
     values = np.full((rows, columns), np.nan)
     for index, row in enumerate(peaks_n.values()):
         values[index, : len(row)] = list(row.values())
-    figure = Figure(figsize=(1.3 * columns + 2.2, 0.72 * rows + 1.2), layout="constrained")
-    axes = figure.subplots()
+    (axes,) = panels(axes, 1, (1.3 * columns + 2.2, 0.72 * rows + 1.2))
     axes.grid(False)
     image = axes.imshow(values, cmap="YlOrRd", vmin=0.0, aspect="auto")
     for (i, record), j in ((pair, j) for pair in enumerate(peaks_n) for j in range(len(peaks_n[pair[1]]))):
@@ -157,8 +187,9 @@ def peak_map(peaks_n: Mapping[str, Mapping[str, float]], path: str | Path, *, ti
     axes.set_xticks([])
     axes.set_xlabel("gap, widest to narrowest")
     axes.set_title(title, fontsize=10)
-    figure.colorbar(image, ax=axes, label="peak force [N]")
-    _save(figure, path)
+    figure_of(axes).colorbar(image, ax=axes, label="peak force [N]")
+    keep(axes, path, dpi=DPI)
+    return axes
 
 
 def _loop(axes: Axes, history: ContactHistory, name: str, colour: str) -> None:
@@ -174,8 +205,3 @@ def _label(history: ContactHistory) -> str:
 def _require_touch(runs: Sequence[Pounding]) -> None:
     if not any(contact.pulses for run in runs for contact in run.motion.contacts):
         raise ExperimentError("nothing to plot: the floors did not touch; narrow the gap")
-
-
-def _save(figure: Figure, path: str | Path) -> None:
-    with replacing(Path(path)) as whole:
-        figure.savefig(whole, dpi=100)

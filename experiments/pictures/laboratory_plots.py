@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import matplotlib
 import matplotlib.ticker
-from matplotlib.figure import Figure
 
+from pounding.experiments.pictures.panels import keep, panels
 from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE
-from pounding.frames.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,72 +22,99 @@ DECAY_S = 40.0
 
 
 @matplotlib.rc_context(STYLE)
-def free_vibration_and_sweep(name: str, decay: FreeVibration, sweep: SineSweep, path: Path) -> None:
+def free_vibration_and_sweep(
+    name: str,
+    decay: FreeVibration,
+    sweep: SineSweep,
+    path: str | Path | None = None,
+    *,
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
     """Plot the decay, its spectrum with the half-power band, and the sweep's amplification of a frame.
 
     Args:
         name: Name of the frame.
         decay: Its free vibration.
         sweep: Its sweep.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
+        axes: Three axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
-    figure = Figure(figsize=(9.0, 6.6), layout="constrained")
-    axes = figure.subplots(3, 1)
+    axes = panels(axes, 3, (9.0, 6.6))
     _decay(axes[0], name, decay)
     _spectrum(axes[1], decay)
     _amplification(axes[2], sweep)
-    _save(figure, path)
+    keep(axes[0], path)
+    return axes
 
 
 @matplotlib.rc_context(STYLE)
-def free_vibration(name: str, decay: FreeVibration, path: Path) -> None:
+def free_vibration(
+    name: str, decay: FreeVibration, path: str | Path | None = None, *, axes: Sequence[Axes] | None = None
+) -> list[Axes]:
     """Plot a decay and its spectrum with the half-power band.
 
     Args:
         name: Name of the frame.
         decay: Its free vibration.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
+        axes: Two axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
-    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
-    axes = figure.subplots(2, 1)
+    axes = panels(axes, 2, (9.0, 4.6))
     _decay(axes[0], name, decay)
     _spectrum(axes[1], decay)
-    _save(figure, path)
+    keep(axes[0], path)
+    return axes
 
 
 @matplotlib.rc_context(STYLE)
-def sine_sweep(name: str, sweep: SineSweep, path: Path) -> None:
+def sine_sweep(
+    name: str, sweep: SineSweep, path: str | Path | None = None, *, axes: Sequence[Axes] | None = None
+) -> list[Axes]:
     """Plot the roof's acceleration in a sweep and its amplification over frequency.
 
     Args:
         name: Name of the frame.
         sweep: Its sweep.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
+        axes: Two axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
-    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
-    axes = figure.subplots(2, 1)
+    axes = panels(axes, 2, (9.0, 4.6))
     axes[0].plot(sweep.time_s, sweep.roof_m_s2, color=OURS, lw=0.6)
     axes[0].set(xlabel="time [s]", ylabel="roof [m/s²]", xlim=(0.0, sweep.time_s[-1]))
     axes[0].set_title(f"Frame {name}: sweep of the table", loc="left")
     _amplification(axes[1], sweep)
-    _save(figure, path)
+    keep(axes[0], path)
+    return axes
 
 
 @matplotlib.rc_context(STYLE)
-def push(name: str, test: PushTest, path: Path) -> None:
+def push(name: str, test: PushTest, path: str | Path | None = None, *, axes: Axes | None = None) -> Axes:
     """Plot load over deflection of the roof.
 
     Args:
         name: Name of the frame.
         test: Its push test.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
+        axes: Axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
-    figure = Figure(figsize=(5.4, 3.8), layout="constrained")
-    axes = figure.subplots()
+    (axes,) = panels(axes, 1, (5.4, 3.8))
     axes.plot(1e3 * test.deflection_m, test.force_n, "o-", color=OURS)
     axes.set(xlabel="deflection of the roof [mm]", ylabel="load at the roof [N]")
     axes.set_title(f"Frame {name}: {test.stiffness_n_per_m / 1e3:.2f} N/mm", loc="left")
-    _save(figure, path)
+    keep(axes, path)
+    return axes
 
 
 def _decay(axes: Axes, name: str, decay: FreeVibration) -> None:
@@ -116,8 +143,3 @@ def _amplification(axes: Axes, sweep: SineSweep) -> None:
         axes.annotate(f"{reading.frequency_hz:.2f} Hz", place, color=PUBLISHED, fontsize=9)
     axes.set(xlabel="frequency [Hz]", ylabel="roof / table", xlim=(0.2, 50.0), ylim=(1e-2, 3e2))
     axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-
-
-def _save(figure: Figure, path: Path) -> None:
-    with replacing(path) as part:
-        figure.savefig(part, dpi=110)

@@ -10,12 +10,11 @@ import matplotlib
 import matplotlib.ticker
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from pounding.constants import STANDARD_GRAVITY
+from pounding.experiments.pictures.panels import keep, panels
 from pounding.experiments.records.spectra import fourier_spectrum, response_spectrum
-from pounding.frames.files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,6 +26,9 @@ Real = NDArray[np.floating[Any]]
 
 OURS, THEIRS, PUBLISHED = "#1f4e79", "#d1711c", "#b3262e"
 """Colours of what is computed, what was measured, and what is published."""
+
+WIDTH = 9.0
+"""Width of a figure [inches]."""
 
 STYLE: Any = {
     "font.size": 10,
@@ -43,28 +45,36 @@ STYLE: Any = {
 @matplotlib.rc_context(STYLE)
 def history(
     data: xr.Dataset,
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     frame: str,
     floors: Sequence[int] | None = None,
     published_mm: Mapping[int, tuple[float, float]] | None = None,
     measured: Iterable[Channel] = (),
     title: str = "",
-) -> None:
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
     """Plot the table's acceleration and a frame's floor displacements relative to it.
 
     Args:
         data: A run (`pounding.experiments.results.dataset.dataset`).
-        path: File to write; its suffix says the format.
+        path: File to write, its suffix says the format; none when None.
         frame: Label of the frame.
         floors: Floors to show, from the top down; the roof when None.
         published_mm: Published maximum and minimum by floor, both positive [mm].
         measured: Measured histories; those of relative displacement on these floors are laid over.
         title: Title.
+        axes: Axes to draw into, one for the table and one for each floor; a new figure when None.
+
+    Returns:
+        The axes.
+
+    Raises:
+        ExperimentError: Not as many axes were given as there are panels.
+        FrameError: The file cannot be written.
     """
     shown = list(floors or [roof(data, frame)])
-    figure = _figure(height=1.5 + 1.7 * (1 + len(shown)))
-    axes = np.atleast_1d(figure.subplots(1 + len(shown), 1, sharex=True))
+    axes = panels(axes, 1 + len(shown), (WIDTH, 1.5 + 1.7 * (1 + len(shown))), sharex=True)
     time = data.time.values
     axes[0].plot(time, data.table_acceleration.values / STANDARD_GRAVITY, color="#555555", lw=0.8)
     axes[0].set_ylabel("table [g]")
@@ -82,27 +92,39 @@ def history(
     axes[1].legend(loc="upper right", ncols=4, fontsize=9)
     axes[-1].set_xlabel("time on the model's clock [s]")
     axes[-1].set_xlim(time[0], time[-1])
-    _save(figure, path)
+    keep(axes[0], path)
+    return axes
 
 
 @matplotlib.rc_context(STYLE)
-def roof_acceleration(data: xr.Dataset, path: str | Path, *, frame: str, title: str = "") -> None:
+def roof_acceleration(
+    data: xr.Dataset,
+    path: str | Path | None = None,
+    *,
+    frame: str,
+    title: str = "",
+    axes: Axes | None = None,
+) -> Axes:
     """Plot the acceleration of a frame's roof in the room.
 
     Args:
         data: A run (`pounding.experiments.results.dataset.dataset`).
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
         frame: Label of the frame.
         title: Title.
+        axes: Axes to draw into; a new figure when None.
+
+    Returns:
+        The axes.
     """
     floor, time = roof(data, frame), data.time.values
-    figure = _figure(height=2.8)
-    axes = figure.subplots()
+    (axes,) = panels(axes, 1, (WIDTH, 2.8))
     moved = data.absolute_acceleration.sel(frame=frame, floor=floor).values / STANDARD_GRAVITY
     axes.plot(time, moved, color=OURS, lw=0.8)
     axes.set(xlabel="time on the model's clock [s]", ylabel=f"floor {floor} [g]", xlim=(time[0], time[-1]))
     axes.set_title(title, loc="left")
-    _save(figure, path)
+    keep(axes, path)
+    return axes
 
 
 def roof(data: xr.Dataset, frame: str) -> int:
@@ -112,26 +134,33 @@ def roof(data: xr.Dataset, frame: str) -> int:
 
 @matplotlib.rc_context(STYLE)
 def overlay(
-    data: xr.Dataset, measured: Sequence[Channel], path: str | Path, *, frame: str, title: str = ""
-) -> int:
+    data: xr.Dataset,
+    measured: Sequence[Channel],
+    path: str | Path | None = None,
+    *,
+    frame: str,
+    title: str = "",
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
     """Plot every measured channel that the run has a history for, one panel each.
 
     Args:
         data: The run's dataset.
         measured: Measured channels on the run's clock.
-        path: File to write, `.png`.
+        path: File to write, its suffix says the format; none when None.
         frame: Name of the frame that was run.
-        title: Words above the panels.
+        title: Words above the panels of a new figure.
+        axes: Axes to draw into, one for each channel that the run has; a new figure when None.
 
     Returns:
-        How many channels were laid over; with none no file is written.
+        The axes, one for each channel that was laid over; with none no file is written.
     """
     found = [(channel, simulated(data, channel, frame)) for channel in measured]
     pairs = [(channel, values) for channel, values in found if values is not None]
     if not pairs:
-        return 0
-    figure = _figure(height=1.0 + 1.7 * len(pairs))
-    axes = np.atleast_1d(figure.subplots(len(pairs), 1, sharex=True))
+        return []
+    above = title if axes is None else ""
+    axes = panels(axes, len(pairs), (WIDTH, 1.0 + 1.7 * len(pairs)), sharex=True, title=above)
     for axis, (channel, values) in zip(axes, pairs, strict=True):
         scale, unit = _shown_unit(channel.quantity)
         axis.plot(channel.time_s, scale * channel.values, color=THEIRS, lw=1.0, label="measured")
@@ -140,9 +169,8 @@ def overlay(
         axis.set_title(_described(channel), loc="left", fontsize=9)
     axes[0].legend(loc="upper right", ncols=2, fontsize=9)
     axes[-1].set_xlabel("time [s]")
-    figure.suptitle(title, x=0.01, ha="left")
-    _save(figure, path)
-    return len(pairs)
+    keep(axes[0], path)
+    return axes
 
 
 def simulated(data: xr.Dataset, channel: Channel, frame: str) -> Real | None:
@@ -172,27 +200,31 @@ TICKS_HZ = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50)
 @matplotlib.rc_context(STYLE)
 def spectra(
     record: Record,
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     damping_ratio: float,
     marks_hz: Mapping[str, float] | None = None,
     title: str = "",
-) -> None:
+    axes: Sequence[Axes] | None = None,
+) -> list[Axes]:
     """Plot displacement and acceleration response spectra and the Fourier spectrum of a motion.
 
     Args:
         record: The motion, at the scale of the frame.
-        path: File to write.
+        path: File to write, its suffix says the format; none when None.
         damping_ratio: Of the oscillators, a fraction.
         marks_hz: Frequencies to mark by name, such as a frame's modes [Hz].
         title: Title.
+        axes: Three axes to draw into; a new figure when None.
+
+    Returns:
+        The axes: displacement, acceleration, Fourier spectrum.
     """
     lowest = min([LOWEST_HZ, *(0.5 * frequency for frequency in (marks_hz or {}).values())])
     frequencies = np.geomspace(lowest, 60.0, 400)
     response = response_spectrum(record, 1.0 / frequencies, damping_ratio)
     fourier = fourier_spectrum(record)
-    figure = _figure(height=6.4)
-    axes = figure.subplots(3, 1, sharex=True)
+    axes = panels(axes, 3, (WIDTH, 6.4), sharex=True)
     axes[0].loglog(frequencies, 1e3 * response.displacement_m, color=OURS)
     axes[0].set_ylabel("displacement [mm]")
     axes[1].semilogx(frequencies, response.acceleration_m_s2 / STANDARD_GRAVITY, color=OURS)
@@ -206,11 +238,12 @@ def spectra(
     for name, frequency in (marks_hz or {}).items():
         for axis in axes:
             axis.axvline(frequency, color=PUBLISHED, lw=0.8, ls="--")
-        place = {"xy": (frequency, 1.02), "xycoords": ("data", "axes fraction"), "ha": "center"}
+        place: Any = {"xy": (frequency, 1.02), "xycoords": ("data", "axes fraction"), "ha": "center"}
         axes[0].annotate(name, **place, fontsize=8, color=PUBLISHED)
     axes[0].set_title(title, loc="left", pad=18)
     axes[1].annotate(f"damping ratio {damping_ratio:g}", (0.01, 0.9), xycoords="axes fraction", fontsize=9)
-    _save(figure, path)
+    keep(axes[0], path)
+    return axes
 
 
 def end_of_motion(times_s: Real, motions: Iterable[Real], *, rest: float = 0.05) -> float:
@@ -243,13 +276,3 @@ def _shown_unit(quantity: str) -> tuple[float, str]:
     if quantity.endswith("acceleration"):
         return 1.0 / STANDARD_GRAVITY, "g"
     return 1.0, "m/s" if quantity.endswith("velocity") else "N"
-
-
-def _figure(height: float) -> Figure:
-    # A figure without pyplot: nothing global is touched, and no display is needed.
-    return Figure(figsize=(9.0, height), layout="constrained")
-
-
-def _save(figure: Figure, path: str | Path) -> None:
-    with replacing(path) as part:
-        figure.savefig(part, dpi=110)

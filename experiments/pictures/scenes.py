@@ -27,11 +27,10 @@ from pounding.frames.drawing.pictures import (
     add_table,
     bar,
     caption,
+    drawing,
     grid,
     letters,
     look,
-    plotter,
-    save,
 )
 from pounding.frames.drawing.shapes import RIM, THICKNESS, Shape, plan, shape_of
 from pounding.frames.response.stress import StressMap, stress_map
@@ -185,32 +184,37 @@ def largest_moment(motion: Motion) -> float:
 
 def picture(
     motion: Motion,
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     time_s: float | None = None,
     title: str = "",
     size: tuple[int, int] | None = None,
     behind: Motion | None = None,
-) -> None:
+    scene: Any = None,
+) -> Any:
     """Draw the deformed frames on their table at one moment, at rest as outline.
 
     Args:
         motion: The run.
-        path: Image file to write.
+        path: Image file to write; none when None.
         time_s: The moment [s]; that of `largest_moment` when None.
         title: First line of the caption.
         size: Width and height [pixels].
         behind: Another run of the same frames, drawn as blue lines.
+        scene: A pyvista plotter to draw into; a new one when None.
+
+    Returns:
+        The plotter; one that was made here stays open if no file was asked for.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
     """
     moment = largest_moment(motion) if time_s is None else time_s
-    with plotter(size or size_of(motion)) as scene:
-        stage = Stage(scene, setting(motion, title=title))
+    with drawing(scene, path, size or size_of(motion)) as drawn:
+        stage = Stage(drawn, setting(motion, title=title))
         stage.add_rest()
         stage.show(instants(motion, [moment], behind=behind)[0])
-        save(scene, path)
+    return drawn
 
 
 class Stage:

@@ -57,12 +57,11 @@ def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
     Raises:
         FrameError: The machine cannot render.
     """
-    reason = cannot_render()
-    if reason:
-        raise FrameError(reason)
-    with bare_plotter(size, **options) as made:
-        made.enable_anti_aliasing("ssaa")
+    made = _opened(size, **options)
+    try:
         yield made
+    finally:
+        made.close()
 
 
 @contextmanager
@@ -73,16 +72,56 @@ def bare_plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
         size: Width and height [pixels].
         options: Arguments of pyvista's `Plotter`.
     """
+    made = _bare(size, **options)
+    try:
+        yield made
+    finally:
+        made.close()
+
+
+@contextmanager
+def drawing(scene: Any, path: str | Path | None, size: tuple[int, int], **options: Any) -> Iterator[Any]:
+    """Give the caller's plotter or, without, a new one, and write at the end what was drawn if a file is asked for.
+
+    A new plotter stays open for the caller if no file is asked for; else it is closed.
+
+    Args:
+        scene: A pyvista plotter, or None.
+        path: File to write, or None.
+        size: Width and height of a new plotter [pixels].
+        options: Arguments of pyvista's `Plotter`.
+
+    Raises:
+        FrameError: The machine cannot render, or the file cannot be written.
+    """
+    made, stays = (_opened(size, **options), False) if scene is None else (scene, True)
+    try:
+        yield made
+        if path is not None:
+            save(made, path)
+        stays = stays or path is None
+    finally:
+        if not stays:
+            made.close()
+
+
+def _opened(size: tuple[int, int], **options: Any) -> Any:
+    reason = cannot_render()
+    if reason:
+        raise FrameError(reason)
+    made = _bare(size, **options)
+    made.enable_anti_aliasing("ssaa")
+    return made
+
+
+def _bare(size: tuple[int, int], **options: Any) -> Any:
     import pyvista  # only here: importing it takes half a second, and may fail where nothing can be drawn
 
     pyvista.OFF_SCREEN = True
     made = pyvista.Plotter(off_screen=True, window_size=list(size), **options)
     made.set_background("white")
     made.disable_anti_aliasing()
-    try:
-        yield made
-    finally:
-        made.close()
+    return made
 
 
 def image(scene: Any) -> NDArray[np.uint8]:
@@ -248,37 +287,56 @@ def save(scene: Any, path: str | Path) -> None:
         scene.screenshot(part)
 
 
-def mesh_picture(reduced: ReducedFrame, path: str | Path, *, size: tuple[int, int] = (640, 800)) -> None:
+def mesh_picture(
+    reduced: ReducedFrame,
+    path: str | Path | None = None,
+    *,
+    size: tuple[int, int] = (640, 800),
+    scene: Any = None,
+) -> Any:
     """Draw the mesh of a frame, floors and columns in two colours, with its elements.
 
     Args:
         reduced: The frame.
-        path: File to write, `.png`.
+        path: Image file to write; none when None.
         size: Width and height [pixels].
+        scene: A pyvista plotter to draw into; a new one when None.
+
+    Returns:
+        The plotter; one that was made here stays open if no file was asked for.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
     """
     shape = shape_of(reduced)
-    with plotter(size) as scene:
-        add_plain(scene, shape, show_edges=True, edge_color="#6a737c", line_width=0.6)
-        add_table(scene, plan(reduced))
-        caption(scene, f"Frame {reduced.name}: {len(shape.quads)} elements, {len(shape.nodes)} nodes")
-        scene.add_axes(color="black", line_width=3, viewport=(0.0, 0.0, 0.2, 0.16))
-        look(scene, *box(reduced), margins=Margins(left=0.1, bottom=0.08))
-        save(scene, path)
+    with drawing(scene, path, size) as drawn:
+        add_plain(drawn, shape, show_edges=True, edge_color="#6a737c", line_width=0.6)
+        add_table(drawn, plan(reduced))
+        caption(drawn, f"Frame {reduced.name}: {len(shape.quads)} elements, {len(shape.nodes)} nodes")
+        drawn.add_axes(color="black", line_width=3, viewport=(0.0, 0.0, 0.2, 0.16))
+        look(drawn, *box(reduced), margins=Margins(left=0.1, bottom=0.08))
+    return drawn
 
 
 def modes_picture(
-    reduced: ReducedFrame, path: str | Path, *, modes: int = 3, size: tuple[int, int] = (1100, 760)
-) -> None:
+    reduced: ReducedFrame,
+    path: str | Path | None = None,
+    *,
+    modes: int = 3,
+    size: tuple[int, int] = (1100, 760),
+    scene: Any = None,
+) -> Any:
     """Draw the lowest mode shapes side by side, coloured by displacement, the frame at rest as outline.
 
     Args:
         reduced: The frame.
-        path: File to write, `.png`.
+        path: Image file to write; none when None.
         modes: Number of modes.
         size: Width and height [pixels].
+        scene: A pyvista plotter to draw into, with a subplot for each mode; a new one when None.
+
+    Returns:
+        The plotter; one that was made here stays open if no file was asked for.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
@@ -288,59 +346,64 @@ def modes_picture(
     # A third of the plan is seen well.
     factor = 0.33 * reduced.plan_m[0]
     low, high = box(reduced, factor)
-    with plotter(size, shape=(1, count), border=False) as scene:
+    with drawing(scene, path, size, shape=(1, count), border=False) as drawn:
         for mode in range(count):
-            scene.subplot(0, mode)
+            drawn.subplot(0, mode)
             moved = shape.moved(reduced.shapes[:, mode])
             moved = moved / np.linalg.norm(moved, axis=1).max()
             surface = grid(shape, factor * moved)
             name = "displacement / largest displacement\n"
             surface[name] = np.abs(moved[:, 0])
             where = {"vertical": False, "height": 0.06, "width": 0.9, "position_x": 0.05, "position_y": 0.02}
-            place = bar(scene, name, **where)
+            place = bar(drawn, name, **where)
             middle = mode == count // 2
-            add_surface(scene, surface, cmap=MAP, clim=(0, 1), scalar_bar_args=place, show_scalar_bar=middle)
-            add_lines(scene, shape, surface.points)
-            add_lines(scene, shape, shape.nodes, ghost=True)
+            add_surface(drawn, surface, cmap=MAP, clim=(0, 1), scalar_bar_args=place, show_scalar_bar=middle)
+            add_lines(drawn, shape, surface.points)
+            add_lines(drawn, shape, shape.nodes, ghost=True)
             words = f"mode {mode + 1}: {reduced.frequencies_hz[mode]:.2f} Hz"
-            caption(scene, words, size=13, place=(0.2, 0.98))
-            look(scene, low, high, margins=Margins(bottom=0.14))
-        save(scene, path)
+            caption(drawn, words, size=13, place=(0.2, 0.98))
+            look(drawn, low, high, margins=Margins(bottom=0.14))
+    return drawn
 
 
 def deformed_picture(
     reduced: ReducedFrame,
     q: Real,
-    path: str | Path,
+    path: str | Path | None = None,
     *,
     stress_pa: Real | None = None,
     factor: float = 5.0,
     title: str = "",
     size: tuple[int, int] = (640, 800),
-) -> None:
+    scene: Any = None,
+) -> Any:
     """Draw a deformed frame, coloured by stress or, without, by displacement; at rest as outline.
 
     Args:
         reduced: The frame.
         q: Its coordinates (n,) [m].
-        path: File to write.
+        path: Image file to write; none when None.
         stress_pa: Von Mises' stress of each element (elements,) [Pa].
         factor: Enlargement of the displacement.
         title: First line of the caption.
         size: Width and height [pixels].
+        scene: A pyvista plotter to draw into; a new one when None.
+
+    Returns:
+        The plotter; one that was made here stays open if no file was asked for.
 
     Raises:
         FrameError: The machine cannot render, or the file cannot be written.
     """
     shape = shape_of(reduced)
     moved = shape.moved(q)
-    with plotter(size) as scene:
-        add_deformed(scene, shape, moved, factor=factor, stress_pa=stress_pa)
-        add_lines(scene, shape, shape.nodes, ghost=True)
-        add_table(scene, plan(reduced))
-        caption(scene, f"{title or f'Frame {reduced.name}'}\ndisplacement enlarged {factor:g} times")
-        look(scene, *box(reduced, factor * float(np.abs(moved).max())), margins=Margins(right=0.18))
-        save(scene, path)
+    with drawing(scene, path, size) as drawn:
+        add_deformed(drawn, shape, moved, factor=factor, stress_pa=stress_pa)
+        add_lines(drawn, shape, shape.nodes, ghost=True)
+        add_table(drawn, plan(reduced))
+        caption(drawn, f"{title or f'Frame {reduced.name}'}\ndisplacement enlarged {factor:g} times")
+        look(drawn, *box(reduced, factor * float(np.abs(moved).max())), margins=Margins(right=0.18))
+    return drawn
 
 
 def add_deformed(

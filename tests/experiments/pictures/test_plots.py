@@ -5,6 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from pounding.experiments.errors import ExperimentError
 from pounding.experiments.measurements.history import Channel
 from pounding.experiments.pictures import plots
 from pounding.experiments.results import dataset as results
@@ -59,9 +60,9 @@ def test_overlay_shows_each_channel_that_the_run_has(data, tmp_path, figures):
         Channel("t", "table_acceleration", None, None, time, np.ones(5)),
         Channel("x", "relative_displacement", "other", 1, time, np.ones(5)),
     ]
-    assert plots.overlay(data, channels, tmp_path / "o.png", frame="stick") == 2
+    assert plots.overlay(data, channels, tmp_path / "o.png", frame="stick") == figures[0].axes
     assert [axis.get_ylabel() for axis in figures[0].axes] == ["g", "g"]
-    assert plots.overlay(data, channels[2:], tmp_path / "none.png", frame="stick") == 0
+    assert plots.overlay(data, channels[2:], tmp_path / "none.png", frame="stick") == []
     assert os.listdir(tmp_path) == ["o.png"]
 
 
@@ -79,3 +80,15 @@ def test_a_plot_that_cannot_be_written_is_told(data, tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FrameError, match=r"h\.png: cannot be written"):
         plots.history(data, tmp_path / "file" / "h.png", frame="stick")
+
+
+def test_a_plot_goes_into_the_axes_that_it_is_given_and_writes_nothing_unasked(data, tmp_path, figures):
+    mine = Figure().subplots(2, 1)
+    given = plots.history(data, frame="stick", axes=mine)
+    assert given == list(mine)
+    assert len(mine[1].lines) == 1
+    own = plots.history(data, frame="stick")
+    assert own[0].figure is not mine[0].figure
+    assert figures == []
+    with pytest.raises(ExperimentError, match="2 panels, but 1 axes"):
+        plots.history(data, frame="stick", axes=mine[:1])

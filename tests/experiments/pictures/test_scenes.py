@@ -95,6 +95,17 @@ def test_enlargement_is_round_and_keeps_the_roof_in_the_picture(shaken_plate):
     assert 0.4 * 0.1 < factor * roof <= 0.4 * scenes.DRAWN_MOVEMENT
 
 
+def test_a_picture_without_a_file_is_a_plotter_that_stays_open(collision, tmp_path):
+    size = (240, 200)
+    if draws(lambda: scenes.picture(collision, tmp_path / "one.png", size=size), tmp_path):
+        made = scenes.picture(collision, size=size)
+        assert made.screenshot(return_img=True).std() > 1.0
+        assert scenes.picture(collision, tmp_path / "two.png", scene=made, time_s=0.1) is made
+        assert made.screenshot(return_img=True).std() > 1.0
+        made.close()
+        assert (tmp_path / "two.png").exists()
+
+
 def test_a_contact_shows_its_force_only_while_it_acts(collision, tmp_path):
     at = scenes.largest_moment(collision)
     touching, apart = tmp_path / "touching.png", tmp_path / "apart.png"
