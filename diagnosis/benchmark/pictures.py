@@ -11,9 +11,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pounding.experiments.pictures.palette import BLUE, GREY, ORANGE
 from pounding.frames.files import write_whole
 
-DETECTED, EXACT, STATED = "#777777", "#1f6fb4", "#b4481f"
+DETECTED, EXACT, STATED = GREY, BLUE, ORANGE
 
 
 def draw_benchmark(result: Mapping[str, Any], path: Path) -> None:
@@ -72,22 +73,24 @@ def _reliability(axes: Axes, rows: Sequence[Mapping[str, Any]]) -> None:
     axes.fill_between(
         [0, 1], [-0.1, 0.9], [0.1, 1.1], color="black", alpha=0.08, lw=0, label="within 10 points"
     )
-    for key, colour, label in (
-        ("right", DETECTED, "verdict right"),
-        ("right_as_shown", STATED, "right as far as the data show"),
+    for key, colour, label, shift, marker in (
+        ("right", DETECTED, "verdict right", -0.006, "s"),
+        ("right_as_shown", STATED, "right as far as the data show", 0.006, "o"),
     ):
-        stated = [row["stated"] for row in known]
+        # Side by side, so that neither interval hides the other.
+        stated = [row["stated"] + shift for row in known]
         shares = [row[key]["share"] for row in known]
-        axes.errorbar(
-            stated, shares, _spread(known, key), fmt="o", color=colour, capsize=3, lw=1, label=label
-        )
+        style: Any = {"color": colour, "capsize": 3, "lw": 1.2, "label": label}
+        axes.errorbar(stated, shares, _spread(known, key), fmt=marker, **style)
+    above: Any = {"xycoords": ("data", "axes fraction"), "ha": "center", "fontsize": 9}
     for row in known:
-        axes.annotate(f"{row['right']['cases']}", (row["stated"], 0.03), ha="center", fontsize=8)
-    axes.set_xlabel("stated confidence [-] (number of cases below)")
+        axes.annotate(f"{row['right']['cases']}", (row["stated"], 1.02), **above)
+    axes.annotate("number of cases:", (0.0, 1.02), **above | {"ha": "left"})
+    axes.set_xlabel("stated confidence [-]")
     axes.set_ylabel("share right [-]")
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1.05)
-    axes.legend(loc="upper left", frameon=False, fontsize=8)
+    axes.legend(loc="upper left", frameon=False, fontsize=9)
 
 
 def _spread(rows: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:

@@ -13,6 +13,7 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from pounding.experiments.pictures.palette import BLUE, GREEN, ORANGE
 from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS, end_of_motion
 from pounding.experiments.separation.chapter_7.regression import Fit
 from pounding.experiments.separation.gaps.maps import GapMap
@@ -171,7 +172,7 @@ def regression_diagnostics(cases: pd.DataFrame, fits: Mapping[str, Fit], target:
         _predicted_panel(row[0], chosen, predicted, target)
         _by_record_panel(row[1], chosen, residual)
         extra_module("statsmodels.api").qqplot(
-            residual / residual.std(), line=None, ax=row[2], ms=2, color=OURS
+            residual / residual.std(), line=None, ax=row[2], ms=3, markerfacecolor=BLUE, markeredgecolor=BLUE
         )
         limits = np.array([-3.5, 3.5])
         row[2].plot(limits, limits, color="black", lw=0.8)
@@ -181,14 +182,15 @@ def regression_diagnostics(cases: pd.DataFrame, fits: Mapping[str, Fit], target:
 
 
 def _predicted_panel(axis: Axes, chosen: pd.DataFrame, predicted: Real, target: str) -> None:
-    palette = (OURS, THEIRS, "#4d8a5a")
+    palette = (BLUE, ORANGE, GREEN)
     for colour, (record, group) in zip(palette, chosen.groupby("record", sort=False), strict=False):
         inside = (chosen["record"] == record).to_numpy()
-        axis.scatter(predicted[inside], group[target], s=3, alpha=0.4, lw=0, color=colour, label=str(record))
+        axis.scatter(predicted[inside], group[target], s=6, alpha=0.5, lw=0, color=colour, rasterized=True)
+        axis.plot([], [], "o", color=colour, label=str(record))  # the points are pale, the legend is not
     top = float(chosen[target].max())
     axis.plot([0.0, top], [0.0, top], color="black", lw=0.8)
     axis.set(xlabel="predicted gap [mm]", ylabel="computed gap [mm]")
-    axis.legend(fontsize=7, markerscale=4)
+    axis.legend(fontsize=7, loc="lower right", handletextpad=0.2, borderpad=0.1, borderaxespad=0.1)
 
 
 def _by_record_panel(axis: Axes, chosen: pd.DataFrame, residual: Real) -> None:

@@ -17,7 +17,8 @@ from pounding.contact.parameters import FLOOR_MASS, RESTITUTION, thesis_law
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
-from pounding.experiments.pictures.plots import OURS, STYLE, THEIRS
+from pounding.experiments.pictures.palette import BLUE, ORANGE
+from pounding.experiments.pictures.plots import STYLE
 from pounding.experiments.results.provenance import stamp
 from pounding.frames.files import replacing
 
@@ -60,19 +61,22 @@ def tension_rows() -> list[dict[str, Any]]:
 @matplotlib.rc_context(STYLE)
 def tension_picture(path: Path) -> None:
     """Draw the linear viscoelastic law's force over time and over deformation, tension off and on."""
-    figure = Figure(figsize=(8.0, 3.2), layout="constrained")
+    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
     over_time, over_depth = figure.subplots(1, 2)
-    for tension, colour, width in ((True, THEIRS, 2.4), (False, OURS, 1.3)):
+    # The wide line stays seen on both sides of the thin one where the two coincide.
+    for tension, colour, width in ((True, ORANGE, 6.0), (False, BLUE, 1.6)):
         law = thesis_law("linear_viscoelastic", tension=tension)
         found = collide(law, FLOOR_MASS, FLOOR_MASS, SPEED)
         name = "tension on" if tension else "tension off"
         over_time.plot(1e3 * found.time_s, found.force_n, color=colour, linewidth=width, label=name)
         over_depth.plot(1e3 * found.deformation_m, found.force_n, color=colour, linewidth=width)
     over_time.set(xlabel="time after first touch [ms]", ylabel="contact force [N]")
-    over_time.legend()
-    over_depth.set(xlabel="deformation [mm]")
+    figure.legend(loc="outside upper center", ncols=2)
+    over_depth.set(xlabel="deformation [mm]", ylabel="contact force [N]")
+    for axes in (over_time, over_depth):
+        axes.axhline(0.0, color="black", lw=0.8)
     with replacing(path) as whole:
-        figure.savefig(whole, dpi=100)
+        figure.savefig(whole, dpi=150)
 
 
 def _table(rows: list[dict[str, Any]]) -> Any:

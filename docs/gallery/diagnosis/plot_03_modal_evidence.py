@@ -33,4 +33,4 @@ axes.barh(
     color=[BLUE if one.words() in names else GREY for one in best],
 )
 axes.invert_yaxis()
-axes.set_xlabel("ln Bayes factor against nothing missing; blue: the verdict")
+axes.set_xlabel("ln Bayes factor against nothing missing [-]; blue: the verdict")

@@ -48,5 +48,5 @@ axes.fill_between(axis_g, low, high, color=BLUE, alpha=0.2, lw=0, label="90 % ba
 axes.plot(axis_g, fit_capacities(touching_g).at(axis_g), color=BLUE, label="lognormal")
 shares = np.arange(1, len(records) + 1) / len(records)
 axes.step(np.sort(touching_g), shares, where="post", color=GREY, label="the records")
-axes.set(xlabel=intensity.words, ylabel="probability that the floors touch")
+axes.set(xlabel=intensity.words, ylabel="probability that the floors touch [-]")
 axes.legend(frameon=False)
