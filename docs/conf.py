@@ -59,7 +59,7 @@ nitpicky = True
 nitpick_ignore_regex = [
     ("py:.*", r"(numpy|np|xarray|xr|pandas|pd|matplotlib|rich|msgspec)\..*"),
     ("py:.*", r"(collections\.abc|pathlib|typing)\..*|Path"),
-    ("py:.*", r"Real|ArrayLike|Index"),
+    ("py:.*", r"Real|ArrayLike|Index|Axes"),
 ]
 # What stands behind the names of the reference, and is not for scripts: rooms, and names that annotations give without one.
 nitpick_ignore_regex += [

@@ -172,7 +172,7 @@ def _writer(path: Path, drawn: tuple[int, int], size: tuple[int, int]) -> Any:
     if path.suffix == ".gif":
         palette = (
             f"scale={GIF_WIDTH}:-2:flags=lanczos,split[a][b];"
-            "[a]palettegen=max_colors=64[p];[b][p]paletteuse=dither=none"
+            "[a]palettegen=max_colors=256[p];[b][p]paletteuse=dither=none"
         )
         return write_frames(
             str(path),

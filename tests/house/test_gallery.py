@@ -1,4 +1,4 @@
-"""The gallery: every folder has its place, every script introduces itself, names its units and takes the palette's colours."""
+"""The gallery: each folder has its place; each script introduces itself, names its units and takes the palette's colours."""
 
 from __future__ import annotations
 
