@@ -47,7 +47,7 @@ def averaged(lattice: PeakLattice, records: Sequence[int], every: bool = False) 
 
 
 def weighted_median(values: Real, weights: Real) -> Real:
-    """Return the value at which half of the weight is reached, over the first axis.
+    """Return the value at which half of the weight is reached, over the first axis, shape (...).
 
     Args:
         values: Values, shape (n, ...).
