@@ -18,9 +18,9 @@ import math
 import openseespy.opensees as ops
 
 MASSES = @MASSES@  # of each floor, from the first up [kg]
-SPRINGS = [  # lower node (0: the base), upper node, stiffness [N/m]
-@SPRINGS@]
-DAMPING_RATIOS = @RATIOS@  # of each mode, a fraction
+LINKS = [  # lower node (0: the base), upper node, stiffness [N/m], damping [N s/m]
+@LINKS@]
+DAMPING_RATIOS = @RATIOS@  # of each mode, a fraction: what the damping above amounts to
 
 
 def build():
@@ -32,11 +32,10 @@ def build():
     for floor, mass in enumerate(MASSES, 1):
         ops.node(floor, 0.0)
         ops.mass(floor, mass)
-    for tag, (lower, upper, stiffness) in enumerate(SPRINGS, 1):
-        ops.uniaxialMaterial("Elastic", tag, stiffness)
+    for tag, (lower, upper, stiffness, damping) in enumerate(LINKS, 1):
+        ops.uniaxialMaterial("Elastic", tag, stiffness, damping)
         ops.element("zeroLength", tag, lower, upper, "-mat", tag, "-dir", 1)
     squares = ops.eigen("-fullGenLapack", len(MASSES))
-    ops.modalDamping(*DAMPING_RATIOS)
     return [math.sqrt(square) / (2.0 * math.pi) for square in squares]
 
 
@@ -47,9 +46,9 @@ if __name__ == "__main__":
 
 
 def script(reduced: ReducedFrame) -> str:
-    """Return a frame as the text of an OpenSeesPy script with the same mass, stiffness and modal damping.
+    """Return a frame as the text of an OpenSeesPy script with the same mass, stiffness and damping.
 
-    A stiffness that couples all floors becomes a net of springs between all of them, some of which are negative.
+    A matrix that couples all floors becomes a net of springs and dashpots between all of them, some of which are negative.
 
     Args:
         reduced: A stick in its reduced form.
@@ -71,12 +70,17 @@ def script(reduced: ReducedFrame) -> str:
         raise FrameError(
             f"frame {reduced.name}: its storeys yield, and the script is linear; leave the table yielding out"
         )
-    springs = "".join(
-        f"    ({low}, {high}, {value!r}),\n" for low, high, value in springs_of(reduced.stiffness)
+    # Not OpenSees' own modal damping: of modes that share a frequency its shapes are not orthogonal, and its damping is off.
+    springs, dashpots = (
+        {one[:2]: one[2] for one in springs_of(m)} for m in (reduced.stiffness, reduced.damping)
+    )
+    links = "".join(
+        f"    ({low}, {high}, {springs.get((low, high), 0.0)!r}, {dashpots.get((low, high), 0.0)!r}),\n"
+        for low, high in sorted(springs | dashpots)
     )
     return (
         SCRIPT.replace("@MASSES@", repr([float(mass) for mass in np.diag(reduced.mass)]))
-        .replace("@SPRINGS@", springs)
+        .replace("@LINKS@", links)
         .replace("@RATIOS@", repr([float(ratio) for ratio in reduced.damping_ratios]))
         .replace("@NAME@", "".join(letter for letter in reduced.name if letter not in '"\\'))
     )
@@ -84,6 +88,8 @@ def script(reduced: ReducedFrame) -> str:
 
 def springs_of(stiffness: np.ndarray) -> list[tuple[int, int, float]]:
     """Return a stiffness matrix as springs: the lower floor (0: the base), the upper one, the stiffness [N/m].
+
+    A damping matrix gives dashpots [N s/m] alike.
 
     Args:
         stiffness: Stiffness (n, n) [N/m], symmetric.

@@ -174,35 +174,36 @@ def test_the_script_builds_the_same_matrices(tmp_path, monkeypatch, capsys):
     path = written(tmp_path, HEAD + MASSES + MODES)
     main(["opensees", str(path), str(tmp_path / "far.py")])
     reduced = frames.build(frames.load(path))
-    masses, springs, damping = {}, {}, []
+    masses, links, materials = {}, {}, {}
 
     def eigen(_solver, count):
-        matrix = np.zeros((count + 1, count + 1))
-        for low, high, value in springs.values():
-            matrix[np.ix_([low, high], [low, high])] += value * np.array([[1, -1], [-1, 1]])
-        assert matrix[1:, 1:] == pytest.approx(reduced.stiffness)
-        return eigh(matrix[1:, 1:], np.diag([masses[n] for n in range(1, count + 1)]), eigvals_only=True)
+        stiffness, damping = np.zeros((2, count + 1, count + 1))
+        for low, high, (spring, dashpot) in links.values():
+            place, sign = np.ix_([low, high], [low, high]), np.array([[1, -1], [-1, 1]])
+            stiffness[place] += spring * sign
+            damping[place] += dashpot * sign
+        assert stiffness[1:, 1:] == pytest.approx(reduced.stiffness)
+        assert damping[1:, 1:] == pytest.approx(reduced.damping)
+        return eigh(stiffness[1:, 1:], np.diag([masses[n] for n in range(1, count + 1)]), eigvals_only=True)
 
-    stiffness = {}
     ops = SimpleNamespace(
         wipe=lambda: None,
         model=lambda *_: None,
         node=lambda *_: None,
         fix=lambda *_: None,
         mass=masses.__setitem__,
-        uniaxialMaterial=lambda _kind, tag, value: stiffness.__setitem__(tag, value),
-        element=lambda _kind, tag, low, high, _mat, material, *_: springs.__setitem__(
-            tag, (low, high, stiffness[material])
+        uniaxialMaterial=lambda _kind, tag, *values: materials.__setitem__(tag, values),
+        element=lambda _kind, tag, low, high, _mat, material, *_: links.__setitem__(
+            tag, (low, high, materials[material])
         ),
         eigen=eigen,
-        modalDamping=lambda *ratios: damping.extend(ratios),
     )
     monkeypatch.setitem(sys.modules, "openseespy", SimpleNamespace(opensees=ops))
     monkeypatch.setitem(sys.modules, "openseespy.opensees", ops)
     names = {"__name__": "far"}
     exec((tmp_path / "far.py").read_text(), names)
     assert names["build"]() == pytest.approx(reduced.frequencies_hz)
-    assert damping == pytest.approx(reduced.damping_ratios)
+    assert names["DAMPING_RATIOS"] == pytest.approx(reduced.damping_ratios)
 
 
 def test_a_chain_is_written_as_its_storeys():
