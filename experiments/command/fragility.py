@@ -22,11 +22,11 @@ from pounding.experiments.fragility.capacity import Limit, closings, passing, to
 from pounding.experiments.fragility.intensity import Intensity
 from pounding.experiments.fragility.lognormal import Lognormal, fit_capacities, fit_counts
 from pounding.experiments.fragility.pictures import Curve, Sample, drawn, fragilities
+from pounding.experiments.fragility.sweeping import Motions, passing_by_sweep, street_text
 from pounding.experiments.output import result_folder as keeping
-from pounding.experiments.records import find
 from pounding.experiments.records.code_spectra import FORMS
 from pounding.experiments.records.code_spectra import target as spectrum
-from pounding.experiments.records.sets import FEMA_SETS, record_set
+from pounding.experiments.records.sets import FEMA_SETS
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.street_file import Street
 from pounding.experiments.rig.table_scale import TableScale
@@ -89,6 +89,19 @@ def fragility(
     ] = 12,
     seed: options.Seed = 0,
     workers: options.Workers = None,
+    kept: Annotated[
+        Path | None,
+        Parameter(
+            help="Folder for the finished runs of --force and --drift; an interrupted call goes on from it.",
+            validator=options.writable_folder,
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        Parameter(
+            help="Address of a dask.distributed scheduler, on which the runs of --force and --drift go."
+        ),
+    ] = None,
     time_factor: options.TimeFactor = None,
     damping: options.Damping = None,
     records: options.Records = None,
@@ -104,9 +117,19 @@ def fragility(
         street: Street file (`pounding new-street` writes one).
     """
     limits = _limits(force, drift)
+    if (kept or scheduler) and not limits:
+        raise ExperimentError(
+            "--kept and --scheduler are for the runs of --force or --drift; touching takes one run a record, here"
+        )
     aim = None if target is None else spectrum(target)
     row = linear_street(street, time_factor, damping, columns=True)
-    shakings = _shakings(record, set_, records, row.scale)
+    motions = Motions(
+        tuple(map(_place, record or ())),
+        set_ and _place(set_),
+        None if records is None else str(records.resolve()),
+        row.scale.time_factor,
+    )
+    shakings = _several(motions.read())
     streets = [_with_gap(row.street, value) for value in gap] if gap else [row.street]
     contacts = [row.contacts(one)[0] for one in streets]
     if not all(contact.gap_m > 0.0 for places in contacts for contact in places):
@@ -131,7 +154,7 @@ def fragility(
         touching = _touching_g(row, contacts, shakings, strengths, told)
         shown_g = np.geomspace(touching.min(), BEYOND * touching.max(), levels)
         passed: Any = ()
-        if limits:
+        if limits and not (kept or scheduler):
             passed = passing(
                 row.frames,
                 contacts[0],
@@ -141,6 +164,18 @@ def fragility(
                 workers=workers,
                 progress=lambda count: told(len(shakings) + count),
             )
+    if kept or scheduler:
+        passed = passing_by_sweep(
+            motions,
+            shakings,
+            strengths,
+            shown_g,
+            limits,
+            street_text(streets[0], row.states, row.parameters),
+            folder=kept,
+            workers=workers,
+            scheduler=scheduler,
+        )
     labels = [_label(value) for value in gap] if gap else ["floors touch"]
     samples = [
         *(_touching(label, own) for label, own in zip(labels, touching, strict=True)),
@@ -190,16 +225,19 @@ def _limits(force_kn: float | None, drift_percent: float | None) -> list[Limit]:
     return found
 
 
-def _shakings(
-    names: Sequence[str] | None, set_: str | None, folder: Path | None, scale: TableScale
-) -> list[Record]:
-    found = [find(name, folder) for name in names or ()] + (record_set(set_) if set_ else [])
+def _place(name: str) -> str:
+    """Return a file or folder with its whole path: workers stand elsewhere. Other names stay."""
+    path = Path(name)
+    return str(path.resolve()) if path.exists() else name
+
+
+def _several(found: list[Record]) -> list[Record]:
     if len(found) < 2:
         raise ExperimentError(
             f"{len(found)} record(s); a fragility needs several: give --set (a folder, or {', '.join(FEMA_SETS)}), or "
             "--record more than once"
         )
-    return [one.scaled(scale.time_factor) for one in found]
+    return found
 
 
 def _with_gap(street: Street, gap_mm: float) -> Street:
