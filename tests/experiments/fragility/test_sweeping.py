@@ -81,7 +81,7 @@ def test_the_verb_says_the_same_on_a_cluster(
 
     names = ("elcentro-chopra", "elcentro-peer180", "hollywood-pel180", "beverlyhills-mul279")
     records = [word for name in names for word in ("--record", name)]
-    words = ["fragility", str(street), *records, "--drift", "1.5", "--levels", "12", "--json"]
+    words = ["fragility", str(street), *records, "--drift", "0.7", "--levels", "12", "--json"]
     capsys.readouterr()
     main(words)
     here = json.loads(capsys.readouterr().out)
