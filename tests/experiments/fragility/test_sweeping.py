@@ -85,7 +85,7 @@ def test_the_verb_says_the_same_on_a_cluster(
     capsys.readouterr()
     main(words)
     here = json.loads(capsys.readouterr().out)
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
         main([*words, "--scheduler", cluster.scheduler_address, "--kept", str(tmp_path / "kept")])
     there = json.loads(capsys.readouterr().out)
     assert there["fragilities"] == here["fragilities"]
