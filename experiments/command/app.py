@@ -73,6 +73,7 @@ STUDIES = {
     "contact-laws": "pounding.experiments.studies.contact_laws:main",
     "contact-accuracy": "pounding.experiments.studies.contact_accuracy:main",
     "campaign-speed": "pounding.experiments.studies.campaign_speed:main",
+    "end-and-inner": "pounding.experiments.studies.end_and_inner:main",
     "exact-convergence": "pounding.experiments.studies.exact_convergence:main",
     "modal-diagnosis": "pounding.diagnosis.studies.modal_diagnosis:main",
     "peak-diagnosis": "pounding.diagnosis.studies.peak_diagnosis:main",
