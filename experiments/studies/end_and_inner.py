@@ -35,6 +35,7 @@ from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.studies.end_and_inner_picture import picture
 from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
 from pounding.experiments.sweeps.sweep import sweep
+from pounding.frames.definition import Yielding
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.units import LENGTH
 
@@ -48,9 +49,11 @@ ROWS: Mapping[str, tuple[float, ...]] = {
 }
 """First periods of the buildings of each row [s]."""
 
-STOREY_M, FLOOR_KG, DAMPING = 3.2, 300e3, 0.05
+STOREY_M, FLOOR_KG, DAMPING, HARDENING = 3.2, 300e3, 0.05, 0.05
 CONTACT_N_PER_M, RESTITUTION = 3.75e9, 0.65
 """The strip of the office's slab of docs/full-scale.md, and concrete on concrete."""
+
+STRENGTH = options.bounded(bounds.Bound(0.0, 2.0, "", "no building resists twice its weight"))
 
 QUANTITIES = ("drift", "acceleration")
 
@@ -59,13 +62,17 @@ RAISED = 1.01
 
 
 @lru_cache(maxsize=32)
-def building(period_s: float, storeys: int) -> ReducedFrame:
+def building(period_s: float, storeys: int, strength: float = 0.0) -> ReducedFrame:
     """Return a building of equal storeys.
 
     Args:
         period_s: Its first period [s].
         storeys: How many it has.
+        strength: Shear over the weight at which its first storey yields [-], the others in proportion to the shear of forces
+            that grow with the height; 0: it stays elastic.
     """
+    shares = np.cumsum(np.arange(storeys, 0, -1)) / np.arange(1, storeys + 1).sum()
+    shear_n = strength * storeys * FLOOR_KG * STANDARD_GRAVITY * shares[::-1]
     return frames.build(
         frames.StickFrame(
             name=f"{period_s:g} s",
@@ -74,6 +81,9 @@ def building(period_s: float, storeys: int) -> ReducedFrame:
             floor_mass_kg=[FLOOR_KG] * storeys,
             frequency_hz=[1.0 / period_s],
             damping_ratio=DAMPING,
+            yielding=Yielding(storey_shear_n=shear_n.tolist(), hardening_ratio=HARDENING)
+            if strength
+            else None,
         )
     )
 
@@ -92,7 +102,15 @@ def _set(set_name: str) -> list[Record]:
 
 
 def fare(
-    row: str, rotation: int, record: int, *, gap_mm: float, storeys: int, set_name: str, spectrum: str
+    row: str,
+    rotation: int,
+    record: int,
+    *,
+    gap_mm: float,
+    storeys: int,
+    strength: float,
+    set_name: str,
+    spectrum: str,
 ) -> dict[str, Any]:
     """Return what each building of a row does beside its neighbours and alone, by its place from the left.
 
@@ -102,6 +120,7 @@ def fare(
         record: Number of the ground motion in its set, from 0.
         gap_mm: All gaps [mm]; the roofs touch.
         storeys: Of each building.
+        strength: See `building`.
         set_name: See `record_set`.
         spectrum: Design spectrum to which the motion is brought, see `target`.
 
@@ -109,7 +128,7 @@ def fare(
         ExperimentError: No such set, or a run that grows without bound.
     """
     periods = np.roll(ROWS[row], -rotation)
-    buildings = [building(float(period), storeys) for period in periods]
+    buildings = [building(float(period), storeys, strength) for period in periods]
     law = make_law(
         "linear_viscoelastic", stiffness=CONTACT_N_PER_M, restitution=RESTITUTION, masses=(FLOOR_KG, FLOOR_KG)
     )
@@ -195,6 +214,10 @@ def main(
             help="Storeys of each building; 1 is a single mass.", validator=options.bounded(bounds.STOREYS)
         ),
     ] = 6,
+    strength: Annotated[
+        float,
+        Parameter(help="Shear over weight at which storeys yield; 0: they stay elastic.", validator=STRENGTH),
+    ] = 0.0,
     set_: Annotated[str, Parameter(name="--set", help="Set of ground motions.")] = "fema-p695-farfield",
     spectrum: Annotated[
         str, Parameter(name="--target", help=f"Design spectrum of the motions: {'; '.join(FORMS.values())}.")
@@ -217,7 +240,13 @@ def main(
             for rotation in range(len(periods))
             for record in range(len(shakings))
         ],
-        settings={"gap_mm": gap, "storeys": storeys, "set_name": set_, "spectrum": spectrum},
+        settings={
+            "gap_mm": gap,
+            "storeys": storeys,
+            "strength": strength,
+            "set_name": set_,
+            "spectrum": spectrum,
+        },
         folder=kept,
         workers=workers,
         scheduler=scheduler,
@@ -233,6 +262,7 @@ def main(
     asked = {
         "gap_mm": gap,
         "storeys": storeys,
+        "strength": strength,
         "set": set_,
         "target": target(spectrum).words,
         "rows": dict(ROWS),

@@ -11,7 +11,7 @@ from pounding.experiments.records import Record, find
 from pounding.experiments.studies import end_and_inner as study
 from pounding.experiments.sweeps.sweep import sweep
 
-SETTINGS = {"gap_mm": 20.0, "storeys": 2, "set_name": "", "spectrum": ""}
+SETTINGS = {"gap_mm": 20.0, "storeys": 2, "strength": 0.0, "set_name": "", "spectrum": ""}
 
 
 @pytest.fixture(autouse=True)
@@ -36,6 +36,13 @@ def test_an_inner_building_takes_part_in_the_touches_on_both_sides() -> None:
     np.testing.assert_allclose(found["period_s"], [1.3, 0.9, 0.5])
     # An impact is felt as acceleration by all.
     assert (found["acceleration"] > 1.5).all()
+
+
+def test_strength_is_that_of_the_first_storey_and_falls_upwards() -> None:
+    yields = study.building(1.0, 3, 0.1).definition.yielding
+    assert yields is not None
+    weight = 3 * study.FLOOR_KG * 9.80665
+    np.testing.assert_allclose(yields.storey_shear_n, 0.1 * weight * np.array([1.0, 5 / 6, 3 / 6]))
 
 
 def test_every_building_is_counted_once_at_each_place(tmp_path: Path) -> None:
