@@ -100,7 +100,7 @@ def street_text(street: Street, states: Sequence[FrameState], parameters: Sequen
 @lru_cache(maxsize=4)
 def _built(text: str) -> tuple[tuple[ReducedFrame, ...], tuple[Contact, ...]]:
     standing = msgspec.json.decode(text, type=_Standing)
-    off_middle = {pair + side for pair, gap in enumerate(standing.street.gap) if gap.y_m for side in (0, 1)}
+    off_middle = standing.street.off_middle
     row = [
         frames.build(
             definition, damping=ratio, calibration=calibration, planar=False if place in off_middle else None

@@ -67,9 +67,8 @@ def built_row(
     Raises:
         FrameError: A contact off the middle of a stick whose file says nothing of torsion.
     """
-    off_middle = {pair + side for pair, gap in enumerate(street.gap) if gap.is_off_middle for side in (0, 1)}
     return [
-        built_in(state, joints, p_delta, planar=False if place in off_middle else None)
+        built_in(state, joints, p_delta, planar=False if place in street.off_middle else None)
         for place, state in enumerate(states)
     ]
 

@@ -151,6 +151,11 @@ class Street(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     building: tuple[Building, ...] = ()
     gap: tuple[Gap, ...] = ()
 
+    @property
+    def off_middle(self) -> set[int]:
+        """Numbers of the buildings, from 0, that can be hit off the middle of their floors' edge."""
+        return {pair + side for pair, gap in enumerate(self.gap) if gap.is_off_middle for side in (0, 1)}
+
 
 def is_street_file(name: str) -> bool:
     """Return whether a name is that of a file with buildings in it, and not of a frame.
