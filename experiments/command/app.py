@@ -49,7 +49,7 @@ def described(function: str) -> str:
 for _verb, _function in VERBS.items():
     app.command(_function, name=_verb, help=described(_function))
 
-study = App(name="study", help="Replicate a chapter or table of the thesis.")
+study = App(name="study", help="Run a study: a chapter or table of the thesis, or a question of its own.")
 app.command(study)
 
 STUDIES = {
