@@ -9,12 +9,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from pounding import units
+from pounding.contact import LinearViscoelastic, thesis_law
 from pounding.diagnosis.case.csv import cells_of
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.case.time_stamps import TIME
 from pounding.diagnosis.errors import CaseError
 from pounding.experiments import csv_table
 
+GAP_MM = 10.0
+"""What stands in a draft for a gap that nobody has stated yet [mm]."""
 _TIME = re.compile(r"t|time|seconds|zeit", re.IGNORECASE)
 _TABLE = re.compile(r"table|base|ground|shaker|platen|floor ?0|(?<![a-z])(?:tbl|gnd)(?![a-z])", re.IGNORECASE)
 _FORCE = re.compile(r"force|load ?cell|contact", re.IGNORECASE)
@@ -34,6 +37,21 @@ _USUAL = {"acceleration": "m/s^2", "displacement": "mm", "velocity": "mm/s", "fo
 
 
 @dataclass(frozen=True)
+class Standing:
+    """A frame on the table.
+
+    Attributes:
+        name: What the case calls it: the name of a shipped frame, or that in its file.
+        storeys: Its storeys.
+        file: Its file's path relative to the case; None for a shipped frame.
+    """
+
+    name: str
+    storeys: int
+    file: str | None = None
+
+
+@dataclass(frozen=True)
 class Column:
     """What a column of a CSV file seems to measure.
 
@@ -42,6 +60,7 @@ class Column:
         quantity: One of `UNITS`; None where the name says nothing.
         unit: The unit it seems to be in.
         floor: The floor it seems to be on; None on the table.
+        frame: The frame it seems to be on, of two; None where there is one.
         doubts: What the name does not say, by the key of `case.toml` that it concerns.
     """
 
@@ -49,18 +68,22 @@ class Column:
     quantity: str | None
     unit: str
     floor: int | None
+    frame: str | None = None
     doubts: Mapping[str, str] = field(default_factory=dict)
 
 
-def guess(name: str, storeys: int) -> Column:
+def guess(name: str, frames: Sequence[Standing]) -> Column:
     """Return what a column seems to measure, by its name alone.
 
     Args:
         name: Its name in the header, such as ``acc floor 3 [g]``.
-        storeys: Storeys of the frame: a name without a number is taken to be of the roof.
+        frames: The frame, or two from left to right: a name without a number is taken to be of the roof, one without a
+            frame's name (or left, right) of the left one.
     """
     words, unit = _parted(name)
     doubts: dict[str, str] = {}
+    number, words = _of_frame(words, frames)
+    frame = frames[number or 0]
     kind = next((kind for kind, known in _KINDS.items() if unit in known), None)
     if kind is None:
         kind = "force" if _FORCE.search(words) else _by_word(words)
@@ -77,14 +100,29 @@ def guess(name: str, storeys: int) -> Column:
         unit = next(iter(UNITS[quantity]))
         doubts["unit"] = "the column's unit is not read: convert it"
     if on_table or kind == "force":
-        return Column(name, quantity, unit, None, doubts)
+        return Column(name, quantity, unit, None, doubts=doubts)
+    if number is None and len(frames) > 1:
+        doubts["frame"] = "the name has none, so the left one is taken"
     numbers = [int(number) for number in re.findall(r"\d+", words)]
-    floor = numbers[-1] if numbers else storeys
+    floor = numbers[-1] if numbers else frame.storeys
     if not numbers:
         doubts["floor"] = "the name has none, so the roof is taken"
-    elif not 1 <= floor <= storeys:
-        doubts["floor"] = f"the frame has the floors 1 to {storeys}"
-    return Column(name, quantity, unit, floor, doubts)
+    elif not 1 <= floor <= frame.storeys:
+        doubts["floor"] = f"the frame has the floors 1 to {frame.storeys}"
+    return Column(name, quantity, unit, floor, frame.name if len(frames) > 1 else None, doubts)
+
+
+def _of_frame(words: str, frames: Sequence[Standing]) -> tuple[int | None, str]:
+    """Return the number of the frame that words name, from 0, and the words without its name, which may have digits."""
+    for number, frame in enumerate(frames):
+        # Of 15B and 5B the one is no end of the other.
+        found = re.search(rf"(?<![a-z0-9]){re.escape(frame.name)}(?![a-z0-9])", words, re.IGNORECASE)
+        if found:
+            return number, words[: found.start()] + " " + words[found.end() :]
+    for number, side in enumerate(("left", "right")[: len(frames)]):
+        if re.search(rf"(?<![a-z]){side}(?![a-z])", words, re.IGNORECASE):
+            return number, words
+    return None, words
 
 
 def _parted(name: str) -> tuple[str, str | None]:
@@ -135,45 +173,66 @@ def header_of(path: Path) -> list[str]:
     return header
 
 
-def draft(
-    frame: str, storeys: int, files: Sequence[str], columns: Sequence[str], *, is_file: bool = False
-) -> str:
+def draft(frames: Sequence[Standing], files: Sequence[str], columns: Sequence[str]) -> str:
     """Return the text of a `case.toml`, with a comment at everything that is a guess.
 
     Args:
-        frame: Name of a shipped frame, or a frame file's path relative to the case.
-        storeys: Its storeys.
+        frames: The frame, or two that may touch, from left to right.
         files: Names of the CSV files of the runs, in the folder of the case.
         columns: Names of their columns without the time.
-        is_file: Whether `frame` is a file.
     """
     lines = ["# A first draft from the headers of the CSV files. Check every line that says 'guess'.", ""]
-    lines += ["[[frame]]", f"{'file' if is_file else 'name'} = {json.dumps(frame)}", ""]
+    for frame in frames:
+        key, value = ("name", frame.name) if frame.file is None else ("file", frame.file)
+        lines += ["[[frame]]", f"{key} = {json.dumps(value)}", ""]
     for number, file in enumerate(files):
         lines += ["[[run]]", f"file = {json.dumps(file)}"]
         if number == len(files) - 1 and number:
             lines.append('# role = "held_out"   # the last run is not fitted: it judges the result')
         lines.append("")
-    for column in (guess(name, storeys) for name in columns):
-        lines += [*_channel(column), ""]
+    for column in (guess(name, frames) for name in columns):
+        lines += [*_channel(column, len(frames) > 1), ""]
+    if len(frames) > 1:
+        lines += [*_contact(*frames), ""]
     return "\n".join(lines)
 
 
-def _channel(column: Column) -> list[str]:
+def _channel(column: Column, pair: bool) -> list[str]:
     if column.quantity is None:
         said = f"# column {json.dumps(column.name)}: its name says nothing. A channel needs name, quantity and unit:"
         return [said, f"# {', '.join(UNITS)}"]
     values = {"quantity": json.dumps(column.quantity), "unit": json.dumps(column.unit)}
+    if column.frame is not None:
+        values["frame"] = json.dumps(column.frame)
     if column.floor is not None:
         values["floor"] = str(column.floor)
     lines = ["[[channel]]", f"name = {json.dumps(column.name, ensure_ascii=False)}"]
     lines += [f"{key} = {value}   # guess{_reason(column, key)}" for key, value in values.items()]
-    if column.quantity == "contact_force":
+    if column.quantity == "contact_force" and pair:
+        lines.append("contact = 1   # the [[contact]] below; compression is positive")
+    elif column.quantity == "contact_force":
         lines = [f"# {line}" for line in lines]
         lines.insert(
             0, "# A force needs two frames and a [[contact]] between them (docs/diagnosis/case-format.md):"
         )
     return lines
+
+
+def _contact(left: Standing, right: Standing) -> list[str]:
+    """Return a contact between the roof of the lower frame and the floor beside it, by the laboratory's numbers."""
+    law = thesis_law("linear_viscoelastic")
+    assert isinstance(law, LinearViscoelastic)
+    known = "of the laboratory's floors; yours by tests or by pounding pound, which estimates them"
+    return [
+        "[[contact]]",
+        f"left = {json.dumps(left.name)}   # moves in +x towards the right one",
+        f"right = {json.dumps(right.name)}",
+        f"floor = {min(left.storeys, right.storeys)}   # guess: the roof of the lower frame",
+        f"gap_mm = {GAP_MM:g}   # guess: measure it",
+        f'law = "{law.name}"   # guess',
+        f"stiffness_n_per_m = {law.stiffness:g}   # guess: {known}",
+        f"damping_n_s_per_m = {law.damping:g}   # guess: the same",
+    ]
 
 
 def _reason(column: Column, key: str) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from pounding.diagnosis.case.drafting import draft, header_of
+from pounding.diagnosis.case.drafting import Standing, draft, header_of
 from pounding.diagnosis.case.places import FILE
 from pounding.diagnosis.case.time_stamps import TIME
 from pounding.diagnosis.errors import CaseError
@@ -17,10 +17,19 @@ from pounding.experiments.output import result_folder
 from pounding.frames import load
 from pounding.frames.files import write_whole
 
+PAIR = 2
+"""Frames that a case has at most."""
+
 
 def new_case(
     *files: Path,
-    frame: Annotated[str, Parameter(help="Name of a shipped frame, or a frame file of your own.")],
+    frame: Annotated[
+        list[str],
+        Parameter(
+            negative=(),
+            help="Name of a shipped frame, or a frame file of your own; of two that may touch give both, from left to right.",
+        ),
+    ],
     out: Annotated[
         Path, Parameter(help="Folder of the case; created if missing.", validator=options.writable_folder)
     ],
@@ -38,20 +47,35 @@ def new_case(
         raise CaseError(f"{out / FILE} is there already; name another folder, or remove it first")
     headers = [header_of(file) for file in files]
     _check_alike(files, headers)
-    own = Path(frame).suffix == ".toml"
-    storeys = load(frame).storeys
+    standing = _standing(frame)
     copies = {file.name: _with_time(file, header) for file, header in zip(files, headers, strict=True)}
-    if own:
-        copies[Path(frame).name] = Path(frame).read_bytes()
+    copies |= {Path(one).name: Path(one).read_bytes() for one in frame if _is_file(one)}
     missing = _missing(out, copies)
     result_folder.prepare(out)
     for name in missing:
         write_whole(out / name, copies[name])
     names = [file.name for file in files]
-    text = draft(Path(frame).name if own else frame, storeys, names, headers[0][1:], is_file=own)
+    text = draft(standing, names, headers[0][1:])
     write_whole(out / FILE, text.encode())
     printer().print(f"written: {out / FILE}; check each line that says 'guess'", markup=False, soft_wrap=True)
     printer().print(_next_step(out), markup=False, soft_wrap=True)
+
+
+def _is_file(frame: str) -> bool:
+    return Path(frame).suffix == ".toml"
+
+
+def _standing(frames: list[str]) -> list[Standing]:
+    if len(frames) > PAIR:
+        raise CaseError(f"{len(frames)} frames were given; a case has one, or two that may touch")
+    definitions = [load(one) for one in frames]
+    names = [definition.name for definition in definitions]
+    if len(set(names)) < len(names):
+        raise CaseError(f"both frames are called {names[0]!r}; give one of them another name in its file")
+    return [
+        Standing(definition.name, definition.storeys, Path(one).name if _is_file(one) else None)
+        for definition, one in zip(definitions, frames, strict=True)
+    ]
 
 
 def _check_alike(files: tuple[Path, ...], headers: list[list[str]]) -> None:
