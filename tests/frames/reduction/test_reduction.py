@@ -247,7 +247,7 @@ def test_a_frame_that_buckles_is_refused():
         (lambda f: frames.build(f, damping=-0.1), "not a fraction"),
         (lambda f: frames.build(f, density=COARSE).point_row(6), "no floor 6"),
         (lambda f: frames.build(f, density=COARSE).point_row(5, 0.1), "planar=False"),
-        (lambda f: frames.build(f, density=COARSE).point_row(5, 0.3), "off the floor"),
+        (lambda f: frames.build(f, density=COARSE).point_row(5, 0.3), "off its floors, which are 0.4 m wide"),
         (lambda f: frames.build(f, density=COARSE, modes=10**6), "ask for fewer"),
     ],
 )
