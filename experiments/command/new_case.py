@@ -27,7 +27,7 @@ def new_case(
         list[str],
         Parameter(
             negative=(),
-            help="Name of a shipped frame, or a frame file of your own; give both of two that may touch, from left to right.",
+            help="Name of a shipped frame, or your own frame file; give both of two that may touch, from left to right.",
         ),
     ],
     out: Annotated[
