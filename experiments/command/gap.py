@@ -31,7 +31,7 @@ from pounding.experiments.rig.street_file import (
     load_street,
 )
 from pounding.experiments.rig.table_scale import TableScale, table_scale
-from pounding.experiments.separation.gaps.gap import gap_answer, history
+from pounding.experiments.separation.gaps.gap import Where, gap_answer, history
 from pounding.experiments.separation.pictures import gap_history
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def gap(
             one,
             other,
             None if present is None else between.free_mm(present),
-            {"floor": number, "y_m": y_m, "on_columns": between.columns is not None},
+            Where(number, y_m, between.columns is not None),
         )
         for (one, other), between in zip(pairwise(row), street.gap, strict=True)
         for (number, present), y_m in product(between.by_floor(), between.places_m)
@@ -146,19 +146,19 @@ def _street(left: str, right: str | None, floor: int | None) -> Street:
 
 
 class _Place(NamedTuple):
-    """A place where two neighbours may meet, as `gap_answer` takes it; no stated gap where that is None."""
+    """A place where two neighbours may meet, and the gap [mm] that is there; None where none is stated."""
 
     left: frames.ReducedFrame
     right: frames.ReducedFrame
     gap_mm: float | None
-    where: dict[str, Any]
+    where: Where
 
     def answer(self, motion: Record, **options: Any) -> dict[str, Any]:
-        found = gap_answer(self.left, self.right, motion, **self.where, **options)
+        found = gap_answer(self.left, self.right, motion, self.where, **options)
         return found if self.gap_mm is None else found | {"gap_mm": self.gap_mm}
 
     def picture(self, motion: Record, answer: dict[str, Any]) -> Figure:
-        return gap_history(*history(self.left, self.right, motion, **self.where), answer)
+        return gap_history(*history(self.left, self.right, motion, self.where), answer)
 
 
 def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
@@ -173,8 +173,8 @@ def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _sketch(row: Sequence[frames.ReducedFrame], answers: Sequence[dict[str, Any]]) -> str:
-    """Return the buildings with what they need at the highest place where each pair meets, and what it has."""
-    worst: dict[int, Marked] = {}
+    """Return the buildings, and between each pair what it has and needs where it lacks most."""
+    marks = []
     for pair, (left, right) in enumerate(pairwise(row)):
         own = [answer for answer in answers if (answer["left"], answer["right"]) == (left.name, right.name)]
         answer = max(own, key=lambda one: one["required_gap_mm"] - one.get("gap_mm", 0.0))
@@ -182,8 +182,8 @@ def _sketch(row: Sequence[frames.ReducedFrame], answers: Sequence[dict[str, Any]
         needs = f"{answer['required_gap_mm']:.4g}"
         words = f"{answer['gap_mm']:.4g} / {needs}" if "gap_mm" in answer else f"{needs} mm"
         height_m = float(lower.heights_m[answer["floor"] - 1])
-        worst[pair] = Marked(pair, height_m, words, _is_short(answer))
-    return building_sketch([Outline(one.name, one.heights_m.tolist()) for one in row], list(worst.values()))
+        marks.append(Marked(pair, height_m, words, _is_short(answer)))
+    return building_sketch([Outline(one.name, one.heights_m.tolist()) for one in row], marks)
 
 
 def _is_short(answer: dict[str, Any]) -> bool:

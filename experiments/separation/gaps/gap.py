@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -36,14 +36,45 @@ FREQUENCY_UNCERTAINTY = 0.05
 HIGHEST_TESTED_PGA_G = 0.9
 
 
+@dataclass(frozen=True)
+class Where:
+    """Where two frames may meet.
+
+    Attributes:
+        floor: Floor of the lower frame; its roof when None.
+        y_m: Place along the floors' edge, from the middle [m].
+        on_columns: Whether the floor faces the columns of the other frame.
+    """
+
+    floor: int | None = None
+    y_m: float = 0.0
+    on_columns: bool = False
+
+    def floors(self, left: ReducedFrame, right: ReducedFrame) -> tuple[float, float]:
+        """Return the floors of the left and the right frame; on columns, one lies between two whole numbers.
+
+        Args:
+            left: Frame that moves in +x towards the other.
+            right: The other frame.
+
+        Raises:
+            ExperimentError: The floor is not there, or faces something else.
+        """
+        if self.on_columns:
+            return place_of(left, right, self.floor).floors
+        return contact_floors(left, right, self.floor)
+
+
+AT_THE_ROOF = Where()
+"""The middle of the lower frame's roof."""
+
+
 def gap_answer(
     left: ReducedFrame,
     right: ReducedFrame,
     record: Record,
+    where: Where = AT_THE_ROOF,
     *,
-    floor: int | None = None,
-    y_m: float = 0.0,
-    on_columns: bool = False,
     own_peak: bool = True,
     length_scale: float = THESIS.buildings_length,
 ) -> dict[str, Any]:
@@ -53,9 +84,7 @@ def gap_answer(
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale, see `Record.scaled`.
-        floor: Floor of the lower frame; its roof when None.
-        y_m: Place along the floors' edge, from the middle [m].
-        on_columns: Whether the floor faces the columns of the other frame.
+        where: Where they may meet.
         own_peak: Whether the record has its own peak: only then is there a published number to compare with.
         length_scale: Full-scale length over the frames' length, for the rules with a unit of their own.
 
@@ -71,8 +100,8 @@ def gap_answer(
         ExperimentError: A floor that cannot meet the other frame.
         FrameError: A place off the floors, or off the middle of floors that do not turn.
     """
-    places = meeting(left, right, floor, on_columns=on_columns)
-    gap = gap_at(left, right, record, places, y_m)
+    places = where.floors(left, right)
+    gap = gap_at(left, right, record, places, where.y_m)
     lower_floor = int(places[0] if is_left_lower(left, right) else places[1])
     floors = [
         {
@@ -80,7 +109,7 @@ def gap_answer(
             "required_gap_mm": MM * found.closing_m,
             "equation_4_1_mm": MM * found.equation_4_1_m,
         }
-        for number, found in _shared(left, right, record, y_m)
+        for number, found in _shared(left, right, record, where.y_m)
     ]
     edges = _edges(left, right, record, places)
     return {
@@ -89,38 +118,21 @@ def gap_answer(
         "record": record.name,
         "pga_g": record.pga_g,
         "floor": lower_floor,
-        "on_columns": on_columns,
-        "y_m": y_m,
+        "on_columns": where.on_columns,
+        "y_m": where.y_m,
         "required_gap_mm": MM * gap.closing_m,
         "time_s": gap.time_s,
         "equation_4_1_mm": MM * gap.equation_4_1_m,
         "reversed_mm": MM * gap.opening_m,
         "left_peak_mm": MM * gap.left_peak_m,
         "right_peak_mm": MM * gap.right_peak_m,
-        "spread": spread(left, right, record, floor=floor, y_m=y_m, on_columns=on_columns),
+        "spread": spread(left, right, record, where),
         "floors": floors,
         "edges": edges,
         "rules": [asdict(answer) for answer in rules_beside(left, right, gap, record.pga_g, length_scale)],
         "published": published_gap(left.name, right.name, lower_floor, record.name) if own_peak else None,
         "warnings": _warnings((left, right), record, floors, edges, lower_floor, MM * gap.closing_m),
     }
-
-
-def meeting(
-    left: ReducedFrame, right: ReducedFrame, floor: int | None = None, *, on_columns: bool = False
-) -> tuple[float, float]:
-    """Return where two frames may meet: floors of the left and the right one; on columns, one lies between two floors.
-
-    Args:
-        left: Frame that moves in +x towards the other.
-        right: The other frame.
-        floor: Floor of the lower frame; its roof when None.
-        on_columns: Whether the floor faces the columns of the other frame.
-
-    Raises:
-        ExperimentError: The floor is not there, or faces something else.
-    """
-    return place_of(left, right, floor).floors if on_columns else contact_floors(left, right, floor)
 
 
 def _shared(
@@ -179,10 +191,8 @@ def spread(
     left: ReducedFrame,
     right: ReducedFrame,
     record: Record,
+    where: Where = AT_THE_ROOF,
     *,
-    floor: int | None = None,
-    y_m: float = 0.0,
-    on_columns: bool = False,
     share: float = FREQUENCY_UNCERTAINTY,
 ) -> dict[str, Any]:
     """Return the least and the largest required gap when each frame's frequencies are off by a share either
@@ -192,18 +202,16 @@ def spread(
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale.
-        floor: Floor of the lower frame; its roof when None.
-        y_m: Place along the floors' edge, from the middle [m].
-        on_columns: Whether the floor faces the columns of the other frame.
+        where: Where they may meet.
         share: Share of the frequencies, alike for all modes of a frame.
 
     Returns:
         ``low_mm``, ``high_mm`` over the nine combinations, and ``basis`` in words.
     """
-    pair = meeting(left, right, floor, on_columns=on_columns)
+    pair = where.floors(left, right)
     moved = [
         [
-            place_motions(detuned(frame, factor), record, place_row(frame, at, y_m)[None, :])[:, 0]
+            place_motions(detuned(frame, factor), record, place_row(frame, at, where.y_m)[None, :])[:, 0]
             for factor in (1.0 - share, 1.0, 1.0 + share)
         ]
         for frame, at in zip((left, right), pair, strict=True)
@@ -239,13 +247,7 @@ def published_gap(left: str, right: str, floor: int, record: str) -> dict[str, A
 
 
 def history(
-    left: ReducedFrame,
-    right: ReducedFrame,
-    record: Record,
-    *,
-    floor: int | None = None,
-    y_m: float = 0.0,
-    on_columns: bool = False,
+    left: ReducedFrame, right: ReducedFrame, record: Record, where: Where = AT_THE_ROOF
 ) -> tuple[NDArray[np.floating[Any]], NDArray[np.floating[Any]], NDArray[np.floating[Any]]]:
     """Return times (m,) [s] and the displacements of both places that may meet (m,) [m], for a picture.
 
@@ -253,13 +255,11 @@ def history(
         left: Frame that moves in +x towards the other.
         right: The other frame.
         record: Table motion at the frames' scale.
-        floor: Floor of the lower frame; its roof when None.
-        y_m: Place along the floors' edge, from the middle [m].
-        on_columns: Whether the floor faces the columns of the other frame.
+        where: Where they may meet.
     """
     first, second = (
-        place_motions(frame, record, place_row(frame, at, y_m)[None, :])[:, 0]
-        for frame, at in zip((left, right), meeting(left, right, floor, on_columns=on_columns), strict=True)
+        place_motions(frame, record, place_row(frame, at, where.y_m)[None, :])[:, 0]
+        for frame, at in zip((left, right), where.floors(left, right), strict=True)
     )
     times = record.step_s / fine_step(record.step_s) * np.arange(len(first))
     return times, first, second

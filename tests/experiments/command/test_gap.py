@@ -12,7 +12,7 @@ import pytest
 from pounding import frames
 from pounding.experiments.command.app import main
 from pounding.experiments.records import Record
-from pounding.experiments.separation.gaps.gap import gap_answer, published_gap
+from pounding.experiments.separation.gaps.gap import Where, gap_answer, published_gap
 
 GAP_KEYS = {
     "left",
@@ -206,7 +206,7 @@ def test_a_floor_that_needs_more_is_named() -> None:
     """Asked at the second floor, where frames move less than at the lower roof."""
     tall, short = (frames.build(frames.load(name)) for name in ("10", "5B"))
     shaking = Record("noise", np.random.default_rng(1).normal(0.0, 1.5, 900), 0.004)
-    found = gap_answer(tall, short, shaking, floor=2)
+    found = gap_answer(tall, short, shaking, Where(2))
     needed = {entry["floor"]: entry["required_gap_mm"] for entry in found["floors"]}
     assert list(needed) == [1, 2, 3, 4, 5]
     assert needed[2] == found["required_gap_mm"]

@@ -21,7 +21,7 @@ from pounding.experiments.rig.pounding import pound
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.shaking import largest_drift
-from pounding.experiments.separation.gaps.gap import gap_answer
+from pounding.experiments.separation.gaps.gap import Where, gap_answer
 
 TORSION = {"eccentricity_m": 2.0, "frequency_ratio": 1.3}
 LAW = LinearViscoelastic(stiffness=2e9, damping=5e6)
@@ -125,7 +125,7 @@ def test_the_required_gap_is_told_for_both_ends_of_the_edge() -> None:
     (warning,) = (one for one in answer["warnings"] if "turn" in one)
     assert f"(y = -7.5 m) floor 2 needs {ends[-7.5]:.4g} mm" in warning
     turning = stick(2.5, {"frequency_ratio": 1.3}, planar=False)
-    at_the_end = gap_answer(turning, right, shaking(), y_m=-7.5, own_peak=False, length_scale=1.0)
+    at_the_end = gap_answer(turning, right, shaking(), Where(y_m=-7.5), own_peak=False, length_scale=1.0)
     assert at_the_end["required_gap_mm"] == pytest.approx(ends[-7.5], rel=1e-6)
     assert at_the_end["spread"]["low_mm"] <= ends[-7.5] <= at_the_end["spread"]["high_mm"]
 
