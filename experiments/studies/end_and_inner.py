@@ -23,7 +23,6 @@ from pounding.contact.parameters import make_law
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
-from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records import Record
 from pounding.experiments.records.code_spectra import FORMS, target
@@ -34,7 +33,7 @@ from pounding.experiments.rig.exact import run_exact
 from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.studies.end_and_inner_picture import picture
 from pounding.experiments.studies.shared import Kept, Workers, keyed, write_tables
-from pounding.experiments.sweeps.sweep import sweep
+from pounding.experiments.sweeps.sweep import sweep_all
 from pounding.frames.definition import Yielding
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.units import LENGTH
@@ -172,7 +171,7 @@ def long_table(data: xr.Dataset) -> pd.DataFrame:
     Args:
         data: What the sweep returned, cases of several rows; places that a row does not have are NaN.
     """
-    lines = data.drop_vars("failure").to_dataframe().reset_index().dropna(subset=["period_s"])
+    lines = data.to_dataframe().reset_index().dropna(subset=["period_s"])
     order = list(ROWS)
     last = lines["row"].map({name: len(periods) - 1 for name, periods in ROWS.items()})
     lines = lines.assign(
@@ -232,7 +231,7 @@ def main(
     shakings = [_shaking(set_, index, spectrum) for index in range(len(_set(set_)))]
     if out is not None:
         keeping.prepare(out)
-    data = sweep(
+    data = sweep_all(
         fare,
         [
             {"row": row, "rotation": rotation, "record": record}
@@ -251,9 +250,6 @@ def main(
         workers=workers,
         scheduler=scheduler,
     )
-    failed = [str(why) for why in data.failure.values if why]
-    if failed:
-        raise ExperimentError(f"{len(failed)} of {data.sizes['case']} runs failed, the first by: {failed[0]}")
     lines = long_table(data)
     tables = {
         "end-and-inner": summary(lines, ["row", "end"]),

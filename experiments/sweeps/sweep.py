@@ -85,6 +85,28 @@ def sweep(
     return _dataset(grid, rows, outcomes).assign_attrs({**_attributes(shared), **attributes})
 
 
+def sweep_all(run: Run, cases: Grid | xr.Dataset | Iterable[Case], **options: Any) -> xr.Dataset:
+    """Return what `sweep` does without `failure`; a case that fails is an error once all others are finished.
+
+    Cases that failed before are run again.
+
+    Args:
+        run: See `sweep`.
+        cases: See `sweep`.
+        options: Those of `sweep`.
+
+    Raises:
+        ExperimentError: A case failed; says how many and why the first one did. Or as `sweep`.
+    """
+    data = sweep(run, cases, retry_failed=True, **options)
+    failed = [str(why) for why in data.failure.values.ravel() if why]
+    if failed:
+        raise ExperimentError(
+            f"{len(failed)} of {data.failure.size} runs of {run.__name__} failed, the first by: {failed[0]}"
+        )
+    return data.drop_vars("failure")
+
+
 def _runner(tasks: list[Task], workers: int | None, scheduler: str | None, timeout_s: float) -> Running:
     if not tasks:
         return run_here([])

@@ -9,7 +9,7 @@ import pytest
 
 from pounding.experiments.records import Record, find
 from pounding.experiments.studies import end_and_inner as study
-from pounding.experiments.sweeps.sweep import sweep
+from pounding.experiments.sweeps.sweep import sweep_all
 
 SETTINGS = {"gap_mm": 20.0, "storeys": 2, "strength": 0.0, "set_name": "", "spectrum": ""}
 
@@ -47,7 +47,7 @@ def test_strength_is_that_of_the_first_storey_and_falls_upwards() -> None:
 
 def test_every_building_is_counted_once_at_each_place(tmp_path: Path) -> None:
     cases = [{"row": row, "rotation": turn, "record": 0} for row in study.ROWS for turn in range(3)]
-    lines = study.long_table(sweep(study.fare, cases, settings=SETTINGS, workers=0))
+    lines = study.long_table(sweep_all(study.fare, cases, settings=SETTINGS, workers=0))
     assert len(lines) == 18
     places = lines[lines["row"] == "unequal"].groupby("period_s")["place"].agg(sorted)
     assert all(found == [0, 1, 2] for found in places)
