@@ -58,7 +58,7 @@ def _storeys(defined: frames.Frame, frame: CaseFrame) -> StoreyFrame:
             "its file has [[storey_law]], and a baseline model is linear, so that what it lacks can be told; take these "
             "tables out"
         )
-    if isinstance(defined, frames.StickFrame) and defined.torsion and np.any(defined.torsion.eccentricity_m):
+    if isinstance(defined, frames.StickFrame) and defined.torsion and not defined.torsion.is_symmetric:
         raise frames.FrameError(
             "its file has an eccentricity, and a baseline model sways without turning; take it out of 'torsion': floors "
             "that turn are an effect that the diagnosis looks for"

@@ -21,14 +21,11 @@ from pounding.diagnosis.model.laws import placed_arrays
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
-from pounding.diagnosis.model.shifting import shift
+from pounding.diagnosis.model.sensor_faults import SensorFaults
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
-
-SHIFTED = 2_000_000
-"""About how many samples of delayed channels are kept: 16 MB."""
 
 
 class Acting(Protocol):
@@ -82,9 +79,8 @@ class Model:
             TableMotion(run.table, run.step_s, run.table_between, run.step_s / run.substeps)
             for run in observed.runs
         ]
-        self._shifted: dict[tuple[int, int, float, float], np.ndarray] = {}
+        self._faults = SensorFaults(observed.runs)
         self._last_table: dict[int, tuple[tuple[float, float, int], np.ndarray]] = {}
-        self._last_measured: dict[int, tuple[bytes, np.ndarray]] = {}
         self._last_plain: tuple[bytes, Assembly] | None = None
         self._own: np.ndarray | None = None
 
@@ -291,7 +287,9 @@ class Model:
             assembly.laws, modes.floors, run.step_s * (len(run.table) - 1)
         )
         known, table_mid, added = self._inputs(assembly, modes, number, run)
-        measured = self._corrected(assembly, number, run, added)
+        measured = self._faults.removed(assembly, number)
+        if added is not None:
+            measured = measured - added
         channels = len(self.observed.names)
         innovations, before, after, outputs = predict(
             np.stack([modes.omega, modes.ratio], axis=1),
@@ -316,18 +314,13 @@ class Model:
             parameters,
             whole,
         )
-        factor = 1.0 + assembly.channel_gain
+        # An innovation is that of the channel as it reads.
+        innovations = innovations * (1.0 + assembly.channel_gain)
         if not whole:
-            return innovations * factor, before, after, outputs
-        if gain is None:
-            for channel in _untimely(assembly):
-                late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
-                outputs[:, channel] = shift(
-                    outputs[:, channel], run.step_s, -late * (1 + clock), -clock / (1 + clock)
-                )
+            return innovations, before, after, outputs
         if added is not None:
             outputs += added
-        return innovations * factor, before, after, outputs * factor + assembly.channel_offset
+        return innovations, before, after, self._faults.added(assembly, number, outputs, late=gain is None)
 
     def _inputs(
         self, assembly: Assembly, modes: Modes, number: int, run: RunData
@@ -372,50 +365,3 @@ class Model:
             if gain and (event.run, event.column) == (number, column):
                 force[event.within(times_s)] *= 1.0 + gain
         return force
-
-    def _corrected(
-        self, assembly: Assembly, number: int, run: RunData, added: np.ndarray | None
-    ) -> np.ndarray:
-        """Return the measured channels without the gain, delay, clock and offset that the assembly gives their sensors."""
-        sensors = (
-            assembly.channel_gain,
-            assembly.channel_offset,
-            assembly.channel_delay_s,
-            assembly.channel_clock,
-        )
-        key = np.concatenate(sensors).tobytes()
-        last = self._last_measured.get(number)
-        if last is None or last[0] != key:
-            # Slopes and searches of effects leave the sensors alone.
-            self._last_measured[number] = last = key, self._by_sensors(assembly, number, run)
-        return last[1] if added is None else np.asarray(last[1] - added)
-
-    def _by_sensors(self, assembly: Assembly, number: int, run: RunData) -> np.ndarray:
-        measured = run.measured
-        untimely = _untimely(assembly)
-        if len(untimely):
-            measured = measured.copy()
-            for channel in untimely:
-                late, clock = float(assembly.channel_delay_s[channel]), float(assembly.channel_clock[channel])
-                measured[:, channel] = self._retimed(number, int(channel), late, clock)
-        return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain))
-
-    def _retimed(self, number: int, channel: int, delay_s: float, clock: float) -> np.ndarray:
-        key = (number, channel, round(delay_s, 8), round(clock, 9))
-        moved = self._shifted.get(key)
-        if moved is None:
-            run = self.observed.runs[number]
-            moved = shift(run.measured[:, channel], run.step_s, delay_s, clock)
-            if clock > 0.0:
-                # What a fast clock would have shown at the end was never recorded.
-                moved[int(np.ceil(len(moved) / (1 + clock))) :] = np.nan
-            if (len(self._shifted) + 1) * len(moved) > SHIFTED:
-                self._shifted.clear()
-            self._shifted[key] = moved
-        return moved
-
-
-def _untimely(assembly: Assembly) -> np.ndarray:
-    """Return the channels that are late or have a clock of another rate."""
-    late = (assembly.channel_delay_s != 0.0) | (assembly.channel_clock != 0.0)
-    return np.asarray(np.flatnonzero(late))
