@@ -1,4 +1,4 @@
-"""Pictures of frames without a display: mesh, mode shapes, deformed frame.
+"""Pictures of frames without a display: mesh and mode shapes, and what pictures of shaken frames are made of.
 
 A machine may be unable to render (no OpenGL library): `pounding.frames.drawing.rendering.cannot_render` tells so in one
 sentence, and callers then go on without pictures.
@@ -44,24 +44,6 @@ class Margins(NamedTuple):
     right: float = 0.04
     top: float = 0.1
     bottom: float = 0.03
-
-
-@contextmanager
-def plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
-    """Give an off-screen pyvista plotter with a white background and smooth edges, and close it at the end.
-
-    Args:
-        size: Width and height [pixels].
-        options: Arguments of pyvista's `Plotter`.
-
-    Raises:
-        FrameError: The machine cannot render.
-    """
-    made = _opened(size, **options)
-    try:
-        yield made
-    finally:
-        made.close()
 
 
 @contextmanager
@@ -364,77 +346,3 @@ def modes_picture(
             caption(drawn, words, size=13, place=(0.2, 0.98))
             look(drawn, low, high, margins=Margins(bottom=0.14))
     return drawn
-
-
-def deformed_picture(
-    reduced: ReducedFrame,
-    q: Real,
-    path: str | Path | None = None,
-    *,
-    stress_pa: Real | None = None,
-    factor: float = 5.0,
-    title: str = "",
-    size: tuple[int, int] = (640, 800),
-    scene: Any = None,
-) -> Any:
-    """Draw a deformed frame, coloured by stress or, without, by displacement; at rest as outline.
-
-    Args:
-        reduced: The frame.
-        q: Its coordinates (n,) [m].
-        path: Image file to write; none when None.
-        stress_pa: Von Mises' stress of each element (elements,) [Pa].
-        factor: Enlargement of the displacement.
-        title: First line of the caption.
-        size: Width and height [pixels].
-        scene: A pyvista plotter to draw into; a new one when None.
-
-    Returns:
-        The plotter; one that was made here stays open if no file was asked for.
-
-    Raises:
-        FrameError: The machine cannot render, or the file cannot be written.
-    """
-    shape = shape_of(reduced)
-    moved = shape.moved(q)
-    with drawing(scene, path, size) as drawn:
-        add_deformed(drawn, shape, moved, factor=factor, stress_pa=stress_pa)
-        add_lines(drawn, shape, shape.nodes, ghost=True)
-        add_table(drawn, plan(reduced))
-        caption(drawn, f"{title or f'Frame {reduced.name}'}\ndisplacement enlarged {factor:g} times")
-        look(drawn, *box(reduced, factor * float(np.abs(moved).max())), margins=Margins(right=0.18))
-    return drawn
-
-
-def add_deformed(
-    scene: Any,
-    shape: Shape,
-    moved: Real,
-    *,
-    factor: float,
-    stress_pa: Real | None = None,
-    largest: float | None = None,
-) -> Any:
-    """Add a deformed frame coloured by stress [MPa] or displacement along x [mm], and return its surface.
-
-    Args:
-        scene: The plotter.
-        shape: The frame.
-        moved: Displacement of its nodes (nodes, 3) [m].
-        factor: Enlargement of the displacement.
-        stress_pa: Von Mises' stress of each element (elements,) [Pa].
-        largest: End of the colour bar [MPa or mm]; the largest value when None.
-    """
-    surface = grid(shape, moved, factor=factor)
-    if stress_pa is None:
-        name, values, colours = "displacement\n[mm]", 1e3 * np.abs(moved[:, 0]), MAP
-        surface.point_data[name] = values
-    else:
-        name, values, colours = "von Mises\n[MPa]", np.asarray(stress_pa, float) / 1e6, STRESS_MAP
-        surface.cell_data[name] = values
-    top = float(values.max()) if largest is None else largest
-    add_surface(
-        scene, surface, scalars=name, cmap=colours, clim=(0.0, top or 1.0), scalar_bar_args=bar(scene, name)
-    )
-    add_lines(scene, shape, surface.points)
-    return surface
