@@ -101,9 +101,7 @@ def sweep_all(run: Run, cases: Grid | xr.Dataset | Iterable[Case], **options: An
     data = sweep(run, cases, retry_failed=True, **options)
     failed = [str(why) for why in data.failure.values.ravel() if why]
     if failed:
-        raise ExperimentError(
-            f"{len(failed)} of {data.failure.size} runs of {run.__name__} failed, the first by: {failed[0]}"
-        )
+        raise ExperimentError(f"{len(failed)} of {data.failure.size} runs failed, the first by: {failed[0]}")
     return data.drop_vars("failure")
 
 

@@ -54,7 +54,7 @@ def test_a_sweep_says_what_threads_say_and_runs_nothing_twice(
     # What is finished is not run again; without the folder it would be, and fail.
     monkeypatch.setattr(sweeping, "passing", None)
     np.testing.assert_array_equal(passing_by_sweep(*words, folder=folder, workers=0), expected)
-    with pytest.raises(ExperimentError, match="2 of 2 records failed"):
+    with pytest.raises(ExperimentError, match="2 of 2 runs failed"):
         passing_by_sweep(*words, workers=0)
 
 
