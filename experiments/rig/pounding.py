@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import msgspec
+
 from pounding import frames
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
@@ -20,6 +22,7 @@ from pounding.experiments.rig.required_gap import contact_floors
 from pounding.experiments.rig.rig import Accuracy, Rig, Solver
 from pounding.experiments.rig.shaking import linear_stress, validity
 from pounding.experiments.rig.states import FrameState
+from pounding.frames.definition import PlateFrame, StickFrame
 from pounding.frames.response.stress import Largest
 from pounding.scale import THESIS
 
@@ -197,7 +200,6 @@ def floor_masses(
     return first, second
 
 
-@lru_cache(maxsize=32)
 def built(
     name: str,
     joints: Any = "calibrated",
@@ -206,7 +208,7 @@ def built(
     calibration: str | None = None,
     planar: bool | None = None,
 ) -> ReducedFrame:
-    """Return a reduced frame by name, built once a process.
+    """Return a reduced frame by name, built once a process as long as its file says the same.
 
     Args:
         name: Name of a shipped frame, or path of a frame file.
@@ -216,13 +218,17 @@ def built(
         calibration: Calibration of the joints; the frame's default when None.
         planar: Whether to leave out the floors' twist, which contacts off the middle need; for a symmetric plan when None.
     """
+    # By what the file says and not by its path: in a session it may be written again, or be another one in another folder.
+    said = msgspec.json.encode(frames.load(name))
+    return _built(said, joints, p_delta, damping, calibration, planar)
+
+
+@lru_cache(maxsize=32)
+def _built(said: bytes, joints: Any, p_delta: bool, *options: Any) -> ReducedFrame:
+    definition = msgspec.json.decode(said, type=PlateFrame | StickFrame)
+    damping, calibration, planar = options
     return frames.build(
-        frames.load(name),
-        joints=joints,
-        p_delta=p_delta,
-        damping=damping,
-        calibration=calibration,
-        planar=planar,
+        definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration, planar=planar
     )
 
 

@@ -18,6 +18,7 @@ from pounding.experiments.records import find
 from pounding.experiments.rig.pounding import built, built_in
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.states import LABORATORY, states_of, strong_frequencies, strong_motion
+from pounding.frames.templates import template
 from pounding.scale import THESIS
 
 PAIRS = [(str(left), str(right)) for left, right, _ in published.table("4.2").index]
@@ -131,3 +132,14 @@ def test_a_state_that_a_frame_has_not_is_one_sentence(
     assert out == ""
     assert sentence in err
     assert err.count("\n") == 1
+
+
+def test_a_frame_file_that_changed_is_built_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a session, or from another folder, the same path may lead to another building."""
+    text = template("stick", "office")
+    for folder, hz in (("one", "[1.1, 3.2]"), ("other", "[0.9, 2.6]")):
+        (tmp_path / folder).mkdir()
+        monkeypatch.chdir(tmp_path / folder)
+        Path("office.toml").write_text(text.replace("[1.1, 3.2]", hz))
+        assert built("office.toml").frequencies_hz[0] == pytest.approx(float(hz[1:4]))
+    assert built("office.toml") is built("office.toml")
