@@ -58,4 +58,5 @@ def test_cases_keep_the_solver_they_ran_with() -> None:
     engine = run_all(CASES[:1], workers=0, solver="exudyn")
     assert exact["count"].iloc[0] == engine["count"].iloc[0] > 0
     assert exact["peak_force_n"].iloc[0] == pytest.approx(engine["peak_force_n"].iloc[0], rel=1e-2)
-    assert exact["processor_s"].iloc[0] < engine["processor_s"].iloc[0] / 10
+    # Steps of an integrator lose energy, closed formulas hardly any.
+    assert exact["energy_error"].iloc[0] < engine["energy_error"].iloc[0] / 10
