@@ -219,13 +219,14 @@ def built(
         planar: Whether to leave out the floors' twist, which contacts off the middle need; for a symmetric plan when None.
     """
     # By what the file says and not by its path: in a session it may be written again, or be another one in another folder.
-    said = msgspec.json.encode(frames.load(name))
+    # Not as JSON, which has no word for infinity: a friction that nothing wears.
+    said = msgspec.msgpack.encode(frames.load(name))
     return _built(said, joints, p_delta, damping, calibration, planar)
 
 
 @lru_cache(maxsize=32)
 def _built(said: bytes, joints: Any, p_delta: bool, *options: Any) -> ReducedFrame:
-    definition = msgspec.json.decode(said, type=PlateFrame | StickFrame)
+    definition = msgspec.msgpack.decode(said, type=PlateFrame | StickFrame)
     damping, calibration, planar = options
     return frames.build(
         definition, joints=joints, p_delta=p_delta, damping=damping, calibration=calibration, planar=planar
