@@ -148,7 +148,9 @@ def test_a_frame_file_that_changed_is_built_again(tmp_path: Path, monkeypatch: p
 
 def test_a_frame_is_built_as_its_file_says_an_infinite_number_too(tmp_path: Path) -> None:
     """A friction that nothing wears has an infinite rate of wear, for which JSON has no word."""
-    law = '[[storey_law]]\nkind = "friction"\nstorey = 1\nforce_n = 1000.0\nsticking_stiffness_n_per_m = 1e8\n'
+    law = (
+        '[[storey_law]]\nkind = "friction"\nstorey = 1\nforce_n = 1000.0\nsticking_stiffness_n_per_m = 1e8\n'
+    )
     (tmp_path / "office.toml").write_text(f"{template('stick', 'office')}\n{law}")
     name = str(tmp_path / "office.toml")
     stated = frames.load(name).storey_law[0]
