@@ -65,19 +65,32 @@ def find(name: str, folder: Path | str | None = None, *, unit: str | None = None
         ExperimentError: Nothing of that name, more than one file of that name, a broken file, or the wrong
             motion under a reserved name. The message says where to get the right one.
     """
+    file, plain = file_of(name, folder), name.strip().lower()
+    if file is not None:
+        return _checked(file.stem.lower(), read(file, unit))
+    if plain in PACKAGED:
+        return load_packaged(plain)
+    raise ExperimentError(_missing(name, records_folder(folder)))
+
+
+def file_of(name: str, folder: Path | str | None = None) -> Path | None:
+    """Return the file from which `find` reads a ground motion; None if it is in no file of the user's.
+
+    Args:
+        name: Name of a motion, stem of a file in the folder, or path of a file.
+        folder: Where files are; default: the environment variable POUNDING_RECORDS.
+
+    Raises:
+        ExperimentError: More than one file of that name, or a folder that is not there.
+    """
     if Path(name).suffix.lower() in SUFFIXES:
-        return _checked(Path(name).stem.lower(), read(name, unit))
+        return Path(name)
     base = records_folder(folder)
-    plain = name.strip().lower()
-    files = _files(base).get(plain, []) if base else []
+    files = _files(base).get(name.strip().lower(), []) if base else []
     if len(files) > 1:
         names = ", ".join(file.name for file in files)
         raise ExperimentError(f"record '{name}' is ambiguous in {base}: {names}; keep one of them")
-    if files:
-        return _checked(plain, read(files[0], unit))
-    if plain in PACKAGED:
-        return load_packaged(plain)
-    raise ExperimentError(_missing(name, base))
+    return files[0] if files else None
 
 
 def available(folder: Path | str | None = None) -> list[Entry]:

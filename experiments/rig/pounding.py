@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import msgspec
@@ -12,7 +13,7 @@ import msgspec
 from pounding import frames
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import Record, file_of, find
 from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.ductility import ductilities
@@ -247,7 +248,6 @@ def built_in(
     return built(state.frame, joints, p_delta, state.damping_ratio, state.calibration, planar)
 
 
-@lru_cache(maxsize=16)
 def shaking(
     name: str,
     folder: str | None = None,
@@ -265,8 +265,28 @@ def shaking(
         pga_g: Peak acceleration [g]; the record's own when None.
         flip: Turn the record's sign.
     """
-    record = find(name, folder).scaled(time_factor, pga_g)
+    record = _shaking(name, folder, _version(file_of(name, folder)), time_factor, pga_g)
     return record.flipped() if flip else record
+
+
+def _version(file: Path | None) -> tuple[str, int, int] | None:
+    """Return what changes when a file is written again, or is another one."""
+    if file is None or not file.is_file():
+        return None
+    state = file.stat()
+    return str(file.resolve()), state.st_mtime_ns, state.st_size
+
+
+# Read once a process as long as its file is the same: in a session it may be written again.
+@lru_cache(maxsize=16)
+def _shaking(
+    name: str,
+    folder: str | None,
+    version: tuple[str, int, int] | None,
+    time_factor: float,
+    pga_g: float | None,
+) -> Record:
+    return find(name, folder).scaled(time_factor, pga_g)
 
 
 def one_each(what: str, given: Sequence[Value], floors: Sequence[int | None]) -> list[Value]:

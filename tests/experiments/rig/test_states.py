@@ -16,7 +16,7 @@ from pounding.experiments.command.app import main
 from pounding.experiments.configurations.library import experiments
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import find
-from pounding.experiments.rig.pounding import built, built_in
+from pounding.experiments.rig.pounding import built, built_in, shaking
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.states import LABORATORY, states_of, strong_frequencies, strong_motion
 from pounding.frames.templates import template
@@ -156,3 +156,16 @@ def test_a_frame_is_built_as_its_file_says_an_infinite_number_too(tmp_path: Path
     stated = frames.load(name).storey_law[0]
     assert stated.half_worn_m_per_s == math.inf
     assert list(built(name).definition.storey_law) == [stated]
+
+
+def test_a_ground_motion_that_changed_is_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a session, or in another folder, the same name may be another motion."""
+    for folder, size in (("one", 1.0), ("other", 2.0)):
+        (tmp_path / folder).mkdir()
+        monkeypatch.setenv("POUNDING_RECORDS", str(tmp_path / folder))
+        for once_more in (1.0, 3.0):
+            rows = (f"{0.01 * i},{once_more * size * np.sin(0.1 * i)}" for i in range(200))
+            file = tmp_path / folder / "quarry.csv"
+            file.write_text("time_s,acceleration_m_s2\n" + "\n".join(rows))
+            assert shaking("quarry").acceleration_m_s2.max() == pytest.approx(once_more * size, rel=1e-3)
+    assert shaking("quarry") is shaking("quarry")
