@@ -250,6 +250,27 @@ def rubbed(duration_s: float) -> Link:
     return Link("5A", 3, 2, materials.Slider(0.4, 3e6, 1.2, 5e-3))
 
 
+def nothing() -> Told:
+    """What hangs between two floors and does nothing changes nothing, however the frame is damped."""
+    pushed = pulse(2.0)
+    idle = (
+        ("spring", lambda _: Link("10", 5, 4, materials.Materials((("Elastic", 1e-6),)))),
+        ("slider", lambda _: Link("10", 5, 4, materials.Slider(1e-6, 1e-3, 1.2, 2e-3))),
+    )
+    for seed in (1, 2):
+        frame = building.built(np.random.default_rng(seed), "10")
+        bare = PlaneScenario({"10": frame})
+        without = happen(bare, pushed, 0, parts=1).acceleration
+        for what, link in idle:
+            held = happen(replace(bare, links=(link,)), pushed, 0, parts=1).acceleration
+            kind = "modal" if frame.modal.size else "Rayleigh's"
+            yield (
+                f"an idle {what} in a frame with {kind} damping",
+                float((held - without).std() / without.std()),
+                1e-4,
+            )
+
+
 def convergence() -> Told:
     """Halving the step changes no channel of a run by a tenth of the least noise that is asked for."""
     without = replace(SECOND, settle=None)
@@ -290,7 +311,7 @@ def cases() -> Told:
 
 
 CHECKS: dict[str, Callable[[], Told]] = {
-    check.__name__: check for check in (tuning, decay, alone, laws, contacts, convergence, cases)
+    check.__name__: check for check in (tuning, decay, alone, laws, contacts, nothing, convergence, cases)
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -59,11 +60,20 @@ def beyond_linear(runs: Sequence[Seen], hz: np.ndarray, ratios: np.ndarray) -> n
     motion = np.sqrt(np.mean((wanted - wanted.mean(axis=0)) ** 2, axis=0))
     wanted = wanted / motion
 
+    # A step of the fit moves one mode, and most modes never move.
+    @lru_cache(maxsize=2 * len(runs) * len(hz))
+    def mode(run: int, at_hz: float, ratio: float) -> np.ndarray:
+        return np.asarray(_mode(runs[run], at_hz, ratio)[::thin] / sizes[run])
+
+    fixed = [_table(run)[::thin] / size for run, size in zip(runs, sizes, strict=True)]
+
     def left(moved: np.ndarray) -> np.ndarray:
         steps = np.zeros((2, len(hz)))
         steps[:, :free] = moved.reshape(2, free) * WEIGHTS[:, None]
-        at, damped = np.exp(steps) * np.array([hz, ratios])
-        columns = [_columns(run, at, damped)[::thin] / size for run, size in zip(runs, sizes, strict=True)]
+        at = (np.exp(steps) * np.array([hz, ratios])).T.tolist()
+        columns = [
+            np.column_stack([table, *(mode(run, *one) for one in at)]) for run, table in enumerate(fixed)
+        ]
         basis, _ = np.linalg.qr(_scaled(np.vstack(columns)))
         return np.asarray(wanted - basis @ (basis.T @ wanted))
 
@@ -74,16 +84,19 @@ def beyond_linear(runs: Sequence[Seen], hz: np.ndarray, ratios: np.ndarray) -> n
     return np.asarray(np.sqrt(np.mean(left(fit.x) ** 2, axis=0)))
 
 
-def _columns(run: Seen, hz: np.ndarray, ratios: np.ndarray) -> np.ndarray:
-    """Return how each mode moves and how fast, and the table, shape (samples, 2 modes + 3)."""
-    columns = [run.table, run.table_moved, np.ones_like(run.table)]
-    for circular, ratio in zip(2 * np.pi * hz, ratios, strict=True):
-        below = [1.0, 2 * ratio * circular, circular**2]
-        # The bilinear transform is Newmark's average acceleration.
-        columns += [
-            lfilter(*bilinear(above, below, 1 / run.step_s), run.table) for above in ([-1.0], [-1.0, 0.0])
-        ]
-    return np.column_stack(columns)
+def _table(run: Seen) -> np.ndarray:
+    """Return what a sensor reads of the table itself, shape (samples, 3)."""
+    return np.column_stack([run.table, run.table_moved, np.ones_like(run.table)])
+
+
+def _mode(run: Seen, hz: float, ratio: float) -> np.ndarray:
+    """Return how a mode moves and how fast, shape (samples, 2)."""
+    circular = 2 * np.pi * hz
+    below = [1.0, 2 * ratio * circular, circular**2]
+    # The bilinear transform is Newmark's average acceleration.
+    return np.column_stack(
+        [lfilter(*bilinear(above, below, 1 / run.step_s), run.table) for above in ([-1.0], [-1.0, 0.0])]
+    )
 
 
 def _scaled(columns: np.ndarray) -> np.ndarray:

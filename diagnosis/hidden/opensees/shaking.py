@@ -106,7 +106,8 @@ class _Stage:
         }
         self.links = [make(duration) for make in getattr(scenario, "links", ())]
         self.riders = [*getattr(scenario, "riders", ()), *_appendages(scenario)]
-        # Every node is there before the modes are asked for: modal damping wants them all.
+        # Every node is there, and follows its floor, before the modes are asked for: modal damping takes what a node
+        # moves in them, and of a floor with a follower that is what the follower moved.
         spots = [(link.frame, link.upper) for link in self.links]
         self.ends = [self._held(*spot) for spot in spots]
         self.slides = [
@@ -114,6 +115,7 @@ class _Stage:
             for spot, link in zip(spots, self.links, strict=True)
         ]
         self.ridden = [self._held(rider.frame, rider.floor) for rider in self.riders]
+        self._follow()
         self.moduli: list[tuple[int, Callable[[float], float]]] = []
         self.domain.stand([load for frame in self.frames.values() for load in frame.weights])
         _damp(self.domain, list(self.frames.values()))
@@ -129,13 +131,19 @@ class _Stage:
     def _node(self, frame: str, floor: int) -> int:
         return self.frames[frame].floors[floor - 1]
 
+    def _follow(self) -> None:
+        """Let the nodes between floors move along x with the floor that carries them."""
+        for link, end, slider in zip(self.links, self.ends, self.slides, strict=True):
+            followers = [(link.lower, end)] if link.lower and not link.absolute else []
+            followers += [(link.upper, slider)] if slider else []
+            for floor, node in followers:
+                self.domain.release(node, 1)
+                self.domain.ops.equalDOF(self._node(link.frame, floor), node, 1)
+
     def _tie(self) -> None:
         """Put the materials in; sliders first, for they have to be pressed while nothing rides loose."""
         pressed = []
         for link, end, slider in zip(self.links, self.ends, self.slides, strict=True):
-            if link.lower and not link.absolute:
-                self.domain.release(end, 1)
-                self.domain.ops.equalDOF(self._node(link.frame, link.lower), end, 1)
             if isinstance(link.law, Slider):
                 self._slider(link, link.law, end, slider)
                 pressed.append(slider)
@@ -158,8 +166,7 @@ class _Stage:
 
     def _slider(self, link: Link, law: Slider, low: int, high: int) -> None:
         """Put in a slider: it moves along x with the upper floor and is pressed down on the lower."""
-        self.domain.release(high, 1, 2)
-        self.domain.ops.equalDOF(self._node(link.frame, link.upper), high, 1)
+        self.domain.release(high, 2)
         slide(self.domain, law, low, high)
 
     def _shake(self, run: int) -> None:
