@@ -24,7 +24,7 @@ def decide(found: Findings) -> Decision:
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
         objections = _model_checks(found, found.null)
-        if objections or _something_left(found, found.null):
+        if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), objections)
         return Decision("nothing_missing", found.null)
     chosen = _listed(found, single)
@@ -32,7 +32,11 @@ def decide(found: Findings) -> Decision:
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
         chosen = doubles[0]
     objections = _model_checks(found, chosen)
-    if not _holds(found, chosen, objections):
+    held = _holds(found, chosen, objections)
+    if not objections and within_model_error(found) and (not held or _common(chosen)):
+        # No model of a real frame is better, and nothing with a place of its own says what it lacks.
+        return Decision("nothing_missing", found.null)
+    if not held:
         return Decision("unknown_effect", chosen, (), objections)
     alike = tuple(
         other
@@ -78,6 +82,27 @@ def before(found: Findings, judged: Judged) -> float:
     over = over_floor(found.model, misfits, floors(found.model, filtered, found.reference))
     each = by_frame(found.model, over)
     return float(np.nanmax(each)) if np.isfinite(each).any() else 1.0
+
+
+def within_model_error(found: Findings) -> bool:
+    """Return whether the baseline model, calibrated, leaves no more than the model of any real frame may leave.
+
+    Where runs of the frame as it was before are there, the frame at hand is known, and nothing may be left.
+    """
+    return not found.reference and model_error(found) <= found.model.prior.model_error
+
+
+def model_error(found: Findings) -> float:
+    """Return what the calibrated baseline model leaves beyond the noise over the motion, of the frame where it is most."""
+    misfit, floor = np.asarray(found.null.channel_misfit), np.asarray(found.floor)
+    each = by_frame(found.model, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)))
+    known = np.isfinite(each).any(axis=0)
+    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else 0.0
+
+
+def _common(judged: Judged) -> bool:
+    """Return whether effects are only such as every real frame has a little of."""
+    return all(effect.common for effect in judged.effects)
 
 
 def _blind(found: Findings) -> bool:

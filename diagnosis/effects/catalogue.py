@@ -114,6 +114,8 @@ class Effect:
     """Whether it takes energy in every cycle."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
+    common: ClassVar[bool] = False
+    """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric."""
 
     def place(self) -> dict[str, Any]:
         """Return effect and place as in the report."""

@@ -245,6 +245,7 @@ class TorsionalEccentricity(FrameEffect):
 
     name = "torsional_eccentricity"
     absorbing = True
+    common = True
     quantities = (
         Quantity("eccentricity", "m", logarithmic=True),
         Quantity("torsional_frequency_ratio", "1", reported=False, logarithmic=True),

@@ -45,6 +45,7 @@ class EveryStorey(LawEffect, FrameEffect):
     """
 
     where = EVERY
+    common = True
     alone: ClassVar[type[StoreyEffect]]
 
     def each(self, model: Model) -> Iterator[StoreyEffect]:
@@ -251,6 +252,7 @@ class AllStiffnessChange(FrameEffect, Departure):
 
     name = "all_stiffness_change"
     where = EVERY
+    common = True
     parameter = "frame_stiffness"
     typical = 0.3
     absorbing = True
@@ -280,6 +282,7 @@ class AllDampingChange(FrameEffect, Departure):
 
     name = "all_damping_change"
     where = EVERY
+    common = True
     parameter = "frame_damping"
     linear = False
     typical = 0.7
@@ -311,6 +314,7 @@ class AllAddedMass(FrameEffect):
 
     name = "all_added_mass"
     where = EVERY
+    common = True
     linear = True
     typical = 0.3
     absorbing = True

@@ -9,7 +9,7 @@ from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.false_alarms import p_value, remains
-from pounding.diagnosis.decision.verdict import remaining
+from pounding.diagnosis.decision.verdict import model_error, remaining, within_model_error
 from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Fit
@@ -126,9 +126,15 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
         if linear
         else "no frame of other stiffness, mass or damping would explain it: another law, or another effect"
     )
+    within = judged is found.null and within_model_error(found)
+    allowed = (
+        f"; {100 * model_error(found):.2g} % of the motion are less than the "
+        f"{100 * found.model.prior.model_error:.2g} % that the model of a real frame may leave (model_error in case.toml)"
+    )
     return Remainder(
         p_value=chance,
         linear=linear,
         size=finite(size),
-        statement=f"{said}; {left:.2g} noise floors are left, and {kind}",
+        statement=f"{said}; {left:.2g} noise floors are left, and {kind}{allowed if within else ''}",
+        within=within,
     )

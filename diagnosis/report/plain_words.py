@@ -13,6 +13,8 @@ from pounding.diagnosis.report.report_text import together
 
 def headline(report: Report) -> str:
     """Return the verdict in plain words, one sentence."""
+    if report.verdict == "nothing_missing" and report.remainder and report.remainder.within:
+        return "The model follows the measurements as well as models of real frames do; nothing else is missing in it."
     if report.verdict == "nothing_missing":
         return "The model follows the measurements: nothing is missing in it that this data could show."
     if report.verdict == "unknown_effect":

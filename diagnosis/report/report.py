@@ -171,12 +171,14 @@ class Remainder(Struct, frozen=True, kw_only=True):
         linear: Whether it is of the kind that a linear model makes.
         size: Its share of the motion.
         statement: The same in a sentence.
+        within: Whether the calibrated baseline model leaves something, but no more than the case's `model_error` allows.
     """
 
     p_value: float | None
     linear: bool | None
     size: float | None
     statement: str
+    within: bool = False
 
 
 class LoopMeasure(Struct, frozen=True, kw_only=True):

@@ -43,9 +43,11 @@ def _of_runs(report: Report) -> str:
     before, after, noise = (percent(getattr(misfit, key, None)) for key in ("before", "after", "noise_floor"))
     if report.verdict == "nothing_missing":
         moved = storeys_that_moved(report)
+        within = report.remainder is not None and report.remainder.within
+        besides = " beside the errors that every model has" if within else ""
         beyond = f" beyond calibration. In calibration {moved}. The" if moved else ": the"
         judged = f"misfit {run} is {before}, the noise floor {noise}{sure}."
-        return f"Nothing is missing that this data could show{beyond} {judged}"
+        return f"Nothing is missing that this data could show{besides}{beyond} {judged}"
     if report.verdict == "unknown_effect":
         return (
             f"Something is missing, and nothing in the catalogue fits it: the misfit {run} is {before}, "

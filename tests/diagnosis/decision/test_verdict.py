@@ -8,12 +8,13 @@ from functools import cache
 from types import SimpleNamespace
 from typing import Any, cast
 
+import msgspec
 import numpy as np
 import pytest
 
 from pounding.diagnosis import Decision, Findings, decide
 from pounding.diagnosis.decision.false_alarms import of_nulls
-from pounding.diagnosis.decision.verdict import explained, remaining, signal_to_noise
+from pounding.diagnosis.decision.verdict import explained, model_error, remaining, signal_to_noise
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
@@ -29,8 +30,9 @@ NULLS = of_nulls(0.05, [30.0] * 100, [1.15] * 100, "nulls that are all alike")
 
 @cache
 def bench() -> tuple[Model, Filtered]:
-    """Return a model and a filter with which nothing in its data is odd."""
+    """Return a model that leaves nothing of a real frame, and a filter with which nothing in its data is odd."""
     model = measured()
+    model.prior = msgspec.structs.replace(model.prior, model_error=1e-6)
     return model, run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), 0.01), (0, 1))
 
 
@@ -228,6 +230,35 @@ def test_what_a_candidate_leaves_decides_between_named_and_unknown(data: str) ->
     assert verdicts[-1] == "unknown_effect"
     unknown = [verdict == "unknown_effect" for verdict in verdicts]
     assert unknown == sorted(unknown)
+
+
+@pytest.mark.parametrize(
+    ("tried", "verdicts"),
+    [
+        (Tried((CUBIC,), 5000.0, 1.0), ("effect_named", "effect_named")),
+        (Tried((ALL,), 5000.0, 1.0), ("effect_named", "nothing_missing")),
+        (Tried((CUBIC,), 5000.0, 3.5), ("unknown_effect", "nothing_missing")),
+        (Tried((rival,), 5000.0, 1.0), ("unknown_effect", "nothing_missing")),
+        (Tried((CUBIC,), 5.0, 3.9), ("unknown_effect", "nothing_missing")),
+    ],
+    ids=[
+        "named",
+        "in all storeys",
+        "the smaller part",
+        "a rival",
+        "little evidence",
+    ],
+)
+def test_a_misfit_that_models_of_real_frames_leave_is_no_effect_unless_it_has_a_place(
+    tried: Tried, verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The baseline model leaves 3.9 % of the motion beyond the noise, against less and more that it may leave."""
+    model, _ = bench()
+    found = findings(Problem(4.0, (tried,), ""), DATA["quiet"])
+    assert model_error(found) == pytest.approx(0.01 * np.sqrt(15.0))
+    for allowed, verdict in zip((0.038, 0.039), verdicts, strict=True):
+        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        assert decide(found).verdict == verdict
 
 
 @pytest.mark.parametrize("data", DATA)
