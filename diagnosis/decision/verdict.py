@@ -33,8 +33,9 @@ def decide(found: Findings) -> Decision:
         chosen = doubles[0]
     objections = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
-    if not objections and within_model_error(found) and (not held or _common(chosen)):
-        # No model of a real frame is better, and nothing with a place of its own says what it lacks.
+    some = not objections and _something_left(found, chosen)
+    if some and within_model_error(found) and (not held or _common(chosen)):
+        # No model of a real frame is better, and nothing with a place of its own, or that explains it all, says why.
         return Decision("nothing_missing", found.null)
     if not held:
         return Decision("unknown_effect", chosen, (), objections)
