@@ -145,6 +145,7 @@ SAMPLES = Bound(0, 2e6, "", "an hour at 500 samples a second has fewer")
 SEED = Bound(0, 2**53, "", "a seed is a whole number from 0")
 PARAMETER = Bound(1e-15, 1e15, "in SI", "a typical size is an order of magnitude of something real")
 PRIOR = Bound(1e-6, 1e2, "", "a standard deviation, 1e-4 for what is known")
+MODEL_ERROR = Bound(1e-6, 0.5, "", "a share of the motion: 0.05 is 5 %")
 RELATIVE_STD = Bound(1e-6, 1e2, "", "state how uncertain the number is as a share of it")
 WORKERS = Bound(0, 1024, "", "more processes than cores gain nothing")
 FALSE_ALARMS = Bound(

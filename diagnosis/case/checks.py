@@ -72,7 +72,8 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
     if described.run:
         _check_roles(described, places)
     for name, value in msgspec.structs.asdict(described.prior).items():
-        fault = bounds.PRIOR.fault(value, f"[prior] {name}")
+        bound = bounds.MODEL_ERROR if name == "model_error" else bounds.PRIOR
+        fault = bound.fault(value, f"[prior] {name}")
         if fault:
             raise places.error(fault, "prior", 0, name)
     case = Case(

@@ -33,8 +33,8 @@ def decide(found: Findings) -> Decision:
         chosen = doubles[0]
     objections = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
-    some = not objections and _something_left(found, chosen)
-    if some and within_model_error(found) and (not held or _common(chosen)):
+    remainder = not objections and _something_left(found, chosen)
+    if remainder and within_model_error(found) and (not held or _common(chosen)):
         # No model of a real frame is better, and nothing with a place of its own, or that explains it all, says why.
         return Decision("nothing_missing", found.null)
     if not held:
@@ -81,8 +81,7 @@ def before(found: Findings, judged: Judged) -> float:
     filtered = judged.fit.filtered
     misfits = fit_misfits(found.model, filtered, found.reference)
     over = over_floor(found.model, misfits, floors(found.model, filtered, found.reference))
-    each = by_frame(found.model, over)
-    return float(np.nanmax(each)) if np.isfinite(each).any() else 1.0
+    return _of_frame_with_most(found, over[np.newaxis], 1.0)
 
 
 def within_model_error(found: Findings) -> bool:
@@ -99,9 +98,7 @@ def within_model_error(found: Findings) -> bool:
 def model_error(found: Findings) -> float:
     """Return what the calibrated baseline model leaves beyond the noise over the motion, of the frame where it is most."""
     misfit, floor = np.asarray(found.null.channel_misfit), np.asarray(found.floor)
-    each = by_frame(found.model, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)))
-    known = np.isfinite(each).any(axis=0)
-    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else 0.0
+    return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
 
 
 def _common(judged: Judged) -> bool:
@@ -148,9 +145,17 @@ def remaining(found: Findings, judged: Judged) -> float:
     over_floors = _over(found, judged)
     if _blind(found) and np.isfinite(over_floors[1]).any():
         over_floors = over_floors[1:]
-    each = by_frame(found.model, over_floors)
+    return _of_frame_with_most(found, over_floors, 1.0)
+
+
+def _of_frame_with_most(found: Findings, measures: np.ndarray, unknown: float) -> float:
+    """Return a measure of channels (runs, channels) for the frame that has most: median over channels, mean over runs.
+
+    `unknown` is returned where no channel has it.
+    """
+    each = by_frame(found.model, measures)
     known = np.isfinite(each).any(axis=0)
-    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else 1.0
+    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else unknown
 
 
 def _over(found: Findings, judged: Judged) -> np.ndarray:

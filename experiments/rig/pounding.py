@@ -265,8 +265,7 @@ def shaking(
         pga_g: Peak acceleration [g]; the record's own when None.
         flip: Turn the record's sign.
     """
-    record = _shaking(name, folder, _version(file_of(name, folder)), time_factor, pga_g)
-    return record.flipped() if flip else record
+    return _shaking(name, folder, _version(file_of(name, folder)), time_factor, pga_g, flip)
 
 
 def _version(file: Path | None) -> tuple[str, int, int] | None:
@@ -285,8 +284,10 @@ def _shaking(
     version: tuple[str, int, int] | None,
     time_factor: float,
     pga_g: float | None,
+    flip: bool,
 ) -> Record:
-    return find(name, folder).scaled(time_factor, pga_g)
+    record = find(name, folder).scaled(time_factor, pga_g)
+    return record.flipped() if flip else record
 
 
 def one_each(what: str, given: Sequence[Value], floors: Sequence[int | None]) -> list[Value]:

@@ -75,6 +75,12 @@ def test_all_storeys_yield_at_one_drift() -> None:
     assert all(numbers[2:] == (8.0, 0.1) for numbers, _, _ in found)
 
 
+def test_what_all_storeys_share_every_real_frame_has_a_little_of() -> None:
+    """And a plan is never quite symmetric; what has a place of its own is no error that models have (`Effect.common`)."""
+    shared = {kind.name for kind in kinds() if kind.where == EVERY}
+    assert {kind.name for kind in kinds() if kind.common} == {*shared, "torsional_eccentricity"}
+
+
 def test_a_frame_of_one_storey_has_none_of_them() -> None:
     frame = StoreyFrame("stick", 6.5 * np.eye(1), 6e4 * np.eye(1), np.full(1, 0.01), np.array([0.2]))
     pair = Structure((replace(three_storeys().frames[0], joint_derivative=None), frame))
