@@ -80,10 +80,12 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
     struck = [channel.endswith("a3") for channel in right.observed.names]
     noise = fitted(found).filtered.noise[0].channel / found.observed.rms(found.observed.runs[0])
     np.testing.assert_allclose(noise[struck], 0.01, rtol=0.15)
-    # The other run's motion follows from its forces again: the frames are right, and nothing was fitted to it.
-    off = [held_out(one)[~np.array(struck)] for one in (wrong, right, found)]
-    assert np.median(off[0]) > 2.0 * np.median(off[1])
-    assert np.median(off[2]) < 1.2 * np.median(off[1])
+    # The other run's motion follows from its forces again, to the noise of one per cent: the frames are right, and nothing
+    # was fitted to it. Samples of a cell leave more, however right they are: between them a touch is no line.
+    off = [float(np.median(held_out(one)[~np.array(struck)])) for one in (wrong, right, found)]
+    assert off[0] > 1.2 * off[1]
+    assert off[0] > 5.0 * off[2]
+    assert off[2] < 1.2 * 0.01
 
 
 def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> None:

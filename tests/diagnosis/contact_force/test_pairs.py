@@ -210,7 +210,8 @@ def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
     lost[contacts.COMMON] -= 60.0
     again = contacts.fit(found.bodies, found.null.hypothesis, others=lost)
     assert again.distance.max() < SETTINGS.impacts.off
-    assert again.cost < found.null.cost + 1.0
+    # One that stayed lost would cost this much.
+    assert again.cost < found.null.cost + SETTINGS.impacts.most
 
 
 def test_a_single_impact_decides_nothing() -> None:
@@ -346,7 +347,7 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
 
 
 def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one() -> None:
-    _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.4e7)))
+    _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.5e7)))
     assert concluded.verdict == "nothing_missing"
     said = contact_advice.advice(found, SETTINGS.pair_decision.contact_evidence)
     assert said[0].startswith("The same shaking recorded at four times the sampling rate")
