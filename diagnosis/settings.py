@@ -166,6 +166,8 @@ class Refinement:
     pair. What lies beyond is no nuisance. Origin: theory: the usual rate of false alarms, shared by all parameters."""
     last: int = 6
     """[-] The last descent may have so many times as many steps. Origin: chosen."""
+    by_motion: int = 24
+    """[-] The calibration of the null model by its motion alone has so many steps. Origin: chosen."""
     rescalings: int = 3
     """[times] At most so often a refinement estimates the model discrepancy's scale again. Origin: chosen."""
     least_latent_n: float = 1e-4

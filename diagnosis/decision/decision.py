@@ -20,7 +20,7 @@ class Decision:
         verdict: Its name.
         judged: The candidate behind it: the best that was tried for an unknown effect, the null model for nothing missing.
         alike: Candidates that these data cannot tell from it.
-        model_checks: Sentences on what speaks against the model; only where they decide the verdict.
+        model_checks: Sentences on what speaks against the model, and on tones that are within its error.
     """
 
     verdict: Verdict

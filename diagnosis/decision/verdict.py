@@ -11,7 +11,7 @@ from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.effects.whole_frame import EVERY, same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
-from pounding.diagnosis.inference.model_checks import model_checks, strained
+from pounding.diagnosis.inference.model_checks import strained, stray_tones
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -23,22 +23,22 @@ def decide(found: Findings) -> Decision:
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
-        objections = _model_checks(found, found.null)
+        objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
-            return Decision("unknown_effect", single[0] if single else found.null, (), objections)
-        return Decision("nothing_missing", found.null)
+            return Decision("unknown_effect", single[0] if single else found.null, (), said)
+        return Decision("nothing_missing", found.null, (), said)
     chosen = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
         chosen = doubles[0]
-    objections = _model_checks(found, chosen)
+    objections, said = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
-    remainder = not objections and _something_left(found, chosen)
+    remainder = not objections and (_something_left(found, chosen) or _bends(found, chosen))
     if remainder and within_model_error(found) and (not held or _common(chosen)):
         # No model of a real frame is better, and nothing with a place of its own, or that explains it all, says why.
-        return Decision("nothing_missing", found.null)
+        return Decision("nothing_missing", found.null, (), said)
     if not held:
-        return Decision("unknown_effect", chosen, (), objections)
+        return Decision("unknown_effect", chosen, (), said)
     alike = tuple(
         other
         for other in single
@@ -47,7 +47,7 @@ def decide(found: Findings) -> Decision:
         and not other.effects[0].rival
         and (other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike or _one_motion(found, chosen, other))
     )
-    return Decision("effect_class" if alike else "effect_named", chosen, alike, objections)
+    return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
 
 
 def _listed(found: Findings, single: list[Judged]) -> Judged:
@@ -60,13 +60,29 @@ def _listed(found: Findings, single: list[Judged]) -> Judged:
     return catalogue[0] if near or left[1] > SETTINGS.decision.rival_left * left[0] else single[0]
 
 
-def _model_checks(found: Findings, judged: Judged) -> tuple[str, ...]:
+def _model_checks(found: Findings, judged: Judged) -> tuple[bool, tuple[str, ...]]:
+    """Return whether something speaks against effects however well they fit, and a sentence for each thing seen.
+
+    A part of a real frame that sways by itself makes a tone too: one that is within the model's error is only said.
+    """
     # What speaks against the model in a reference run was there before, and is no answer to what changed since.
     filtered = judged.fit.filtered.since(found.model)
-    said = model_checks(found.model, filtered)
+    against = [] if _bends(found, judged) else strained(found.model, filtered)
     # A contact's push that was missed is no blow.
     pushed = None if _blind(found) else impulses(found.model, filtered)
-    return tuple(said) if pushed is None else (*said, pushed.sentence())
+    if pushed is not None:
+        against.append(pushed.sentence())
+    stray = stray_tones(found.model, filtered)
+    objections = bool(against) or (bool(stray) and not within_model_error(found, judged))
+    return objections, (*against, *stray)
+
+
+def _bends(found: Findings, judged: Judged) -> bool:
+    """Return whether effects alone make another frame of one that is itself, within its model's error, without them."""
+    if not judged.effects or not within_model_error(found):
+        return False
+    another, itself = (bool(strained(found.model, one.fit.filtered)) for one in (judged, found.null))
+    return another and not itself
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:
@@ -84,20 +100,23 @@ def before(found: Findings, judged: Judged) -> float:
     return _of_frame_with_most(found, over[np.newaxis], 1.0)
 
 
-def within_model_error(found: Findings) -> bool:
-    """Return whether the baseline model, calibrated, leaves no more than the model of any real frame may leave.
+def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
+    """Return whether effects, or the calibrated baseline model alone, leave no more than any real frame's model may leave.
 
     Where runs of the frame as it was before are there, the frame at hand is known, and nothing may be left. Frames that
     touch have thresholds of their own, and what their forces leave is no error of a frame.
     """
     if found.reference or found.pair is not None:
         return False
-    return model_error(found) <= found.model.prior.model_error
+    return model_error(found, judged) <= found.model.prior.model_error
 
 
-def model_error(found: Findings) -> float:
-    """Return what the calibrated baseline model leaves beyond the noise over the motion, of the frame where it is most."""
-    misfit, floor = np.asarray(found.null.channel_misfit), np.asarray(found.floor)
+def model_error(found: Findings, judged: Judged | None = None) -> float:
+    """Return what effects, or the calibrated baseline model alone, leave beyond the noise over the motion.
+
+    It is that of the frame where it is most: median over its channels, mean over the runs.
+    """
+    misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
     return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
 
 
@@ -110,7 +129,7 @@ def _blind(found: Findings) -> bool:
     return found.pair is not None and found.pair.blind
 
 
-def _holds(found: Findings, judged: Judged, objections: tuple[str, ...]) -> bool:
+def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     """Return whether effects are what is missing, whatever remains beside them.
 
     They must explain the larger part of what can be explained on runs that they were not fitted to, and more where

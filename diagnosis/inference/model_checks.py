@@ -18,11 +18,6 @@ MAINS_HZ = (50.0, 60.0)
 """Mains frequencies."""
 
 
-def model_checks(model: Model, filtered: Filtered) -> list[str]:
-    """Return a sentence for each thing that a fitted model cannot have right, nothing if it may be right."""
-    return [*strained(model, filtered), *_tones(model, filtered)]
-
-
 def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
     """Return the sum of squares of the frames' nuisance parameters over their priors, and how many they are."""
     ours = np.array([parameter.kind in STRUCTURE for parameter in model.parameters])
@@ -45,7 +40,7 @@ def strained(model: Model, filtered: Filtered) -> list[str]:
     ]
 
 
-def _tones(model: Model, filtered: Filtered) -> list[str]:
+def stray_tones(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each frequency at which several channels show a line that is nobody's."""
     own = filtered.modes.omega / (2.0 * np.pi)
     found: dict[float, str] = {}

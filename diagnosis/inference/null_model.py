@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import run_filter
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, fit_misfits, leaves_much
 from pounding.diagnosis.inference.model_checks import bent
-from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.inference.posterior import Marquardt
+from pounding.diagnosis.inference.refine import Fit, calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.inference.swapped import exchange, exchanged
+from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -36,6 +39,52 @@ def null_again(found: Findings) -> Fit:
     starts = [run_filter(model, led.values, noise, led.runs) for noise in (led.noise, null.filtered.noise)]
     tried = [refine(model, start) for start in starts]
     return max([null, *tried], key=lambda fit: fit.log_posterior)
+
+
+def by_its_motion(model: Model, null: Fit) -> Fit:
+    """Return the null model with which the frame moves most like the measured one, if the likeliest one leaves much.
+
+    Latent forces and the filter that estimates them take what a model gets wrong, so that the likeliest parameters need
+    not be those with which it moves like the frame. Here it moves by itself, and what it leaves is its own error. Its
+    likelihood stays that of the likeliest one. Where contacts push frames, and with reference runs, it is that one.
+
+    Args:
+        model: The baseline model.
+        null: The likeliest null model.
+    """
+    filtered = null.filtered
+    runs = filtered.runs
+    before = fit_misfits(model, filtered, runs)
+    known = all(model.acts(run) and not model.observed.runs[run].contact.size for run in runs)
+    if not known or not (leaves_much(model, before, filtered, runs) or bent(model, filtered)):
+        return null
+    tolerant = run_filter(model, filtered.values, _own_error(model, filtered), runs)
+    alone = calibrated_further(model, tolerant, SETTINGS.refinement.by_motion, Marquardt())
+    moved = run_filter(model, alone.values, filtered.noise, runs)
+    left = fit_misfits(model, moved, runs)
+    return replace(null, filtered=moved) if np.nanmedian(left) < np.nanmedian(before) else null
+
+
+def _own_error(model: Model, filtered: Filtered) -> list[Noise]:
+    """Return noise that has the model's error in it and no latent forces.
+
+    What a model gets wrong it gets wrong for a whole swing: the samples of one count as one.
+    """
+    period_s = 2.0 * np.pi / filtered.modes.omega.min()
+    noise = []
+    for one, number in zip(filtered.noise, filtered.runs, strict=True):
+        run = model.observed.runs[number]
+        error = (
+            model.prior.model_error * np.nan_to_num(model.observed.rms(run)) * np.sqrt(period_s / run.step_s)
+        )
+        noise.append(
+            replace(
+                one,
+                latent=np.full_like(one.latent, SETTINGS.refinement.least_latent_n),
+                channel=np.hypot(one.channel, error),
+            )
+        )
+    return noise
 
 
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:

@@ -118,16 +118,19 @@ def refine(
     return _finished(model, current, coordinates, theta)
 
 
-def calibrated_further(model: Model, filtered: Filtered, iterations: int) -> Filtered:
+def calibrated_further(
+    model: Model, filtered: Filtered, iterations: int, trials: Trials = SHORTENED
+) -> Filtered:
     """Return the filtered model with its nuisance parameters calibrated further; noise and effects stay as they are.
 
     Args:
         model: The baseline model.
         filtered: Where to start.
         iterations: Largest number of Gauss-Newton steps.
+        trials: Which steps are tried.
     """
     fixed = Coordinates.of(model, (), (), (), filtered.effects, filtered.discrepancy)
-    return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations, SHORTENED)[0]
+    return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations, trials)[0]
 
 
 def _descended(

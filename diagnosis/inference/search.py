@@ -11,7 +11,7 @@ from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
-from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
+from pounding.diagnosis.inference.null_model import best_null, by_its_motion, null_again, unswapped
 from pounding.diagnosis.inference.other_starts import faded, from_baseline, softer, ticked, turned, weighed
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
@@ -60,6 +60,7 @@ def search(
         progress("looking for a second effect", 0.75)
         second(found, effects)
     found.floor = noise_floor(found, best(found).fit)
+    found.null = judge(found.model, by_its_motion(found.model, found.null.fit), found.null.fit, *runs)
     return found
 
 

@@ -15,7 +15,7 @@ from pounding.diagnosis.decision import verdict
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.inference.model_checks import model_checks
+from pounding.diagnosis.inference.model_checks import stray_tones
 from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.reading import read_report
 from pounding.diagnosis.report.tables import tables
@@ -161,7 +161,7 @@ def test_dropouts_are_no_effect(plain: Case) -> None:
 def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     case = replace(plain, runs=plain.runs[:1])
     asked = []
-    monkeypatch.setattr(verdict, "model_checks", lambda *given: asked.append(given) or model_checks(*given))
+    monkeypatch.setattr(verdict, "stray_tones", lambda *given: asked.append(given) or stray_tones(*given))
     whole = diagnosis(case)
     report = write_report(whole, report_on(whole), tmp_path)
     # What speaks against the model is looked for once, whatever is made of it.

@@ -267,6 +267,31 @@ def test_what_models_of_real_frames_leave_is_no_effect_unless_that_has_a_place_o
         assert decide(found).verdict == verdict
 
 
+@pytest.mark.parametrize(
+    ("tried", "verdicts"),
+    [
+        ((), ("unknown_effect", "nothing_missing")),
+        ((Tried((CUBIC,), 5000.0, 1.5),), ("unknown_effect", "effect_named")),
+    ],
+    ids=["nothing was tried", "the larger part"],
+)
+def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leave(
+    tried: tuple[Tried, ...], verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A part of a real frame that sways by itself is an error of its model; it is said, and it decides nothing."""
+    model, _ = bench()
+    found = findings(Problem(4.0, tried, ""), DATA["quiet"])
+    monkeypatch.setattr(
+        "pounding.diagnosis.decision.verdict.stray_tones", lambda *given: ["a tone of 8.4 Hz"]
+    )
+    left = model_error(found, found.judged[0] if tried else found.null)
+    for allowed, verdict in zip((0.99 * left, 1.01 * left), verdicts, strict=True):
+        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        decision = decide(found)
+        assert decision.verdict == verdict
+        assert decision.model_checks == ("a tone of 8.4 Hz",)
+
+
 @pytest.mark.parametrize("data", DATA)
 def test_measures_are_in_units_of_the_noise(data: str) -> None:
     found, _ = decided(PROBLEMS["one effect explains everything"], DATA[data])
@@ -289,6 +314,24 @@ def test_frames_far_from_the_priors_are_unknown_however_well_they_fit() -> None:
         decision = decide(findings(PROBLEMS[name], DATA["quiet"], other))
         assert decision.verdict == "unknown_effect"
         assert decision.model_checks
+
+
+def test_an_effect_that_bends_a_frame_which_is_itself_without_it_is_not_another_frame(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The baseline model leaves 3.9 % of the motion within its priors, and the effect explains that far beyond them."""
+    model, usual = bench()
+    kinds = [parameter.kind for parameter in model.parameters]
+    values = np.where([kind == "storey_stiffness" for kind in kinds], 5.0, 0.0) * model.std
+    other = cast(Filtered, replace(usual, values=values))
+    problem, data = PROBLEMS["one effect explains everything"], DATA["quiet"]
+    found = findings(problem, data, other)
+    found.null = judged(data, Tried((), 0.0, problem.null), usual)
+    for allowed, verdict in ((0.038, "unknown_effect"), (0.04, "nothing_missing")):
+        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        decision = decide(found)
+        assert decision.verdict == verdict
+        assert bool(decision.model_checks) == (verdict == "unknown_effect")
 
 
 @pytest.mark.parametrize(
