@@ -60,7 +60,13 @@ def seed_of(commit: str, name: Name) -> int:
 
 
 def prove(
-    commit: str, out: Path, *, name: Name, workers: int | None = 2, console: Console | None = None
+    commit: str,
+    out: Path,
+    *,
+    name: Name,
+    first: int | None = None,
+    workers: int | None = 2,
+    console: Console | None = None,
 ) -> dict[str, Any]:
     """Judge one of the sets; what is finished in the folder is not done again.
 
@@ -68,6 +74,7 @@ def prove(
         commit: Hash of the frozen commit.
         out: Folder in which the set has its own.
         name: The set.
+        first: Only so many of its cases, in its random order; all when None.
         workers: Processes; 0 runs in this one.
         console: Where progress is shown.
 
@@ -87,6 +94,7 @@ def prove(
         out=out / name,
         workers=workers,
         console=console,
+        first=None if first is None else min(first, one.count),
     )
 
 
@@ -96,6 +104,7 @@ def main(
     *,
     out: Annotated[Path, Parameter(validator=options.writable_folder)],
     only: list[Name] | None = None,
+    first: int | None = None,
     workers: int = 2,
 ) -> None:
     """Judge the frozen program on all sets and print their figures.
@@ -104,12 +113,15 @@ def main(
         commit: Hash of the frozen commit, all 40 digits.
         out: Folder for the finished cases and benchmark.json of each set.
         only: Only some of the sets.
+        first: Only so many cases of each, in its random order.
         workers: Processes.
     """
     console = Console()
     for name in only or SETS:
         console.print(f"{name}: seed {seed_of(commit, name)}")
-        for item in tables(prove(commit, out, name=name, workers=workers, console=Console(stderr=True))):
+        for item in tables(
+            prove(commit, out, name=name, first=first, workers=workers, console=Console(stderr=True))
+        ):
             console.print(item)
 
 

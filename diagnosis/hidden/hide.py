@@ -161,10 +161,9 @@ def _put(
 
 def _eye(rig: Rig) -> Eye:
     """Return what looks at the strongest run; frames that can touch are looked at apart."""
-    apart = replace(rig.bare, touches=())
-    noise = rig.log.noise_of(rig.channels, rig.clean(apart, 0))
+    noise = rig.log.noise_of(rig.channels, rig.clean(rig.apart, 0))
     noise[noise == 0] = np.inf
-    return Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), apart, noise)
+    return Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), rig.apart, noise)
 
 
 def _raw(rig: Rig, scenario: Scenario) -> tuple[float, float]:
@@ -214,11 +213,9 @@ def _sign(rng: np.random.Generator, largest: float, smallest: float) -> float:
 
 def _setting(rig: Rig, where: Place) -> Setting:
     frame = where.frame or next(iter(rig.bare.frames))
-    apart = replace(rig.bare, touches=())
-    motion = rig.shakings[0]
-    free = rig.world.quickly(apart, motion, 0)
+    free, motion = rig.free, rig.shakings[0]
     setting = Setting(
-        rig.bare, typical(apart, frame, free, motion.velocity), frame, where.storey or 0, where.floor or 0
+        rig.bare, typical(rig.apart, frame, free, motion.velocity), frame, where.storey or 0, where.floor or 0
     )
     if where.left and where.right and where.floor:
         near, listed = (

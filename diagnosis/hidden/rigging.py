@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,22 @@ class Rig:
     world: World
     model_error: Mapping[str, Any] | None = None
 
+    @cached_property
+    def apart(self) -> Scenario:
+        """The rig without contacts, and before any effect."""
+        return replace(self.bare, touches=()) if self.bare.touches else self.bare
+
+    @cached_property
+    def free(self) -> Happened:
+        """Its strongest run."""
+        return self.world.happen(self.apart, self.shakings[0], 0)
+
+    def happened(self, scenario: Scenario, run: int) -> Happened:
+        """Return a run of a scenario."""
+        if scenario is self.apart and not run:
+            return self.free
+        return self.world.happen(scenario, self.shakings[run], run)
+
     def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
         """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
 
@@ -47,17 +64,14 @@ class Rig:
             coarsely: Take the motion at the logger's rate too, and the frames in their modes: good for the
                 difference of two linear scenarios.
         """
-        shaking = self.shakings[run]
         if coarsely:
-            return observed(scenario, happen(scenario, _coarse(shaking, self.log), run), self.channels)
-        return observed(scenario, self.world.quickly(scenario, shaking, run), self.channels)[
-            :: self.log.finer
-        ]
+            shaking = _coarse(self.shakings[run], self.log)
+            return observed(scenario, happen(scenario, shaking, run), self.channels)
+        return observed(scenario, self.happened(scenario, run), self.channels)[:: self.log.finer]
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
         """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""
-        happened = self.world.happen(scenario, self.shakings[run], run)
-        return sampled(observed(scenario, happened, self.channels), self.log)
+        return sampled(observed(scenario, self.happened(scenario, run), self.channels), self.log)
 
 
 def _coarse(shaking: Motion, log: Logger) -> Motion:
@@ -110,7 +124,7 @@ def draw_rig(
         bare, error = world.settle(rng, bare, seen, model_error)
     if not pair:
         return Rig(bare, (), channels, log, shakings, world, error)
-    free = world.quickly(bare, shakings[0], 0)
+    free = world.happen(bare, shakings[0], 0)
     stated = _stated_contact(rng, bare, free, DAMPED if damped else tuple(STIFFNESS))
     touching = replace(bare, touches=(_built(rng, stated),))
     return Rig(touching, (stated,), channels, log, shakings, world, error)

@@ -47,7 +47,6 @@ class World:
         built: Draws a frame of the thesis as it was built.
         scenario: The kind of `Scenario` that its effects change.
         happen: Lets a run happen.
-        quickly: The same where only the difference of two runs matters.
         settle: Gives the frames a model error; None where `built` is all.
         require: Refuses where the world's simulator is not installed.
         pair_rates_hz: Samples per second of a pair; those of `instruments` when empty.
@@ -61,7 +60,6 @@ class World:
     built: Callable[[np.random.Generator, str], Beams]
     scenario: type[Scenario]
     happen: Happen
-    quickly: Happen
     settle: Settle | None = None
     require: Callable[[], None] | None = None
     pair_rates_hz: tuple[float, ...] = ()

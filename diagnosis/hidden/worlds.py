@@ -21,7 +21,6 @@ OWN = World(
     lambda rng, name: built(rng, baseline(name)),
     Scenario,
     happen,
-    happen,
 )
 
 WORLDS = {world.name: world for world in (OWN, SECOND)}

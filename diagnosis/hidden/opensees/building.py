@@ -13,7 +13,7 @@ from pounding.diagnosis.hidden.modes import frequencies_hz
 from pounding.diagnosis.hidden.opensees.flaws import drawn_flaws
 from pounding.diagnosis.hidden.opensees.plane_frame import PlaneFrame, plane_frame, tuned
 from pounding.diagnosis.hidden.opensees.remainder import Seen, beyond_linear
-from pounding.diagnosis.hidden.opensees.shaking import PlaneScenario, happen_quickly
+from pounding.diagnosis.hidden.opensees.shaking import PlaneScenario, happen
 from pounding.diagnosis.hidden.reference import typical
 from pounding.diagnosis.hidden.scenario import Scenario, observed
 from pounding.diagnosis.hidden.world import Sight
@@ -124,7 +124,7 @@ def settle(
     off = replace(bare, frames={name: errors[name].on(_plane(bare, name), size) for name in bare.frames})
     flaws = {name: drawn_flaws(rng, frame.storeys) for name, frame in bare.frames.items()}
     strongest = sight.motions[0]
-    free = happen_quickly(off, strongest, 0)
+    free = happen(off, strongest, 0)
     usual = {name: typical(off, name, free, strongest.velocity) for name in off.frames}
 
     def flawed(scale: float) -> PlaneScenario:
@@ -158,7 +158,7 @@ def _plane(scenario: Scenario, name: str) -> PlaneFrame:
 
 def _misfit(scenario: PlaneScenario, sight: Sight) -> float:
     """Return the misfit over the motion, in the median over the channels; infinite where it runs away."""
-    happened = [happen_quickly(scenario, motion, 0) for motion in sight.motions]
+    happened = [happen(scenario, motion, 0) for motion in sight.motions]
     left: list[float] = []
     for name, frame in scenario.frames.items():
         columns = [at for at, channel in enumerate(sight.channels) if channel.frame == name]

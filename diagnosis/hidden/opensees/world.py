@@ -5,7 +5,7 @@ from __future__ import annotations
 from pounding.diagnosis.hidden.opensees.building import built, settle
 from pounding.diagnosis.hidden.opensees.domain import require
 from pounding.diagnosis.hidden.opensees.effects import ASKED_FOR, CATALOGUE, CONTACT, OUTSIDE
-from pounding.diagnosis.hidden.opensees.shaking import PlaneScenario, happen, happen_quickly
+from pounding.diagnosis.hidden.opensees.shaking import PlaneScenario, happen
 from pounding.diagnosis.hidden.world import World
 
 SECOND = World(
@@ -17,7 +17,6 @@ SECOND = World(
     built,
     PlaneScenario,
     happen,
-    happen_quickly,
     settle,
     require,
     # What a contact of a thousandth of a second is told by.
