@@ -65,11 +65,7 @@ class Recovery:
         """Return the stresses (elements, 2, 3) [Pa] at the centres of both surfaces, in element axes."""
         values = self.motion(q).ravel()[shells.dofs_of(self.mesh.quads)]
         stress = np.empty((len(values), 2, 3))
-        thickness = self._thickness
-        for members in shells.same_shape(self.mesh.nodes, self.mesh.quads, thickness):
-            first = members[0]
-            corners = self.mesh.nodes[self.mesh.quads[first]]
-            rows = shells.surface_stress_rows(corners, thickness[first], self.frame.material)
+        for members, rows in self._elements:
             stress[members] = np.einsum("sij,ej->esi", rows, values[members])
         return stress
 
@@ -80,3 +76,18 @@ class Recovery:
     @cached_property
     def _thickness(self) -> Real:
         return np.where(self.mesh.is_column, self.frame.columns.thickness_m, self.frame.plate.thickness_m)
+
+    @cached_property
+    def _elements(self) -> list[tuple[NDArray[np.intp], Real]]:
+        """Elements of one shape (members,), and their stresses for unit displacements of an element's nodes (2, 3, 24)."""
+        mesh, thickness = self.mesh, self._thickness
+        groups = shells.same_shape(mesh.nodes, mesh.quads, thickness)
+        return [
+            (
+                members,
+                shells.surface_stress_rows(
+                    mesh.nodes[mesh.quads[members[0]]], thickness[members[0]], self.frame.material
+                ),
+            )
+            for members in groups
+        ]

@@ -27,6 +27,9 @@ CANDIDATES = 200
 BLOCK = 2000
 """Instants looked at together; a long run would not fit in memory at once."""
 
+ROUNDING = 1e-9
+"""Stresses so close to each other are equal."""
+
 
 class StressMap(NamedTuple):
     """Stresses for unit coordinates.
@@ -86,15 +89,27 @@ def largest_stress(reduced: ReducedFrame, displacement: Real) -> Largest:
     instants = np.unique(np.concatenate([displacement.argmax(axis=0), displacement.argmin(axis=0)]))
     worst = np.max([StressMap(rows).von_mises(displacement[i]) for i in instants], axis=0)
     chosen = np.argsort(worst)[-CANDIDATES:]
+    reached = _reaching(reduced, rows[chosen], displacement, worst.max())
     history = np.concatenate(
         [
-            _histories(rows[chosen], displacement[start : start + BLOCK])
-            for start in range(0, len(displacement), BLOCK)
+            _histories(rows[chosen], displacement[reached[start : start + BLOCK]])
+            for start in range(0, len(reached), BLOCK)
         ]
     )
     instant, place = np.unravel_index(int(history.argmax()), history.shape)
     element = int(chosen[place])
-    return Largest(float(history.max()), int(instant), element, _words(reduced, element))
+    return Largest(float(history.max()), int(reached[instant]), element, _words(reduced, element))
+
+
+def _reaching(reduced: ReducedFrame, rows: Real, displacement: Real, stress_pa: float) -> NDArray[np.intp]:
+    """Return the instants at which a stress may be reached: the modes' largest stresses add up to it there.
+
+    Von Mises' stress is a norm of the stresses, so that of a sum of modes is at most the sum of theirs. A
+    first mode far above the others leaves few instants.
+    """
+    modal = displacement @ (reduced.mass @ reduced.shapes)
+    unit = _histories(rows, reduced.shapes.T).max(axis=1)
+    return np.flatnonzero(np.abs(modal) @ unit >= stress_pa * (1.0 - ROUNDING))
 
 
 def _histories(rows: Real, displacement: Real) -> Real:

@@ -31,10 +31,19 @@ def test_stress_at_the_end_of_a_guided_column_is_that_of_beam_theory(portal):
     assert 0.93 * expected < stress.max() < 1.10 * expected
 
 
-def test_the_largest_stress_of_a_motion_is_found_with_its_place_and_instant(portal):
-    shape = pushed(portal)
-    times = np.linspace(0.0, 1.0, 101)
-    motion = 1e-3 * np.outer(np.sin(7.0 * times) * times, shape)
+def one_shape(reduced, times):
+    return 1e-3 * np.outer(np.sin(7.0 * times) * times, pushed(reduced))
+
+
+def all_modes(reduced, times):
+    """Return a motion of all modes at once."""
+    rate = np.arange(1, len(reduced.mass) + 1)
+    return 1e-3 * np.sin(np.outer(7.0 * times, rate) + rate) / rate**2 @ reduced.shapes.T
+
+
+@pytest.mark.parametrize("moves", [one_shape, all_modes])
+def test_the_largest_stress_of_a_motion_is_found_with_its_place_and_instant(portal, moves):
+    motion = moves(portal, np.linspace(0.0, 1.0, 101))
     found = largest_stress(portal, motion)
     everything = np.array([stress_map(portal).von_mises(q) for q in motion])
     assert found.stress_pa == pytest.approx(everything.max(), rel=1e-12)
