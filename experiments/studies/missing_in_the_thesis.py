@@ -10,7 +10,7 @@ whose states were chosen beforehand, with all data seen, stand beside them and a
 from __future__ import annotations
 
 import json as jsonlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import asdict
 from itertools import combinations, product
 from pathlib import Path
@@ -28,6 +28,7 @@ from pounding.experiments.rig.states import Frequency
 from pounding.experiments.studies import foretold
 from pounding.experiments.studies.averaged_peaks import averaged, averaged_errors
 from pounding.experiments.studies.frame_states import TWO_STATES, Setting
+from pounding.experiments.studies.held_out import picked_inside, row
 from pounding.experiments.studies.missing_picture import picture
 from pounding.experiments.studies.peak_lattice import Chosen, Freedom, PeakLattice
 from pounding.experiments.studies.table_4_1 import (
@@ -60,93 +61,6 @@ def freedoms() -> dict[str, Freedom]:
             name = " + ".join([*([words] if words else []), *(WORDS[one] for one in numbers)])
             found[name or "baseline"] = Freedom(numbers, states)
     return found
-
-
-def split_errors(lattice: PeakLattice, freedom: Freedom, count: int, every: bool) -> list[float]:
-    """Return the mean error on the records that were not fitted, for each way to fit `count` of four [-].
-
-    Args:
-        lattice: The errors of all models.
-        freedom: What may be chosen.
-        count: How many records are fitted.
-        every: Whether contested peaks count, too.
-    """
-    found = []
-    for fitted in combinations(range(len(RECORDS)), count):
-        chosen = lattice.fit(freedom, fitted, every=every)
-        rest = [one for one in range(len(RECORDS)) if one not in fitted]
-        found.append(lattice.error(chosen, rest, every=every))
-    return found
-
-
-def frame_errors(lattice: PeakLattice, freedom: Freedom) -> list[float]:
-    """Return the mean error on each frame when the others are fitted; its own state is then the first that it may have.
-
-    Args:
-        lattice: The errors of all models.
-        freedom: What may be chosen.
-    """
-    everything = range(len(RECORDS))
-    found = []
-    for left_out in FRAMES:
-        rest = [name for name in FRAMES if name != left_out]
-        found.append(lattice.error(lattice.fit(freedom, everything, rest), everything, [left_out]))
-    return found
-
-
-def picked_inside(
-    lattice: PeakLattice, models: Sequence[Freedom], every: bool = False
-) -> tuple[float, list[Freedom]]:
-    """Return the held-out error over six splits when the model, too, is picked inside each of them, and those picked.
-
-    The one is picked that, fitted to one of the two records, is nearest on the other, both ways.
-
-    Args:
-        lattice: The errors of all models.
-        models: The models to pick from.
-        every: Whether contested peaks count, too.
-    """
-    errors, picked = [], []
-    for pair in combinations(range(len(RECORDS)), 2):
-        crossed = [
-            np.mean(
-                [
-                    lattice.error(lattice.fit(one, [a], every=every), [b], every=every)
-                    for a, b in (pair, pair[::-1])
-                ]
-            )
-            for one in models
-        ]
-        best = models[int(np.argmin(crossed))]
-        rest = [one for one in range(len(RECORDS)) if one not in pair]
-        errors.append(lattice.error(lattice.fit(best, pair, every=every), rest, every=every))
-        picked.append(best)
-    return float(np.mean(errors)), picked
-
-
-def row(lattice: PeakLattice, name: str, freedom: Freedom) -> dict[str, Any]:
-    """Return how near a model comes to the peaks: fitted to all, and on what it was not fitted to [-].
-
-    Args:
-        lattice: The errors of all models.
-        name: What the model is called.
-        freedom: What it may choose.
-    """
-    chosen = lattice.fit(freedom, range(len(RECORDS)))
-    halves = split_errors(lattice, freedom, 2, False)
-    return {
-        "model": name,
-        "fitted": freedom.fitted,
-        "all_58": chosen.error,
-        "halves_58": float(np.mean(halves)),
-        "halves_by_split": halves,
-        "three_58": float(np.mean(split_errors(lattice, freedom, 3, False))),
-        "frames_58": float(np.mean(frame_errors(lattice, freedom))),
-        "all_64": lattice.fit(freedom, range(len(RECORDS)), every=True).error,
-        "halves_64": float(np.mean(split_errors(lattice, freedom, 2, True))),
-        "setting": asdict(chosen.setting),
-        "states": chosen.states,
-    }
 
 
 def foretold_by(chosen: Chosen, rule: str, records: Path | None) -> dict[str, Any]:

@@ -12,7 +12,8 @@ from pounding.experiments.studies.frame_states import (
     displacements,
     in_state,
 )
-from pounding.experiments.studies.missing_in_the_thesis import freedoms, picked_inside, split_errors
+from pounding.experiments.studies.held_out import picked_inside, split_errors
+from pounding.experiments.studies.missing_in_the_thesis import freedoms
 from pounding.experiments.studies.peak_lattice import FRAMES, RATIOS, Freedom, PeakLattice
 from pounding.experiments.studies.table_4_1 import BLIND, RECORDS, predict, score, table_motion, trusted
 from pounding.frames.response.exact import linear_response
