@@ -7,12 +7,13 @@ Table 4.1. The required gap of the closing motion is confirmed by collisions jus
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import pandas as pd
 from cyclopts import Parameter
 from rich.console import RenderableType
@@ -23,23 +24,29 @@ from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table, warn
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.published.consistency import Pair
 from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
-from pounding.experiments.rig.required_gap import pair_gap
+from pounding.experiments.rig.required_gap import RequiredGap, pair_gap
 from pounding.experiments.rig.rig import Solver
 from pounding.experiments.rig.states import states_of
+from pounding.experiments.rig.states import strong_motion as strong_motion_state
 from pounding.experiments.separation import pictures
 from pounding.experiments.separation.chapter_7.parametric import motions_of_the_study
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.separation.gaps.confirm import confirm
-from pounding.experiments.separation.gaps.maps import gap_map
+from pounding.experiments.separation.gaps.maps import GapMap, gap_map
 from pounding.experiments.studies.table_4_1 import BLIND, Variant, build, variants
 from pounding.frames import ReducedFrame
 from pounding.frames.files import write_whole
 from pounding.scale import THESIS
 
 FRAMES = ("15A", "15B", "10", "5A", "5B")
+MAP_DAMPING = 0.005
+"""Damping ratio of the oscillators of the gap maps, about that of the frames in free vibration."""
+Gaps = dict[tuple[str, str, int, str], RequiredGap]
+"""Required gaps by left and right frame, floor and record."""
 
 
 def main(
@@ -82,10 +89,12 @@ def study(
     built = {name: build(name, BLIND) for name in FRAMES}
     motions = {name: _motion(name, BLIND, folder) for name in tables_4.RECORDS}
     gaps = tables_4.computed_gaps(built.__getitem__, motions.__getitem__)
-    table_4_2 = tables_4.table_4_2(gaps).join(strong_motion_gaps(motions))
+    strong = strong_motion(motions)
+    table_4_2 = tables_4.table_4_2(gaps).join(in_mm(strong))
     pga = {name: record.pga_g for name, record in motions.items()}
     measured = tables_4.rules_from_measured(built, pga)
-    computed = tables_4.rules_from_computed(built, pga, gaps)
+    computed = tables_4.rules_from_computed(lambda _pair: built, pga, gaps)
+    in_strong_motion = rules_in_strong_motion(strong, pga)
     tables = {
         "table_4_2": table_4_2,
         "errors": errors(table_4_2),
@@ -93,11 +102,13 @@ def study(
         "table_4_3": tables_4.table_4_3(),
         "rules_measured": measured,
         "rules_computed": computed,
+        "rules_strong_motion": in_strong_motion,
         "rules_measured_summary": tables_4.summary(measured),
         "rules_uncontested_summary": tables_4.summary(
             measured[~table_4_2["contested"].reindex(measured.index)]
         ),
         "rules_computed_summary": tables_4.summary(computed),
+        "rules_strong_motion_summary": tables_4.summary(in_strong_motion),
     }
     if collisions:
         tables["collisions"] = confirmations(built, motions, progress, solver)
@@ -106,21 +117,50 @@ def study(
     return result, tables
 
 
-def strong_motion_gaps(motions: Mapping[str, Record]) -> pd.DataFrame:
-    """Return the gaps of Table 4.2 with the frames in the state of strong motion [mm], which is fitted to Table 4.1.
+def strong_motion(motions: Mapping[str, Record]) -> Gaps:
+    """Return the required gaps of Table 4.2 with the frames in the state of strong motion, which is fitted to Table 4.1.
 
     Args:
         motions: Records at model scale by name.
     """
-    rows = {}
+    found = {}
     for (left, right, floor), record in product(tables_4.pairs(), tables_4.RECORDS):
-        one, other = map(built_in, states_of([left, right], "strong-motion", record))
-        gap = pair_gap(one, other, motions[record], floor=floor)
-        rows[(left, right, floor, record)] = {
+        built = _in_strong_motion(Pair(left, right, floor, record))
+        found[(left, right, floor, record)] = pair_gap(
+            built[left], built[right], motions[record], floor=floor
+        )
+    return found
+
+
+def in_mm(gaps: Gaps) -> pd.DataFrame:
+    """Return gaps in strong motion as columns for the table of all gaps [mm].
+
+    Args:
+        gaps: See `strong_motion`.
+    """
+    rows = {
+        key: {
             "strong_motion_closing_mm": 1e3 * gap.closing_m,
             "strong_motion_equation_4_1_mm": 1e3 * gap.equation_4_1_m,
         }
+        for key, gap in gaps.items()
+    }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["left", "right", "floor", "record"])
+
+
+def rules_in_strong_motion(gaps: Gaps, pga_g: Mapping[str, float]) -> pd.DataFrame:
+    """Return each rule's gap over equation 4.1, both from frames in the state of strong motion.
+
+    Args:
+        gaps: See `strong_motion`.
+        pga_g: Peak of each record [g].
+    """
+    return tables_4.rules_from_computed(_in_strong_motion, pga_g, gaps)
+
+
+def _in_strong_motion(pair: Pair) -> dict[str, ReducedFrame]:
+    names = [pair.left, pair.right]
+    return dict(zip(names, map(built_in, states_of(names, "strong-motion", pair.record)), strict=True))
 
 
 def errors(table_4_2: pd.DataFrame) -> pd.DataFrame:
@@ -207,17 +247,48 @@ def write(
         write_whole(out / f"{name}.csv", frame.to_csv().encode())
     pictures.save(pictures.rules_against_simulation(tables["rules_measured"]), out / "rules_measured.png")
     pictures.save(pictures.rules_against_simulation(tables["rules_computed"]), out / "rules_computed.png")
-    motions = motions_of_the_study()
-    bar = None if progress is None else progress.add_task("gap maps", total=len(motions))
-    maps = {}
-    for name in motions["record"]:
+    pictures.save(
+        pictures.rules_against_simulation(tables["rules_strong_motion"]), out / "rules_strong_motion.png"
+    )
+    motions, summaries = _at_hand(folder), {}
+    pictured = {"gap_maps": MAP_DAMPING, "gap_maps_strong_motion": strong_motion_state().damping_ratio}
+    bar = None if progress is None else progress.add_task("gap maps", total=len(pictured) * len(motions))
+    for name, ratio in pictured.items():
+        maps = {}
+        for motion in motions:
+            maps[motion.name] = gap_map(motion, damping_ratio=ratio)
+            if progress is not None and bar is not None:
+                progress.advance(bar)
+        pictures.save(pictures.gap_maps(maps), out / f"{name}.png")
+        summaries[ratio] = map_summary(list(maps.values()))
+    summary = pd.DataFrame.from_dict(summaries, orient="index").rename_axis("damping_ratio")
+    write_whole(out / "gap_maps.csv", summary.to_csv().encode())
+
+
+def _at_hand(folder: Path | None) -> list[Record]:
+    """Return the motions of the study of chapter 7 at model scale, those that are at hand."""
+    found = []
+    for name in motions_of_the_study()["record"]:
         try:
-            maps[str(name)] = gap_map(find(str(name), folder).scaled(THESIS.time_factor))
+            found.append(find(str(name), folder).scaled(THESIS.time_factor))
         except ExperimentError as error:
             warn(f"no gap map of a motion that is not at hand: {error}")
-        if progress is not None and bar is not None:
-            progress.advance(bar)
-    pictures.save(pictures.gap_maps(maps), out / "gap_maps.png")
+    return found
+
+
+def map_summary(maps: Sequence[GapMap]) -> dict[str, float]:
+    """Return how often SRSS falls short of the required gap over all pairs of some maps, and by how much.
+
+    Args:
+        maps: The maps.
+    """
+    over = np.concatenate([one.over_srss[:, one.ratio < 1.0].ravel() for one in maps])
+    return {
+        "pairs": float(over.size),
+        "unsafe": float((over > 1.0).mean()),
+        "median_over_srss": float(np.median(over)),
+        "largest_over_srss": float(over.max()),
+    }
 
 
 def show(tables: dict[str, pd.DataFrame]) -> Iterable[RenderableType | str]:
@@ -229,6 +300,7 @@ def show(tables: dict[str, pd.DataFrame]) -> Iterable[RenderableType | str]:
         "rules_measured_summary": "Rules from the measured peaks over the measured gaps",
         "rules_uncontested_summary": "The same without the entries that the thesis' own tables contradict",
         "rules_computed_summary": "Rules from the computed peaks over the computed equation 4.1",
+        "rules_strong_motion_summary": "The same in strong motion, whose damping is fitted to Table 4.1",
         "collisions": "Runs with contacts 1 % below and 1 % above the required gap",
     }
     for name, title in titles.items():

@@ -138,14 +138,14 @@ def rules_from_measured(frames: Mapping[str, ReducedFrame], pga_g: Mapping[str, 
 
 
 def rules_from_computed(
-    frames: Mapping[str, ReducedFrame],
+    frames: Callable[[Pair], Mapping[str, ReducedFrame]],
     pga_g: Mapping[str, float],
     gaps: Mapping[tuple[str, str, int, str], RequiredGap],
 ) -> pd.DataFrame:
     """Return each rule's gap from the computed peaks over the computed equation 4.1, as above.
 
     Args:
-        frames: Frames by name.
+        frames: Gives the frames of a pair under a record by their names.
         pga_g: Peak of each record [g].
         gaps: Required gap by left and right frame, floor and record.
     """
@@ -153,7 +153,7 @@ def rules_from_computed(
     for (left, right, floor, record), gap in gaps.items():
         pair = Pair(left, right, floor, record)
         peak = {left: gap.left_peak_m, right: gap.right_peak_m}
-        rows[_key(pair)] = _ratios(frames, pair, peak, pga_g[record], 1e3 * gap.equation_4_1_m)
+        rows[_key(pair)] = _ratios(frames(pair), pair, peak, pga_g[record], 1e3 * gap.equation_4_1_m)
     return _ratio_table(rows)
 
 
