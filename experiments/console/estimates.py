@@ -93,7 +93,7 @@ def of_gap(frames: Sequence[ReducedFrame], duration_s: float, step_s: float) -> 
 
 def of_experiments(count: int) -> Work:
     """Return the work of running so many experiments of the thesis with their pictures, finished ones not counted."""
-    return Work("running the experiments, unless they are kept from before,", 27.0 * count, 1.7)
+    return Work("running the experiments, unless they are kept from before,", 11.0 * count, 1.7)
 
 
 def of_hiding(frames: int, effects: int, duration_s: float) -> Work:
