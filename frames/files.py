@@ -91,6 +91,7 @@ def scratch(folder: str | Path | None = None, name: str = "pounding") -> Iterato
 
     Raises:
         OSError: It cannot be made.
+        FrameError: A file in it cannot be written; the sentence names it as if the folder were `name` in `folder`.
     """
     parent = Path(folder or tempfile.gettempdir())
     parent.mkdir(parents=True, exist_ok=True)
@@ -98,6 +99,11 @@ def scratch(folder: str | Path | None = None, name: str = "pounding") -> Iterato
     made = Path(tempfile.mkdtemp(dir=parent, prefix=f".{name}.", suffix=f".{_host()}.{os.getpid()}.part"))
     try:
         yield made
+    except FrameError as error:
+        if folder is not None:
+            # The hidden folder is gone when the sentence is read; what it was made for has a name that the user knows.
+            error.args = (str(error).replace(str(made), str(parent / name)),)
+        raise
     finally:
         _remove(made)
 

@@ -81,9 +81,6 @@ def keep(outcome: Outcome, out: Path) -> Kept:
             text = json.dumps(result | {"files": files}, indent=2, allow_nan=False)
             write_whole(made / RESULT, (text + "\n").encode())
             _settle(made, folder)
-    except FrameError as error:
-        # Its sentence names a hidden file that is gone by now.
-        raise FrameError(str(error).replace(str(made), str(folder))) from error
     except OSError as error:
         raise FrameError(f"{folder}: cannot be written ({error.strerror or error})") from error
     return Kept(files, kept.notes)

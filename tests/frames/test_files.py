@@ -105,6 +105,12 @@ def test_a_scratch_folder_is_removed_also_after_its_process_was_killed(tmp_path)
     assert os.listdir(tmp_path) == []
 
 
+def test_a_file_that_cannot_be_written_is_told_by_the_name_that_the_folder_gets(tmp_path):
+    with pytest.raises(FrameError) as told, scratch(tmp_path, "test") as outer, scratch(outer, "series"):
+        raise FrameError(f"{next(outer.iterdir())}/a.vtu: cannot be written")
+    assert str(told.value) == f"{tmp_path}/test/series/a.vtu: cannot be written"
+
+
 def test_an_entry_comes_back_as_it_was(tmp_path):
     for content in (b"", b'{"a": [1.5, null]}', bytes(range(256))):
         write_entry(tmp_path / "a", content)
