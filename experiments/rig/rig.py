@@ -26,7 +26,7 @@ from pounding.experiments.rig.contacts import Contact, check, history_of, sides_
 from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.motion import FrameMotion, Motion, StoreyHistory
 from pounding.experiments.rig.watchdog import Guard
-from pounding.frames.response.body import FrameBody, Table
+from pounding.frames.response.body import FrameBody, Table, table_mass
 
 if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -137,7 +137,7 @@ class Rig:
         container = exudyn.SystemContainer()
         mbs = container.AddSystem()
         try:
-            table = Table(mbs, acceleration, step)
+            table = Table(mbs, acceleration, step, mass_kg=table_mass(self.frames))
             bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
             # The engine keeps no reference to what it calls: these have to live until it has finished.
             connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]

@@ -23,7 +23,7 @@ from pounding.experiments.records import Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.rig import Accuracy, Rig
 from pounding.frames.files import write_whole
-from pounding.frames.response.body import TABLE_MASS_KG, run_alone
+from pounding.frames.response.body import run_alone
 from pounding.frames.response.exact import linear_response
 from pounding.scale import THESIS
 
@@ -156,7 +156,7 @@ def _fixed_row(
     integrator: str,
     longest_s: float,
     *,
-    table_mass_kg: float = TABLE_MASS_KG,
+    table_mass_kg: float | None = None,
 ) -> dict[str, Any]:
     row: dict[str, Any] = {"integrator": integrator, "longest_step_s": longest_s, "tolerance": None}
     try:

@@ -28,13 +28,21 @@ if TYPE_CHECKING:
 Real = NDArray[np.floating[Any]]
 
 TABLE_MASS_KG = 1e9
-"""Mass of the table: frames of 100 kg at 5 g then disturb its acceleration by 5e-6 m/s^2."""
+"""Least mass of the table: frames of 100 kg at 5 g then disturb its acceleration by 5e-6 m/s^2."""
+
+TABLE_OVER_FRAMES = 3e6
+"""Least mass of the table over that of all frames on it: a building of 5,000 t would move a table of 1e9 kg with it."""
 
 LONGEST_STEP_S = 5e-4
 """Default longest integration step; docs/theory/engine.md shows the error it leaves."""
 
 STABLE = 2.0
 """Largest circular frequency times step; the limit of the classical Runge-Kutta method is 2.83."""
+
+
+def table_mass(frames: Iterable[ReducedFrame]) -> float:
+    """Return the mass [kg] of a table that frames (kg to many thousand tonnes) do not move."""
+    return max(TABLE_MASS_KG, TABLE_OVER_FRAMES * sum(frame.moving_mass_kg for frame in frames))
 
 
 class Table:
@@ -287,7 +295,7 @@ def run_alone(
     *,
     integrator: str = "RK44",
     longest_step_s: float = LONGEST_STEP_S,
-    table_mass_kg: float = TABLE_MASS_KG,
+    table_mass_kg: float | None = None,
 ) -> Alone:
     """Shake one frame with fixed steps that meet the acceleration's samples, and store it at each sample.
 
@@ -297,14 +305,14 @@ def run_alone(
         step_s: Its sample step [s].
         integrator: Name in ``exudyn.DynamicSolverType``.
         longest_step_s: Longest integration step [s].
-        table_mass_kg: Mass of the table [kg].
+        table_mass_kg: Mass of the table [kg]; that of `table_mass` when None.
 
     Raises:
         FrameError: The acceleration cannot be used, or the motion grew without bound.
     """
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    table = Table(mbs, acceleration_m_s2, step_s, mass_kg=table_mass_kg)
+    table = Table(mbs, acceleration_m_s2, step_s, mass_kg=table_mass_kg or table_mass([reduced]))
     body = FrameBody(mbs, reduced, table)
     chosen = settings(table, longest_step_s)
     wall_s = solve(mbs, chosen, solver=integrator)

@@ -38,7 +38,7 @@ def test_the_worked_example_gives_what_the_page_says(
     shaken, gap, pounded = answers
     (run,) = pounded["runs"]
     office = shaken["peaks"][-1]
-    assert office["max_mm"] == pytest.approx(169.4, abs=0.05)
+    assert office["max_mm"] == pytest.approx(169.2, abs=0.05)
     assert gap["required_gap_mm"] == pytest.approx(181.0, abs=0.5)
     assert gap["reversed_mm"] == pytest.approx(213.0, abs=0.5)
     assert len(run["impacts"]) == 15
@@ -50,7 +50,7 @@ def test_the_worked_example_gives_what_the_page_says(
     assert pounded["parameters"]["contact"]["linear_viscoelastic"]["stiffness"] == pytest.approx(3750e6)
     assert {answer["parameters"]["time_factor"] for answer in answers} == {1.0}
     for printed in (
-        "169.4 mm",
+        "169.2 mm",
         "181 mm",
         "213 mm",
         "15 times",

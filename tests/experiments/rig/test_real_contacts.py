@@ -16,10 +16,11 @@ from pounding.experiments.rig.contact_choice import ContactWish, choose_laws, ch
 from pounding.experiments.rig.impacts import MERGING_S, merging_s
 from pounding.experiments.rig.motion import ContactHistory
 from pounding.experiments.rig.pounding import pound
+from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.table_scale import table_scale
 from pounding.experiments.rig.touches import touches_of
 from pounding.scale import FULL_SCALE, THESIS
-from tests.experiments.rig.models import two_sines
+from tests.experiments.rig.models import shear, two_sines
 
 
 def house(name: str, first_hz: float, *, slab: bool = True, scale: str | None = None) -> frames.StickFrame:
@@ -155,3 +156,13 @@ def test_floors_that_part_faster_than_they_met_are_warned_of(share: float, said:
     motion: Any = SimpleNamespace(contacts=[half_sine(share)], frames=[slow])
     found = [one for one in contact_warnings(motion) if "1 of 1 touches has a restitution above 1" in one]
     assert len(found) == said
+
+
+@pytest.mark.parametrize("floor_mass_kg", [6.0, 5e7])
+def test_the_table_is_heavy_enough_for_buildings(floor_mass_kg: float) -> None:
+    rig = Rig([shear(4, 2.0, mass_kg=floor_mass_kg), shear(3, 3.0, mass_kg=floor_mass_kg)])
+    engine, exact = (rig.run(two_sines(3.0), solver=solver) for solver in ("exudyn", "exact"))
+    assert engine.energy.error < 1e-5
+    for one, other in zip(engine.frames, exact.frames, strict=True):
+        peaks = [motion.peaks()[-1]["max_mm"] for motion in (one, other)]
+        assert peaks[0] == pytest.approx(peaks[1], rel=1e-4)
