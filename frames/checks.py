@@ -252,6 +252,8 @@ def _yielding(name: str, frame: PlateFrame | StickFrame) -> None:
             _within(name, "yielding.storey_shear_n", shear, bounds.STOREY_SHEAR)
     if not 0.0 <= ratio < 1.0:
         raise FrameError(f"{name}: yielding.hardening_ratio is {ratio}, a fraction from 0 to below 1")
+    if frame.yielding.sharpness is not None:
+        _within(name, "yielding.sharpness", frame.yielding.sharpness, bounds.KNEE)
 
 
 def _scale(name: str, stated: str | float | None) -> None:

@@ -87,10 +87,13 @@ class Yielding(Data, frozen=True):
         storey_shear_n: Force at which a storey yields [N], one for all or one for each from the first up. None: that
             of plastic hinges at both ends of all columns, which a frame of plates knows.
         hardening_ratio: Stiffness beyond over that before [-].
+        sharpness: Exponent of a rounded knee (Bouc 1967, Wen 1976) [-]: 1 is round, 30 as good as sharp. None: a sharp one,
+            so that the storey is bilinear.
     """
 
     storey_shear_n: float | list[float] | None = None
     hardening_ratio: float = 0.0
+    sharpness: float | None = None
 
 
 class Published(Data, frozen=True):

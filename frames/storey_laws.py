@@ -12,6 +12,7 @@ from typing import get_args
 
 import msgspec
 
+from pounding import bounds
 from pounding.bounds import Bound
 from pounding.frames.errors import FrameError
 
@@ -174,7 +175,7 @@ BOUNDS: dict[str, Bound] = {
     "build_up_mm": Bound(1e-6, 1e6, "", "friction builds up over some drift"),
     "yield_force_n": POSITIVE,
     "stiffness_n_per_m": POSITIVE,
-    "sharpness": Bound(0.1, 100.0, "", "1 is a round knee, and 30 is as good as a sharp one"),
+    "sharpness": bounds.KNEE,
     "unloading": Bound(-1.0, 0.95, "", "it is a share of the stiffness"),
     "whole_at_s": Bound(1e-3, 1e6, "", "the change takes some part of a run"),
     "gap_mm": Bound(-1e5, 1e5, "", "no storey drifts so far"),

@@ -27,12 +27,14 @@ class StoreyYield(NamedTuple):
         stiffness_n_per_m: Its elastic stiffness [N/m].
         drift_m: Drift at which it yields [m].
         hardening: Share of the stiffness that is left beyond [-].
+        sharpness: Exponent of a rounded knee [-]; None: a sharp one.
     """
 
     storey: int
     stiffness_n_per_m: float
     drift_m: float
     hardening: float
+    sharpness: float | None = None
 
 
 def storey_yields(reduced: ReducedFrame) -> list[StoreyYield]:
@@ -49,7 +51,9 @@ def storey_yields(reduced: ReducedFrame) -> list[StoreyYield]:
     drift = np.diff(np.linalg.solve(stiffness, forces), prepend=0.0)
     storeys = np.cumsum(forces[::-1])[::-1] / drift
     return [
-        StoreyYield(number, float(one), shear / float(one), frame.yielding.hardening_ratio)
+        StoreyYield(
+            number, float(one), shear / float(one), frame.yielding.hardening_ratio, frame.yielding.sharpness
+        )
         for number, (one, shear) in enumerate(zip(storeys, yield_shears(frame), strict=True), start=1)
     ]
 

@@ -140,6 +140,7 @@ STIFFNESS_RATIO = Bound(0.0, 1e3, "", "0 is a wall that bends, 30 nearly a shear
 
 # Counts.
 STOREYS = Bound(1, 200, "", "the tallest building has some 160 storeys")
+KNEE = Bound(0.1, 100.0, "", "1 is a round knee, and 30 is as good as a sharp one")
 MESH_NODES = Bound(4, 1e6, "", "a mesh beyond that does not fit into a computer")
 SAMPLES = Bound(0, 2e6, "", "an hour at 500 samples a second has fewer")
 SEED = Bound(0, 2**53, "", "a seed is a whole number from 0")

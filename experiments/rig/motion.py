@@ -72,12 +72,16 @@ class FrameMotion:
     def peaks(self) -> list[dict[str, Any]]:
         """Return each floor's `floor`, `max_mm`, `min_mm` (positive both), `max_acceleration_g` (room), all in its middle.
 
+        `drift_mm` is the largest drift of the storey below it, `drift_percent` that over the storey's height.
+
         Floors that turn also have `edge_mm`, the largest displacement along x of the two ends of their edges, and
         `rotation_mrad`, the largest rotation.
         """
         found = []
+        heights = np.diff(self.reduced.heights_m, prepend=0.0)
         for number in range(1, self.reduced.storeys + 1):
             floor = self.floor(number)
+            drift_m = self._drift_m(number)
             moved = turning_points(self.time_s, self.displacement_m[:, floor], self.velocity_m_s[:, floor])
             found.append(
                 {
@@ -86,10 +90,20 @@ class FrameMotion:
                     "min_mm": 1e3 * max(0.0, -float(moved.min())),
                     "max_acceleration_g": float(np.abs(self.floor_acceleration(number)).max())
                     / STANDARD_GRAVITY,
+                    "drift_mm": 1e3 * drift_m,
+                    "drift_percent": 100.0 * drift_m / float(heights[number - 1]),
                     **self._turning(number),
                 }
             )
         return found
+
+    def _drift_m(self, storey: int) -> float:
+        """Return the largest drift of a storey [m]."""
+        row = np.zeros(self.reduced.size)
+        row[self.floor(storey)] = 1.0
+        if storey > 1:
+            row[self.floor(storey - 1)] = -1.0
+        return self._largest(row)
 
     def _turning(self, number: int) -> dict[str, float]:
         """Return what only floors that turn have."""

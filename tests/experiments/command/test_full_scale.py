@@ -6,6 +6,7 @@ import json
 import re
 import shlex
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -61,6 +62,32 @@ def test_the_worked_example_gives_what_the_page_says(
         "3,750 kN/mm",
     ):
         assert printed in PAGE
+
+
+def test_the_storeys_that_yield(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The sharp knee alone and beside the flats, the round knee alone."""
+    page = " ".join(PAGE.split())
+    (line,) = re.findall(r"^yielding = .*$", PAGE, re.MULTILINE)
+    linear = Path("office.toml").read_text()
+
+    def answer(line: str, *words: str) -> dict[str, Any]:
+        Path("office.toml").write_text(f"{linear}{line}\n")
+        main([*words, *ELCENTRO, "--json"])
+        return dict(json.loads(capsys.readouterr().out))
+
+    alone = answer(line, "shake", "office.toml")
+    round_knee = answer(line.replace(" }", ", sharpness = 1.0 }"), "shake", "office.toml")
+    (pair,) = answer(line, "pound", "flats.toml", "office.toml", "--gap", "50", "--solver", "exact")["runs"]
+    sharp, rounded = ([f"{one['ductility']:.2f}" for one in run["ductility"]] for run in (alone, round_knee))
+    roof = alone["peaks"][-1]
+    for said in (
+        f"moves the roof by {max(roof['max_mm'], roof['min_mm']):.1f} mm instead of 169.2 mm, with at most "
+        f"{roof['max_acceleration_g']:.2f} g",
+        f"of {', '.join(sharp[:3])} and {sharp[3]}, and {alone['ductility'][0]['plastic_drift_mm']:.1f} mm of drift",
+        f"ductilities are {', '.join(rounded[:3])} and {rounded[3]}",
+        f"has {len(pair['impacts'])} impacts of at most {max(one['peak_force_n'] for one in pair['impacts']) / 1e6:.1f} MN",
+    ):
+        assert said in page
 
 
 LOW = 'kind = "stick"\nname = "low"\nstoreys = 1\nstorey_height_m = 0.1\nfloor_mass_kg = [5.0]\ndamping_ratio = 0.01\n'

@@ -46,29 +46,41 @@ def motion(samples: int = 500) -> Record:
     return Record("sine", 3.0 * np.minimum(1.0, time / 0.5) * np.sin(2 * np.pi * 4.3 * time), STEP)
 
 
-def reference(record: Record) -> tuple[np.ndarray, float]:
-    """Displacement at the samples and plastic drift at the end, the plastic part a state of its own."""
+def reference(record: Record, sharpness: float | None) -> tuple[np.ndarray, float]:
+    """Displacement at the samples and plastic drift at the end, the plastic part a state of its own.
+
+    A sharp knee yields wholly or not at all; Bouc's and Wen's (beta = gamma = 1/2) by a power of the share of the limit.
+    """
     limit, circular = SHEAR / STIFFNESS, np.sqrt(STIFFNESS / MASS)
+
+    def share(elastic: float, v: float) -> float:
+        if elastic * v <= 0.0:
+            return 0.0
+        if sharpness is None:
+            return float(abs(elastic) >= limit)
+        return float(min(abs(elastic) / limit, 1.0) ** sharpness)
 
     def rate(t: float, y: np.ndarray) -> list[float]:
         d, v, p = y
         elastic = d - p
-        yields = (elastic >= limit and v > 0.0) or (elastic <= -limit and v < 0.0)
         force = HARDENING * STIFFNESS * d + (1 - HARDENING) * STIFFNESS * np.clip(elastic, -limit, limit)
         table = np.interp(t, record.time_s, record.acceleration_m_s2)
-        return [v, -table - force / MASS - 2 * RATIO * circular * v, v if yields else 0.0]
+        return [v, -table - force / MASS - 2 * RATIO * circular * v, v * share(elastic, v)]
 
     end = record.time_s[-1]
     done = solve_ivp(rate, (0.0, end), [0.0] * 3, t_eval=record.time_s, rtol=1e-6, atol=1e-9, max_step=2e-4)
     return done.y[0], done.y[2][-1]
 
 
+@pytest.mark.parametrize("sharpness", [None, 2.0])
 @pytest.mark.parametrize("solver", ["exudyn", "exact"])
-def test_an_oscillator_that_yields_moves_as_an_integration_of_its_own_says(solver: str) -> None:
+def test_an_oscillator_that_yields_moves_as_an_integration_of_its_own_says(
+    solver: str, sharpness: float | None
+) -> None:
     record = motion()
-    reduced = stick(Yielding(storey_shear_n=SHEAR, hardening_ratio=HARDENING))
+    reduced = stick(Yielding(storey_shear_n=SHEAR, hardening_ratio=HARDENING, sharpness=sharpness))
     done = Rig([reduced]).run(record, solver=solver)  # type: ignore[arg-type]
-    expected, left = reference(record)
+    expected, left = reference(record, sharpness)
     moved, _ = done.frames[0].sampled(record.time_s.clip(max=done.model_s))
     assert np.abs(moved[:, 0] - expected).max() < 2e-3 * np.abs(expected).max()
     (found,) = ductilities(done.frames[0])
