@@ -12,6 +12,7 @@ from typing import Any, get_args
 
 import msgspec
 
+from pounding import bounds
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.storey_laws import KINDS
@@ -93,6 +94,8 @@ def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None
         from pounding.frames.elsewhere import inlined
 
         tree = inlined(tree, folder or Path(), place)
+    if kind == "stick":
+        tree = tree | _spread(tree)
     try:
         return msgspec.convert(tree, PlateFrame | StickFrame)
     except (msgspec.ValidationError, OverflowError) as error:
@@ -100,6 +103,17 @@ def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None
         cause = error.__cause__
         reason = str(cause) if isinstance(cause, FrameError) else plainly(error)
         raise FrameError(f"{place}: {reason}") from error
+
+
+def _spread(tree: dict[str, Any]) -> dict[str, list[float]]:
+    """Return the lists that single numbers of a stick stand for: one for all storeys, and the first frequency."""
+    storeys = tree.get("storeys")
+    counts = {"frequency_hz": 1}
+    if isinstance(storeys, int) and bounds.STOREYS.low <= storeys <= bounds.STOREYS.high:
+        counts |= {"floor_mass_kg": storeys, "storey_stiffness_n_per_m": storeys}
+    return {
+        key: [tree[key]] * count for key, count in counts.items() if isinstance(tree.get(key), int | float)
+    }
 
 
 def _known_keys(tree: dict[str, Any], structure: type, place: str, inside: str = "") -> None:

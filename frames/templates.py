@@ -14,13 +14,14 @@ name = "NAME"
 title = ""                                    # one line on what it is
 storeys = 4
 storey_height_m = [4.0, 3.2, 3.2, 3.2]        # or one number for all
-floor_mass_kg = [310e3, 290e3, 290e3, 250e3]  # from the first floor to the roof
+floor_mass_kg = [310e3, 290e3, 290e3, 250e3]  # from the first floor to the roof, or one number for all
 frequency_hz = [1.1, 3.2]                     # measured or computed, the lowest first; one is enough
 # storey_stiffness_n_per_m = [2e8, 2e8, 2e8, 2e8]   # in the place of frequency_hz
 # stiffness_ratio = 2.0                       # a tall building that bends and shears, with one frequency
 damping_ratio = [0.03, 0.04]                  # fractions of critical, one a mode, or one number for all
 # damping_beyond = "caughey"                  # of the modes above: not the last ratio, but (of two) Rayleigh's damping
 plan_m = [24.0, 15.0]                         # length along the shaking, width
+# yielding = { storey_shear_n = [2.2e6, 1.9e6, 1.4e6, 0.8e6], hardening_ratio = 0.05 }   # storeys that yield
 # torsion = { eccentricity_m = 2.0, frequency_ratio = 1.3 }   # floors that turn: the walls stand off the middle
 # scale = "1:30"                              # a model of a building; without this line it is the building itself
 slab = { thickness_m = 0.20 }                 # for the contact with a neighbour: concrete, 30 GPa

@@ -18,6 +18,9 @@ from pounding.frames.response import modal as modal_analysis
 from pounding.frames.response.modal import DIRECTIONS
 from pounding.frames.stick import notes
 
+LARGE_KG = 1e4
+"""Heavier frames are buildings, shown in tonnes and kN/mm."""
+
 
 def modal(
     frame: str,
@@ -110,8 +113,10 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
     yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
     yield from map(in_words, result["parameters"]["states"])
     yield from result["notes"]
-    yield f"moving mass {result['mass_kg']:.2f} kg"
-    yield f"roof stiffness {result['roof_stiffness_n_per_mm']:.2f} N/mm"
+    mass, stiffness = result["mass_kg"], result["roof_stiffness_n_per_mm"]
+    large = mass > LARGE_KG
+    yield f"moving mass {mass / 1e3:.1f} t" if large else f"moving mass {mass:.2f} kg"
+    yield f"roof stiffness {stiffness / 1e3:.4g} kN/mm" if large else f"roof stiffness {stiffness:.2f} N/mm"
     known = result["published"]
     if known["source"]:
         yield table(f"Published ({known['source']})", ["quantity", "value"], list(_published(known)))

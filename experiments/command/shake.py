@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -194,10 +194,14 @@ def _keep(done: Shaking, data: Any, result: dict[str, Any], out: Path, wish: kee
 def _show(result: dict[str, Any], done: Shaking, state: FrameState, scale: TableScale) -> Iterable[Any]:
     published = keeping.published_peaks(result["frame"], result["record"]) if scale.is_laboratory else {}
     shaken = f"Frame {result['frame']}, {result['record']}, {result['pga_g']:.3f} g"
+    last = ["Table 4.1 max mm", "min mm"] if published else ["drift of the storey mm", "% of its height"]
     yield table(
         f"{shaken}: displacement relative to the table",
-        ["floor", "max mm", "min mm", "max acceleration g", "Table 4.1 max mm", "min mm"],
-        [_row(peak, published.get(peak["floor"])) for peak in reversed(result["peaks"])],
+        ["floor", "max mm", "min mm", "max acceleration g", *last],
+        [
+            _row(peak, published.get(peak["floor"]) if published else _drift(peak))
+            for peak in reversed(result["peaks"])
+        ],
     )
     yield str(state)
     yield str(scale)
@@ -218,8 +222,12 @@ def _show(result: dict[str, Any], done: Shaking, state: FrameState, scale: Table
     yield from keeping.written(result)
 
 
-def _row(peak: dict[str, Any], published: tuple[float, float] | None) -> list[Any]:
-    printed = [None, None] if published is None else [f"{value:g}" for value in published]
+def _drift(peak: dict[str, Any]) -> tuple[str, str]:
+    return f"{peak['drift_mm']:.2f}", f"{peak['drift_percent']:.2f}"
+
+
+def _row(peak: dict[str, Any], last: Sequence[float | str] | None) -> list[Any]:
+    printed = [None, None] if last is None else [f"{value}" for value in last]
     return [
         f"{peak['floor']}",
         f"{peak['max_mm']:.2f}",

@@ -13,8 +13,11 @@ from pounding.experiments.rig.states import FrameState
 from pounding.experiments.rig.table_scale import TableScale
 from pounding.experiments.rig.turning import turning_sentence
 
-HEADS = ("time s", "floor", "peak N", "N s", "approach m/s", "touches, max ms", "restitution")
+HEADS = ("time s", "floor", "peak {unit}", "{unit} s", "approach m/s", "touches, max ms", "restitution")
 """Of the table of impacts; duration and restitution are those of single touches."""
+
+LARGE_N = 1e5
+"""Runs with a larger force are shown in kN."""
 
 
 def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableScale) -> Iterable[Any]:
@@ -34,10 +37,13 @@ def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableSca
             f"energy closes to {100 * run['energy_error']:.2g} %; "
             f"{run['model_s']:.1f} simulated s in {run['wall_s']:.2f} s"
         )
+    unit = _unit(impact for run in result["runs"] for impact in run["impacts"])
+    heads = ["frame", "roof + mm", "roof - mm", "drift %", "accel. g", f"peak {unit}", "impacts"]
+    several = len(result["runs"]) > 1
     yield table(
-        "Largest displacement of the roofs, in mm",
-        ["law", "frame", "roof +", "roof -", "peak force N", "impacts"],
-        [row for run in result["runs"] for row in _peak_rows(run)],
+        "Largest displacement of the roof, drift of a storey, acceleration of a floor, force",
+        ["law", *heads] if several else heads,
+        [[run["law"], *row] if several else row for run in result["runs"] for row in _peak_rows(run, unit)],
     )
     for run in result["runs"]:
         yield from _columns(run)
@@ -60,13 +66,15 @@ def _impacts(run: dict[str, Any]) -> Iterable[Any]:
         return
     # Of a pair everybody knows who touched.
     between = [] if len(run["buildings"]) == 2 else [[_between(impact)] for impact in run["impacts"]]
-    rows = [_row(impact) for impact in run["impacts"]]
+    unit = _unit(run["impacts"])
+    heads = [head.format(unit=unit) for head in HEADS]
+    rows = [_row(impact, unit) for impact in run["impacts"]]
     if between:
         yield table(
-            title, ("between", *HEADS), [[*who, *row] for who, row in zip(between, rows, strict=True)]
+            title, ["between", *heads], [[*who, *row] for who, row in zip(between, rows, strict=True)]
         )
     else:
-        yield table(title, HEADS, rows)
+        yield table(title, heads, rows)
     yield from _merged(run["impacts"])
 
 
@@ -107,12 +115,22 @@ def _together(bases: Iterable[str]) -> Iterable[str]:
     return [f"{', '.join(dict.fromkeys(names))}: {basis}" for basis, names in laws.items()]
 
 
-def _row(impact: dict[str, Any]) -> list[str]:
+def _unit(impacts: Iterable[dict[str, Any]]) -> str:
+    """Return the unit of forces: N for models, kN for buildings."""
+    return "kN" if max((one["peak_force_n"] for one in impacts), default=0.0) > LARGE_N else "N"
+
+
+def _force(value_n: float, unit: str, digits: int = 0) -> str:
+    """Return a force, or an impulse, with so many digits of N; kN of buildings have none."""
+    return f"{value_n / 1e3:.0f}" if unit == "kN" else f"{value_n:.{digits}f}"
+
+
+def _row(impact: dict[str, Any], unit: str) -> list[str]:
     return [
         f"{impact['time_s']:.4f}",
         f"{impact['floor']:g}" + (f" at y = {impact['y_m']:g} m" if impact["y_m"] else ""),
-        f"{impact['peak_force_n']:.0f}",
-        f"{impact['impulse_n_s']:.3f}",
+        _force(impact["peak_force_n"], unit),
+        _force(impact["impulse_n_s"], unit, 3),
         f"{impact['approach_velocity_m_s']:.3f}",
         f"{impact['touches']}, {impact['longest_touch_ms']:.2f}",
         " ".join(map(_ratio, impact["touch_restitutions"])),
@@ -134,18 +152,20 @@ def _ratio(restitution: float | None) -> str:
     return "–" if restitution is None else f"{restitution:.2f}"
 
 
-def _peak_rows(run: dict[str, Any]) -> Iterable[list[str]]:
+def _peak_rows(run: dict[str, Any], unit: str) -> Iterable[list[str]]:
     """Return one row a frame, with the impacts that it took part in."""
     for side, name in zip(run["peaks"], run["buildings"], strict=True):
-        roof = run["peaks"][side][-1]
+        peaks = run["peaks"][side]
+        roof = peaks[-1]
         own = [
             impact["peak_force_n"] for impact in run["impacts"] if name in (impact["left"], impact["right"])
         ]
         yield [
-            run["law"],
             name,
             f"{roof['max_mm']:.1f}",
             f"{roof['min_mm']:.1f}",
-            f"{max(own, default=0.0):.0f}",
+            f"{max(peak['drift_percent'] for peak in peaks):.2f}",
+            f"{max(peak['max_acceleration_g'] for peak in peaks):.2f}",
+            _force(max(own, default=0.0), unit),
             f"{len(own)}",
         ]

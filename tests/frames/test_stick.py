@@ -4,6 +4,7 @@ from scipy.optimize import brentq
 
 from pounding import frames
 from pounding.frames.errors import FrameError
+from pounding.frames.loading import from_mapping
 
 STICK = {
     "kind": "stick",
@@ -116,6 +117,17 @@ def test_damping_ratios_belong_to_their_modes():
 def test_what_is_wrong_is_said(fields, sentence):
     with pytest.raises(FrameError, match=sentence):
         frames.build(stick(**fields))
+
+
+def test_one_number_stands_for_all_storeys():
+    short = {"kind": "stick", "name": "short", "storeys": 3, "storey_height_m": 3.2, "damping_ratio": 0.05}
+    one = from_mapping(short | {"floor_mass_kg": 3e5, "frequency_hz": 1.2})
+    assert one.floor_mass_kg == [3e5] * 3
+    assert one.frequency_hz == [1.2]
+    assert (
+        from_mapping(short | {"floor_mass_kg": 3e5, "storey_stiffness_n_per_m": 2e8}).storey_stiffness_n_per_m
+        == [2e8] * 3
+    )
 
 
 def test_a_stick_has_no_mesh():

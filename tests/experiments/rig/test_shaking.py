@@ -31,7 +31,14 @@ def test_result_has_the_keys_that_are_promised(shaken_plate, shaken_stick):
     result = shaken_plate.result()
     keys = {"frame", "record", "pga_g", "damping_ratio", "peaks", "max_stress_mpa", "wall_s", "model_s"}
     assert keys <= set(result)
-    assert set(result["peaks"][0]) == {"floor", "max_mm", "min_mm", "max_acceleration_g"}
+    assert set(result["peaks"][0]) == {
+        "floor",
+        "max_mm",
+        "min_mm",
+        "max_acceleration_g",
+        "drift_mm",
+        "drift_percent",
+    }
     assert [peak["floor"] for peak in result["peaks"]] == [1, 2, 3, 4, 5]
     assert result["pga_g"] == pytest.approx(0.3)
     assert result["damping_ratio"] == 0.00664
