@@ -122,7 +122,7 @@ def fragility(
             "--kept and --scheduler are for the runs of --force or --drift; touching takes one run a record, here"
         )
     aim = None if target is None else spectrum(target)
-    row = linear_street(street, time_factor, damping, columns=True)
+    row = linear_street(street, time_factor, damping)
     motions = Motions(
         tuple(map(_place, record or ())),
         set_ and _place(set_),

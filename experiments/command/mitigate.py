@@ -19,7 +19,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.mitigation.measures import NAMES, described
 from pounding.experiments.mitigation.pictures import trade_offs
 from pounding.experiments.mitigation.search import Answer, Objective, compare, cost
-from pounding.experiments.mitigation.standing import Standing
+from pounding.experiments.mitigation.standing import Hit, Standing
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.output.report import write_report
 from pounding.experiments.records import find
@@ -80,7 +80,8 @@ def mitigate(
     """Compare what can be done about pounding in a street, each measure with its best setting.
 
     The measures: wider gaps, rubber bumpers, hard links, links of spring and dashpot, viscous dampers between the floors,
-    more damping in the buildings, and walls in them. All runs are exact, so the buildings must be linear.
+    more damping in the buildings, walls in them, and walls in the place of columns that a floor hits. All runs are exact,
+    so the buildings must be linear.
 
     Args:
         street: Street file (`pounding new-street` writes one).
@@ -91,12 +92,13 @@ def mitigate(
     row = linear_street(street, time_factor, damping)
     shakings = [find(name, records).scaled(row.scale.time_factor, pga) for name in record]
     contacts, bases = row.contacts()
+    hits = tuple(Hit(number, *basis.hit) for number, basis in enumerate(bases) if basis.hit is not None)
     if out is not None:
         keeping.prepare(out)
     with Progress(console=progress_console(), transient=True) as progress:
         bar = progress.add_task("none", total=evaluations)
         answers = compare(
-            Standing(row.frames, tuple(contacts)),
+            Standing(row.frames, tuple(contacts), hits=hits),
             shakings,
             names=measure or (),
             objective=objective,
@@ -163,10 +165,14 @@ def _keep(result: dict[str, Any], answers: Sequence[Answer], out: Path) -> list[
 
 
 def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
+    hit = any(one["response"]["column_shear_kn"] for one in result["measures"])
+    # No link stands where floors hit columns.
+    heads = ["contact kN", "link kN", "touches", "drift %", "accel. g", "gap needed mm"]
+    hit_heads = ["force kN", "column kN", "kN m", "hits", "drift %", "acc. g", "gap mm"]
     yield table(
         f"{result['parameters']['street']}, the worst of {len(result['records'])} record(s), each measure at its best",
-        ["measure", "contact kN", "link kN", "touches", "drift %", "accel. g", "gap needed mm"],
-        [_row(one) for one in result["measures"]],
+        ["measure", *(hit_heads if hit else heads)],
+        [_row(one, hit) for one in result["measures"]],
     )
     for one in result["measures"]:
         stated = [f"{name} {value:.3g}" for name, value in one["settings"].items()]
@@ -178,12 +184,13 @@ def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
     yield from keeping.written(result)
 
 
-def _row(one: dict[str, Any]) -> list[str]:
+def _row(one: dict[str, Any], hit: bool) -> list[str]:
     found = one["response"]
+    own = ["column_shear_kn", "column_moment_kn_m"] if hit else ["link_force_n"]
     return [
         one["name"],
         _shown(found["peak_force_n"] / 1e3),
-        _shown(found["link_force_n"] / 1e3),
+        *(_shown(found[key] / (1e3 if key.endswith("_n") else 1.0)) for key in own),
         f"{found['touches']}",
         f"{100 * found['drift']:.2f}",
         f"{found['acceleration_g']:.2f}",

@@ -81,16 +81,18 @@ def _impacts(run: dict[str, Any]) -> Iterable[Any]:
 def _columns(run: dict[str, Any]) -> Iterable[Any]:
     if "columns" in run:
         yield table(
-            "What one column that is hit bears, the drift of its storey included",
-            ["building", "floors", "height m", "shear kN", "can", "moment kN m", "can"],
+            "What one column that is hit bears, with the drift of its storey; the largest of that drift alone; what it can",
+            ["building", "floors", "height m", "shear kN", "drift", "can", "moment kN m", "drift", "can"],
             [
                 [
                     one["building"],
                     "{} to {}".format(*one["between_floors"]),
                     f"{one['height_m']:.3g}",
                     f"{one['shear_kn']:.4g}",
+                    f"{one['shear_of_drift_kn']:.4g}",
                     _known(one["shear_capacity_kn"]),
                     f"{one['moment_kn_m']:.4g}",
+                    f"{one['moment_of_drift_kn_m']:.4g}",
                     _known(one["moment_capacity_kn_m"]),
                 ]
                 for one in run["columns"]

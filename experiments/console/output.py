@@ -62,6 +62,10 @@ def plain(value: Any) -> Any:
     return str(value)
 
 
+SHORT = 16
+"""Names of so many letters are not broken in the first column of a table."""
+
+
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
     """Return a table with right-aligned numbers; None is shown as a dash.
 
@@ -74,8 +78,9 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> 
     shown = Table(title=title, title_justify="left")
     for index, name in enumerate(columns):
         words = any(isinstance(row[index], str) for row in rows)
-        # A name too long for a narrow terminal goes on in the next line rather than lose its end.
-        shown.add_column(name, justify="left" if words else "right", overflow="fold")
+        # A name too long for a narrow terminal goes on in the next line rather than lose its end; a short one stays whole.
+        whole = index == 0 and all(len(f"{row[0]}") <= SHORT for row in rows)
+        shown.add_column(name, justify="left" if words else "right", overflow="fold", no_wrap=whole)
     for row in rows:
         shown.add_row(*("–" if cell is None else f"{cell}" for cell in row))
     return shown

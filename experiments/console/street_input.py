@@ -14,7 +14,7 @@ from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.frame_laws import refuse_laws
 from pounding.experiments.rig.states import FrameState, states_of
 from pounding.experiments.rig.street import Basis, built_row, chosen_sets, named, street_contacts
-from pounding.experiments.rig.street_file import Street, is_street_file, load_street, refuse_columns
+from pounding.experiments.rig.street_file import Street, is_street_file, load_street
 from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.frames import ReducedFrame, load
 
@@ -57,19 +57,16 @@ class LinearStreet:
         }
 
 
-def linear_street(
-    file: str, time_factor: float | None, damping: float | None, *, columns: bool = False
-) -> LinearStreet:
+def linear_street(file: str, time_factor: float | None, damping: float | None) -> LinearStreet:
     """Return the street of a file, built.
 
     Args:
         file: The street file.
         time_factor: Factor on the record's time that the user states [-].
         damping: Damping ratio of every mode that the user states [-].
-        columns: Whether floors may hit columns.
 
     Raises:
-        ExperimentError: No street file, columns that are hit, or a building that is not linear.
+        ExperimentError: No street file, or a building that is not linear.
         FrameError: A frame that cannot be.
     """
     if not is_street_file(file):
@@ -77,8 +74,6 @@ def linear_street(
             f"{file} is no street file; pounding new-street writes one from two frames or more"
         )
     street = load_street(file)
-    if not columns:
-        refuse_columns(street)
     names = [building.frame for building in street.building]
     definitions = [load(name) for name in names]
     scale = table_scale(definitions, time_factor)

@@ -11,6 +11,7 @@ import numpy as np
 
 from pounding.contact.rubber import SOFT_PA, RubberBlock
 from pounding.experiments.mitigation.standing import Link, Standing, changed
+from pounding.experiments.rig.column_hits import hardened
 from pounding.experiments.rig.street import bumped
 from pounding.frames.reduction.reduced_frame import ReducedFrame
 from pounding.frames.stick import bending_shear
@@ -90,11 +91,15 @@ def measures(street: Standing, required_mm: Sequence[float]) -> list[Measure]:
             (Setting("stiffness of the walls in the first mode over that of the building [-]", 0.0, 3.0),),
             lambda values: _with_frames(street, [_walled(frame, values[0]) for frame in street.frames]),
         ),
+        *([_collision_walls(street)] if street.hits else []),
     ]
 
 
-NAMES = ("wider-gap", "bumpers", "hard-links", "links", "dampers", "damping", "walls")
+NAMES = ("wider-gap", "bumpers", "hard-links", "links", "dampers", "damping", "walls", "collision-walls")
 """Names of the measures."""
+
+SHIELDING = "collision-walls"
+"""The one that needs columns that a floor hits."""
 
 LINKING = ("hard-links", "links", "dampers")
 """Those of them that make one body of several buildings."""
@@ -185,6 +190,18 @@ def _linked(street: Standing, link: Callable[[Sequence[ReducedFrame]], tuple[flo
         for one in street.contacts
     ]
     return dataclasses.replace(street, links=tuple(links))
+
+
+def _collision_walls(street: Standing) -> Measure:
+    """Return walls in the place of the columns that are hit: they take the blow and do not bend."""
+    contacts = list(street.contacts)
+    for hit in street.hits:
+        law = hardened(contacts[hit.contact].law, hit.place, hit.columns)
+        contacts[hit.contact] = dataclasses.replace(contacts[hit.contact], law=law)
+    shielded = tuple(dataclasses.replace(hit, is_shielded=True) for hit in street.hits)
+    walled = dataclasses.replace(street, contacts=tuple(contacts), hits=shielded)
+    words = "a wall from floor to floor where a floor would hit columns, which does not bend"
+    return Measure(SHIELDING, words, (), lambda _: walled)
 
 
 def _with_frames(street: Standing, frames: Sequence[ReducedFrame]) -> Standing:

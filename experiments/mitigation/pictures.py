@@ -22,6 +22,7 @@ MARKS = {
     "dampers": ("v", SKY),
     "damping": ("P", ORANGE),
     "walls": ("X", GREY),
+    "collision-walls": ("p", "#8c6d1f"),
 }
 """Mark and colour of each measure."""
 

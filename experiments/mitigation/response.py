@@ -14,6 +14,7 @@ from pounding.constants import STANDARD_GRAVITY
 from pounding.contact.rubber import RubberBlock
 from pounding.experiments.mitigation.standing import Standing, joined
 from pounding.experiments.records import Record
+from pounding.experiments.rig.column_hits import borne
 from pounding.experiments.rig.contacts import Contact, sides_of
 from pounding.experiments.rig.exact import run_exact
 from pounding.experiments.rig.impacts import THRESHOLD_N
@@ -35,6 +36,8 @@ class Response:
         acceleration_g: Largest acceleration of a floor in the room [g].
         required_gap_mm: Gap at each contact that would have kept the floors apart [mm].
         compression: Largest compression of a bumper over its thickness [-]; 0 without bumpers.
+        column_shear_kn: Largest shear of one column where floors hit columns [kN]; 0 where none does.
+        column_moment_kn_m: Largest moment there [kN m].
     """
 
     peak_force_n: float
@@ -44,6 +47,8 @@ class Response:
     acceleration_g: float
     required_gap_mm: tuple[float, ...]
     compression: float = 0.0
+    column_shear_kn: float = 0.0
+    column_moment_kn_m: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """Return it with the names above as keys."""
@@ -64,6 +69,17 @@ def response(standing: Standing, record: Record) -> Response:
     floors = _Floors(standing, motion)
     touches = [touch for contact in motion.contacts for touch in touches_of(contact)]
     forces = [touch.peak_force_n for touch in touches]
+    columns = [
+        borne(
+            motion,
+            standing.contacts[one.contact],
+            one.place,
+            one.columns,
+            one.contact,
+            is_shielded=one.is_shielded,
+        )
+        for one in standing.hits
+    ]
     return Response(
         peak_force_n=max(forces, default=0.0),
         touches=sum(force >= THRESHOLD_N for force in forces),
@@ -72,6 +88,8 @@ def response(standing: Standing, record: Record) -> Response:
         acceleration_g=floors.acceleration_g(),
         required_gap_mm=tuple(1e3 * max(0.0, float(value)) for value in _Floors(standing, apart).closing_m()),
         compression=max((_compression(contact) for contact in motion.contacts), default=0.0),
+        column_shear_kn=max((one["shear_kn"] for one in columns), default=0.0),
+        column_moment_kn_m=max((one["moment_kn_m"] for one in columns), default=0.0),
     )
 
 
@@ -90,6 +108,8 @@ def worst(responses: Iterable[Response]) -> Response:
         acceleration_g=max(one.acceleration_g for one in each),
         required_gap_mm=tuple(map(max, zip(*(one.required_gap_mm for one in each), strict=True))),
         compression=max(one.compression for one in each),
+        column_shear_kn=max(one.column_shear_kn for one in each),
+        column_moment_kn_m=max(one.column_moment_kn_m for one in each),
     )
 
 
@@ -145,9 +165,9 @@ class _Floors:
         return [float(self._closing(contact).max()) for contact in self._standing.contacts]
 
     def _closing(self, contact: Contact) -> Real:
-        if not contact.y_m:
+        if not contact.y_m and not contact.on_columns:
             return self._apart("displacement_m", contact.pair, contact.whole_floors)
-        # No frames are joined then: contacts off the middle stand without links.
+        # No frames are joined then: contacts off the middle or on columns stand without links.
         left, right = sides_of(self._standing.frames, contact)
         moved = [self._motion.frames[side.body].displacement_m @ side.row for side in (left, right)]
         return np.asarray(moved[0] - moved[1])

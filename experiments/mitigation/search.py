@@ -12,7 +12,7 @@ from scipy.optimize import direct
 
 from pounding.contact.rubber import FLAT
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.mitigation.measures import LINKING, NAMES, Measure, measures
+from pounding.experiments.mitigation.measures import LINKING, NAMES, SHIELDING, Measure, measures
 from pounding.experiments.mitigation.response import Response, response, worst
 from pounding.experiments.mitigation.standing import Standing
 from pounding.experiments.records import Record
@@ -105,6 +105,8 @@ def compare(
     refuse_laws(street.frames)
     _refuse_no_room(street)
     _refuse_links_off_the_middle(street, names)
+    wished = names or possible(street)
+    _refuse_impossible(street, wished)
     with ThreadPoolExecutor() as pool:
 
         def respond(standing: Standing) -> Response:
@@ -114,11 +116,34 @@ def compare(
         answers = []
         for measure in measures(street, as_it_is.required_gap_mm):
             # Where nothing touches there is nothing to do.
-            wanted = as_it_is.touches > 0 and (not names or measure.name in names)
+            wanted = as_it_is.touches > 0 and measure.name in wished
             if measure.name == "none" or wanted:
                 told = _Told(measure.name, progress)
                 answers.append(_best(measure, respond, objective, evaluations, told))
     return answers
+
+
+def possible(street: Standing) -> tuple[str, ...]:
+    """Return the names of the measures that a street can have: links and dampers stand between floors that face each other.
+
+    Args:
+        street: The street.
+    """
+    if street.hits:
+        return tuple(name for name in NAMES if name not in LINKING)
+    return tuple(name for name in NAMES if name != SHIELDING)
+
+
+def _refuse_impossible(street: Standing, names: Sequence[str]) -> None:
+    can = possible(street)
+    for name in names:
+        if name not in can:
+            why = (
+                "floors hit columns, and links stand between floors that face each other"
+                if street.hits
+                else "no gap states columns that a floor hits"
+            )
+            raise ExperimentError(f"measure {name}: {why}; name others by --measure ({', '.join(can)})")
 
 
 def _refuse_no_room(street: Standing) -> None:
@@ -131,7 +156,7 @@ def _refuse_no_room(street: Standing) -> None:
 
 def _refuse_links_off_the_middle(street: Standing, names: Sequence[str]) -> None:
     if any(contact.y_m for contact in street.contacts) and (not names or set(names) & set(LINKING)):
-        others = ", ".join(name for name in NAMES if name not in LINKING)
+        others = ", ".join(name for name in possible(street) if name not in LINKING)
         raise ExperimentError(
             f"contacts off the middle cannot stand beside links, for linked buildings do not twist here; leave y_m out, or "
             f"name the other measures ({others}) by --measure"

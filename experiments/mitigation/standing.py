@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.column_hits import Columns, Place
 from pounding.experiments.rig.contacts import Contact, Within
 from pounding.frames.reduction.craig_bampton import dense_modes, modal_damping
 from pounding.frames.reduction.reduced_frame import ReducedFrame
@@ -36,6 +37,23 @@ class Link:
 
 
 @dataclass(frozen=True)
+class Hit:
+    """Columns that a floor hits, at one of the contacts.
+
+    Attributes:
+        contact: Number of the contact in the row, from 0.
+        place: Where on the columns it is.
+        columns: The columns.
+        is_shielded: Whether a wall takes the blow in their place.
+    """
+
+    contact: int
+    place: Place
+    columns: Columns
+    is_shielded: bool = False
+
+
+@dataclass(frozen=True)
 class Standing:
     """Frames in a row with what is between them.
 
@@ -43,11 +61,13 @@ class Standing:
         frames: Reduced frames, from left to right.
         contacts: Contacts between neighbours.
         links: Links between neighbours.
+        hits: The contacts that are on columns.
     """
 
     frames: tuple[ReducedFrame, ...]
     contacts: tuple[Contact, ...]
     links: tuple[Link, ...] = ()
+    hits: tuple[Hit, ...] = ()
 
     @property
     def first_floors(self) -> list[int]:

@@ -170,7 +170,32 @@ def softened(law: Law, place: Place, columns: Columns) -> Law:
     return dataclasses.replace(law, stiffness=stiffness)
 
 
-def borne(motion: Motion, contact: Contact, place: Place, columns: Columns, number: int) -> dict[str, Any]:
+def hardened(law: Law, place: Place, columns: Columns) -> Law:
+    """Return the law of the floor's edge alone, the inverse of `softened`: what stands there no longer bends.
+
+    Args:
+        law: A law that `softened` gave.
+        place: Where the floor hits.
+        columns: The columns.
+    """
+    assert isinstance(law, LinearSpring | LinearViscoelastic)
+    bending = columns.stiffness(place.length_m, place.share)
+    stiffness = law.stiffness * bending / (bending - law.stiffness)
+    if isinstance(law, LinearViscoelastic):
+        damping = law.damping * math.sqrt(stiffness / law.stiffness)
+        return dataclasses.replace(law, stiffness=stiffness, damping=damping)
+    return dataclasses.replace(law, stiffness=stiffness)
+
+
+def borne(
+    motion: Motion,
+    contact: Contact,
+    place: Place,
+    columns: Columns,
+    number: int,
+    *,
+    is_shielded: bool = False,
+) -> dict[str, Any]:
     """Return what one column bears, the storey's own drift included, beside what it can.
 
     A column fixed at both ends that bears a force F at a above its lower end and b below its upper one has the end shears
@@ -183,10 +208,12 @@ def borne(motion: Motion, contact: Contact, place: Place, columns: Columns, numb
         place: Where it is.
         columns: The columns.
         number: Number of the contact in the run, from 0.
+        is_shielded: Whether a wall takes the blow, so that the column bears the drift alone.
     """
     history = motion.contacts[number]
     times = np.union1d(history.time_s, history.sampled()[0])
-    force = history.at(times)[2] / columns.count * (1.0 if place.hit == 1 else -1.0)
+    sign = 0.0 if is_shielded else 1.0 if place.hit == 1 else -1.0
+    force = sign * history.at(times)[2] / columns.count
     hit = motion.frames[contact.pair + place.hit]
     below = int(place.floors[place.hit])
     upper = hit.displacement_m[:, hit.floor(below + 1)]

@@ -201,23 +201,6 @@ def load_street(path: str | Path) -> Street:
     return Street(tuple(_found(one, beside) for one in street.building), street.gap)
 
 
-def refuse_columns(street: Street) -> None:
-    """Refuse a street with columns that are hit, for what knows floors that face each other alone.
-
-    Args:
-        street: The street.
-
-    Raises:
-        ExperimentError: One of its gaps has a table `columns`.
-    """
-    for number, gap in enumerate(street.gap, 1):
-        if gap.columns is not None:
-            raise ExperimentError(
-                f"street: [[gap]] {number} has columns that a floor hits, and the measures here stand between floors that "
-                "face each other; leave the table 'columns' out and name such floors, or try gaps with `pounding pound`"
-            )
-
-
 def _known_keys(tree: dict[str, Any], where: str) -> None:
     _refuse_unknown(tree, Street, where)
     for table, structure in (("building", Building), ("gap", Gap)):

@@ -27,13 +27,6 @@ FLATS = {
     "damping_ratio": "0.05",
     "plan_m": "[20.0, 18.0]",
 }
-GARAGE = {
-    "storeys": "3",
-    "storey_height_m": "[3.0, 2.8, 2.8]",
-    "floor_mass_kg": "[310e3, 290e3, 250e3]",
-    "frequency_hz": "[1.9]",
-    "damping_ratio": "0.03",
-}
 
 
 def text(page: str) -> str:
@@ -46,13 +39,17 @@ def joined(words: str) -> str:
 
 @pytest.fixture
 def folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
-    for name, keys in (("office", {}), ("flats", FLATS), ("garage", GARAGE)):
+    for name, keys in (("office", {}), ("flats", FLATS)):
         path = tmp_path / f"{name}.toml"
         main(["new-frame", str(path)])
         content = path.read_text()
         for key, value in keys.items():
             content = re.sub(rf"^{key} = .*$", f"{key} = {value}", content, flags=re.MULTILINE)
         path.write_text(content)
+    for name, content in re.findall(
+        r"`((?:garage|hits)\.toml)`[^`]*```toml\n(.*?)```", text("streets.md"), re.DOTALL
+    ):
+        (tmp_path / name).write_text(content)
     row = [str(tmp_path / f"{name}.toml") for name in ("office", "flats", "office")]
     main(["new-street", str(tmp_path / "street.toml"), *row, "--gap", "60"])
     capsys.readouterr()
@@ -76,11 +73,6 @@ def test_the_row_of_three(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
 
 def test_the_floor_against_columns(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     street = folder / "hits.toml"
-    (columns,) = re.findall(r"^columns = .*$", text("streets.md"), re.MULTILINE)
-    street.write_text(
-        '[[building]]\nframe = "flats.toml"\n[[building]]\nframe = "garage.toml"\n'
-        f"[[gap]]\ngap_mm = 50\n{columns}\n"
-    )
     said = joined(text("streets.md"))
     for solver, words in (
         ("exact", "{:,.0f} kN and {:,.0f} kN m by"),
@@ -92,6 +84,24 @@ def test_the_floor_against_columns(folder: Path, capsys: pytest.CaptureFixture[s
         if solver == "exact":
             peak = max(one["peak_force_n"] for one in run["impacts"]) / 1e6
             assert f"has {len(run['impacts'])} impacts of at most {peak:.1f} MN" in said
+
+
+def test_what_helps_where_a_floor_hits_columns(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The rows without a search, and that of the drift alone on both pages."""
+    street = folder / "hits.toml"
+    only = [word for name in ("wider-gap", "collision-walls") for word in ("--measure", name)]
+    found = answer(["mitigate", str(street), *RECORD, *only, "--evaluations", "3"], capsys)["measures"]
+    assert [one["name"] for one in found] == ["none", "wider-gap", "collision-walls"]
+    for one in found:
+        r = one["response"]
+        assert (
+            f"| {one['name']} | {r['peak_force_n'] / 1e3:,.0f} | {r['column_shear_kn']:,.0f} | "
+            f"{r['column_moment_kn_m']:,.0f} | {r['touches']} | {100 * r['drift']:.2f} | {r['acceleration_g']:.2f} | "
+            f"{max(r['required_gap_mm']):.1f} |"
+        ) in text("mitigation.md")
+    apart = found[1]["response"]
+    said = f"bears {apart['column_shear_kn']:,.0f} kN and {apart['column_moment_kn_m']:,.0f} kN m, because"
+    assert said in joined(text("streets.md"))
 
 
 def test_a_hard_link_is_hard_enough(folder: Path) -> None:

@@ -12,9 +12,10 @@ from pounding.contact.rubber import RubberBlock
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.mitigation.measures import NAMES, measures
 from pounding.experiments.mitigation.response import response, worst
-from pounding.experiments.mitigation.search import compare, cost
-from pounding.experiments.mitigation.standing import Link, Standing, joined
+from pounding.experiments.mitigation.search import compare, cost, possible
+from pounding.experiments.mitigation.standing import Hit, Link, Standing, joined
 from pounding.experiments.records import find
+from pounding.experiments.rig.column_hits import Columns, borne, place_of, softened
 from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.rig import Rig
@@ -82,7 +83,8 @@ def test_a_widened_gap_is_just_wide_enough() -> None:
 
 def test_each_measure_is_no_worse_than_its_other_settings_and_bumpers_are_not_flat() -> None:
     answers = compare(street(), [RECORD], evaluations=7)
-    assert [answer.measure.name for answer in answers] == ["none", *NAMES]
+    assert [answer.measure.name for answer in answers] == ["none", *possible(street())]
+    assert set(NAMES) - set(possible(street())) == {"collision-walls"}
     for answer in answers:
         costs = [cost(one.response, "acceleration") for one in answer.tried]
         assert cost(answer.best.response, "acceleration") == min(costs)
@@ -100,6 +102,46 @@ def test_a_bumper_is_warned_of_when_it_is_flat_and_not_for_being_soft() -> None:
         warnings = contact_warnings(Rig(stand.frames, [contact]).run(RECORD, solver="exact"))
         assert len(warnings) == sentences
         assert all("counts as flat" in sentence for sentence in warnings)
+
+
+def hit_columns() -> Standing:
+    """Return a low frame whose roof hits the columns of the second storey of a higher one."""
+    stand = street()
+    frames = (stand.frames[0], dataclasses.replace(stand.frames[1], heights_m=np.array([0.13, 0.26, 0.39])))
+    place, columns = place_of(*frames, None), Columns(4, 0.02, 0.03, 200.0)
+    law = softened(stand.contacts[0].law, place, columns)
+    return Standing(frames, (Contact(law, 0.002, place.floors, 0),), hits=(Hit(0, place, columns),))
+
+
+def test_columns_that_are_hit_bear_what_pound_says_and_behind_a_wall_their_drift_alone() -> None:
+    stand = hit_columns()
+    (hit,) = stand.hits
+    found = response(stand, RECORD)
+    motion = Rig(stand.frames, stand.contacts).run(RECORD, solver="exact")
+    expected = borne(motion, stand.contacts[0], hit.place, hit.columns, 0)
+    assert (found.column_shear_kn, found.column_moment_kn_m) == (
+        pytest.approx(expected["shear_kn"]),
+        pytest.approx(expected["moment_kn_m"]),
+    )
+    assert found.touches > 2
+    (walls,) = (one for one in measures(stand, [1.0]) if one.name == "collision-walls")
+    behind = walls.apply(())
+    assert behind.contacts[0].law.stiffness == pytest.approx(street().contacts[0].law.stiffness)
+    assert behind.contacts[0].law.damping == pytest.approx(street().contacts[0].law.damping)
+    motion = Rig(behind.frames, behind.contacts).run(RECORD, solver="exact")
+    drift = borne(motion, behind.contacts[0], hit.place, hit.columns, 0)["shear_of_drift_kn"]
+    assert response(behind, RECORD).column_shear_kn == pytest.approx(drift)
+
+
+def test_links_where_a_floor_hits_columns_and_walls_where_none_does_are_refused() -> None:
+    for stand, name, why in (
+        (hit_columns(), "links", "floors hit columns"),
+        (street(), "collision-walls", "no gap states columns"),
+    ):
+        with pytest.raises(ExperimentError, match=f"measure {name}: {why}"):
+            compare(stand, [RECORD], names=[name])
+    answers = compare(hit_columns(), [RECORD], evaluations=3)
+    assert [answer.measure.name for answer in answers] == ["none", *possible(hit_columns())]
 
 
 def test_links_beside_contacts_off_the_middle_are_refused_before_any_run() -> None:
