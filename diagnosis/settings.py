@@ -639,7 +639,6 @@ class Row(NamedTuple):
 
 
 _SAID = re.compile(r"\[(?P<unit>[^]]+)] (?P<meaning>.+?) Origin: (?P<origin>.+)")
-_CHOSEN = "chosen when it was written; not measured"
 
 
 def rows(settings: Settings = SETTINGS) -> Iterator[Row]:
@@ -658,8 +657,8 @@ def rows(settings: Settings = SETTINGS) -> Iterator[Row]:
                     f"{group.name}.{one.name}: say '[unit] Meaning. Origin: ...' under the field"
                 )
             unit, meaning, origin = found.groups()
-            origin = _CHOSEN if origin == "chosen." else origin.removesuffix(".")
-            yield Row(group.name, one.name, _shown(getattr(values, one.name)), unit, meaning, origin)
+            shown = _shown(getattr(values, one.name))
+            yield Row(group.name, one.name, shown, unit, meaning, origin.removesuffix("."))
 
 
 def tables(settings: Settings = SETTINGS) -> str:
