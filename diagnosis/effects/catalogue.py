@@ -40,6 +40,7 @@ class Quantity:
         reported: Whether it is reported.
         logarithmic: Whether it keeps its sign, and is refined as a logarithm.
         spread: Prior standard deviation [SI] of a departure from zero; zero where the prior follows from the motion.
+        symbol: How the equation of its effect in the documentation calls it, in LaTeX; empty where there is none.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Quantity:
     reported: bool = True
     logarithmic: bool = False
     spread: float = 0.0
+    symbol: str = ""
 
 
 @dataclass(frozen=True)

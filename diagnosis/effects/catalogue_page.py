@@ -31,6 +31,8 @@ def _table(kinds: Sequence[type[Effect]]) -> str:
     for kind in kinds:
         assert kind.described is not None
         said = kind.described
-        reported = ", ".join(f"`{one.name}` ({one.unit})" for one in kind.quantities if one.reported)
+        reported = ", ".join(
+            f"`{one.name}` ${one.symbol}$ ({one.unit})" for one in kind.quantities if one.reported
+        )
         rows.append(f"| `{kind.name}` | {said.equation} | {reported}{said.remark} | {said.taken_for} |")
     return "\n".join(rows)

@@ -29,8 +29,8 @@ class DahlFriction(StoreyEffect):
     law = bristles
     default = False
     quantities = (
-        Quantity("friction_force", "N", logarithmic=True),
-        Quantity("build_up_drift", "mm", 1000.0, logarithmic=True),
+        Quantity("friction_force", "N", logarithmic=True, symbol="F"),
+        Quantity("build_up_drift", "mm", 1000.0, logarithmic=True, symbol="x_0"),
     )
     sign = 1
     nonlinear = True

@@ -26,7 +26,7 @@ class JointFlexibility(FrameEffect):
 
     name = "joint_flexibility"
     absorbing = True
-    quantities = (Quantity("joint_stiffness", "N m/rad", logarithmic=True),)
+    quantities = (Quantity("joint_stiffness", "N m/rad", logarithmic=True, symbol="k_j"),)
     typical = 0.5
     """Of the logarithm of the stiffness."""
     described = Description(
@@ -65,7 +65,7 @@ class BaseRocking(FrameEffect):
 
     name = "base_rocking"
     absorbing = True
-    quantities = (Quantity("rotational_stiffness", "N m/rad", logarithmic=True),)
+    quantities = (Quantity("rotational_stiffness", "N m/rad", logarithmic=True, symbol="k_r"),)
     sign = 1
     described = Description(
         "the base turns on a spring $k_r$: "
@@ -108,7 +108,7 @@ class PDelta(FrameEffect):
     name = "p_delta"
     absorbing = True
     linear = True
-    quantities = (Quantity("weight_factor", "1"),)
+    quantities = (Quantity("weight_factor", "1", symbol=r"\phi"),)
     sign = 1
     described = Description(
         r"$K \to K - \phi\,K_g$, $K_g$ the geometric stiffness of the frame's weight",
@@ -146,9 +146,9 @@ class AddedMass(FrameEffect):
     name = "added_mass"
     linear = True
     where = "floor"
-    quantities = (Quantity("mass", "kg"),)
+    quantities = (Quantity("mass", "kg", symbol="m"),)
     described = Description(
-        r"$M_{ff} \to M_{ff} + m$ on floor $f$",
+        r"$M_{ii} \to M_{ii} + m$ on floor $i$",
         "`stiffness_change` of the storeys below; a mass that is not rigidly fixed is *unknown*",
         relation("floor", "acceleration", "inertia", same, lambda x: 1.4 * x),
         told_by="The same shaking with a known mass added to that floor, or weighing it.",
@@ -187,7 +187,7 @@ class AirDrag(LawEffect, FrameEffect):
     name = "air_drag"
     law = drag
     quantities = (
-        Quantity("coefficient", "N s^2/m^2", logarithmic=True),
+        Quantity("coefficient", "N s^2/m^2", logarithmic=True, symbol="c"),
         Quantity("power_beyond_two", "1", reported=False, spread=POWER_SPREAD),
         Quantity("table_share_beyond_one", "1", reported=False, spread=SHARE_SPREAD),
     )
@@ -247,7 +247,7 @@ class TorsionalEccentricity(FrameEffect):
     absorbing = True
     common = True
     quantities = (
-        Quantity("eccentricity", "m", logarithmic=True),
+        Quantity("eccentricity", "m", logarithmic=True, symbol="e"),
         Quantity("torsional_frequency_ratio", "1", reported=False, logarithmic=True),
         Quantity("torsional_damping_factor", "1", reported=False, logarithmic=True),
     )

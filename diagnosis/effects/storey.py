@@ -67,7 +67,7 @@ class StiffnessChange(Departure):
     where = "storey"
     parameter = "storey_stiffness"
     typical = 0.3
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$f = x\,k\,d$ at all times",
         "the same in a neighbouring storey, `joint_flexibility`, `p_delta`, `base_rocking`; `added_mass` where only the "
@@ -96,7 +96,7 @@ class DampingChange(StoreyEffect):
     name = "damping_change"
     law = damper
     linear = True
-    quantities = (Quantity("damping", "N s/m"),)
+    quantities = (Quantity("damping", "N s/m", symbol="c"),)
     dissipates = True
     described = Description(
         r"$f = c\,v$",
@@ -124,7 +124,7 @@ class CoulombFriction(StoreyEffect):
     name = "coulomb_friction"
     law = friction
     quantities: ClassVar[tuple[Quantity, ...]] = (
-        Quantity("friction_force", "N", logarithmic=True),
+        Quantity("friction_force", "N", logarithmic=True, symbol="F"),
         Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
         Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD),
     )
@@ -175,7 +175,7 @@ class CubicStiffness(StoreyEffect):
 
     name = "cubic_stiffness"
     law = cubic_spring
-    quantities = (Quantity("cubic_stiffness", "N/m^3"),)
+    quantities = (Quantity("cubic_stiffness", "N/m^3", symbol="k_3"),)
     nonlinear = True
     described = Description(
         r"$f = k_3\,d^3$",
@@ -204,8 +204,8 @@ class Hysteresis(StoreyEffect):
     law = yielding
     absorbing = True
     quantities = (
-        Quantity("yield_force", "N", logarithmic=True),
-        Quantity("stiffness", "N/m", logarithmic=True),
+        Quantity("yield_force", "N", logarithmic=True, symbol="F_y"),
+        Quantity("stiffness", "N/m", logarithmic=True, symbol="k_y"),
         Quantity("sharpness", "1", reported=False, logarithmic=True),
         Quantity("unloading", "1", reported=False, spread=UNLOADING_SPREAD),
     )
@@ -262,7 +262,7 @@ class Loosening(StoreyEffect):
 
     name = "loosening"
     law = growing_spring
-    quantities = (Quantity("final_relative_change", "1"),)
+    quantities = (Quantity("final_relative_change", "1", symbol="x"),)
     typical = 0.3
     sign = -1
     described = Description(
@@ -294,8 +294,8 @@ class Bumper(StoreyEffect):
     amplitude = 1
     law = stop
     quantities: ClassVar[tuple[Quantity, ...]] = (
-        Quantity("gap", "mm", 1000.0),
-        Quantity("stiffness", "N/m", logarithmic=True),
+        Quantity("gap", "mm", 1000.0, symbol="g"),
+        Quantity("stiffness", "N/m", logarithmic=True, symbol="k_b"),
         Quantity("loss", "s/m", reported=False, spread=LOSS_SPREAD),
         Quantity("power_beyond_one", "1", reported=False, spread=PROGRESS_SPREAD),
     )

@@ -26,7 +26,7 @@ class TableGain(Departure):
     name = "table_gain"
     parameter = "table_gain"
     typical = 0.2
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$a_g \to (1 + x)\,a_g$",
         "a gain of all other sensors",
@@ -47,7 +47,7 @@ class TableDelay(Departure):
     name = "table_delay"
     parameter = "table_delay"
     typical = 0.006
-    quantities = (Quantity("delay", "ms", 1000.0),)
+    quantities = (Quantity("delay", "ms", 1000.0, symbol=r"\tau"),)
     described = Description(
         r"$a_g(t) \to a_g(t - \tau)$",
         "a delay of all other sensors",
@@ -70,7 +70,7 @@ class TableClock(Effect):
     linear = True
     default = False
     typical = 0.01
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$a_g(t) \to a_g((1 + x)\,t)$",
         "a clock of all other sensors, `table_gain` where the table no longer fits the floors at all",
@@ -100,7 +100,7 @@ class TableTilt(Effect):
 
     name = "table_tilt"
     linear = True
-    quantities = (Quantity("tilt", "rad s^2/m"),)
+    quantities = (Quantity("tilt", "rad s^2/m", symbol=r"\psi"),)
     described = Description(
         r"the table pitches by $\theta = \psi\,a_g$: floors move by $h\theta$, weights lean",
         "`base_rocking`, `table_gain`",
@@ -137,7 +137,7 @@ class SensorGain(Departure):
     where = "channel"
     parameter = "channel_gain"
     typical = 0.2
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$y \to (1 + x)\,y$",
         "two sensors exchanged, which is tried before",
@@ -158,7 +158,7 @@ class SensorDelay(Departure):
     where = "channel"
     parameter = "channel_delay"
     typical = 0.006
-    quantities = (Quantity("delay", "ms", 1000.0),)
+    quantities = (Quantity("delay", "ms", 1000.0, symbol=r"\tau"),)
     described: ClassVar[Description | None] = Description(
         r"$y(t) \to y(t - \tau)$",
         "`table_delay`",
@@ -194,7 +194,7 @@ class SensorClock(Effect):
     linear = True
     default = False
     typical = 0.01
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described: ClassVar[Description | None] = Description(
         r"$y(t) \to y(t / (1 + x))$",
         "`sensor_delay`, and `sensor_gain` where the channel no longer fits the others at all",
@@ -233,7 +233,7 @@ class SensorOffset(Departure):
     name = "sensor_offset"
     where = "channel"
     parameter = "channel_offset"
-    quantities = (Quantity("offset", CHANNEL_UNIT),)
+    quantities = (Quantity("offset", CHANNEL_UNIT, symbol="b"),)
     described = Description(
         r"$y \to y + b$",
         "a slow drift",

@@ -106,7 +106,10 @@ class AllCoulombFriction(EveryStorey):
 
     name = "all_coulomb_friction"
     alone = CoulombFriction
-    quantities = (Quantity("slip_drift", "um", 1e6, logarithmic=True), *CoulombFriction.quantities[1:])
+    quantities = (
+        Quantity("slip_drift", "um", 1e6, logarithmic=True, symbol="x_s"),
+        *CoulombFriction.quantities[1:],
+    )
     sign = 1
     nonlinear = True
     dissipates = True
@@ -133,8 +136,8 @@ class AllHysteresis(EveryStorey):
     absorbing = True
     amplitude = 1
     quantities = (
-        Quantity("yield_drift", "mm", 1000.0, logarithmic=True),
-        Quantity("stiffness_share", "1", logarithmic=True),
+        Quantity("yield_drift", "mm", 1000.0, logarithmic=True, symbol="d_y"),
+        Quantity("stiffness_share", "1", logarithmic=True, symbol="s"),
         *Hysteresis.quantities[2:],
     )
     sign = 1
@@ -171,7 +174,7 @@ class AllCubicStiffness(EveryStorey):
 
     name = "all_cubic_stiffness"
     alone = CubicStiffness
-    quantities = (Quantity("cubic_share", "1/m^2"),)
+    quantities = (Quantity("cubic_share", "1/m^2", symbol="b"),)
     nonlinear = True
     described = Description(
         r"$f = k\,b\,d^3$ in every storey",
@@ -233,7 +236,7 @@ class AllQuadraticDamping(EveryStorey):
 
     name = "all_quadratic_damping"
     alone = QuadraticDamper
-    quantities = (Quantity("quadratic_damping", "s^2/m^2", logarithmic=True),)
+    quantities = (Quantity("quadratic_damping", "s^2/m^2", logarithmic=True, symbol="q"),)
     sign = 1
     nonlinear = True
     dissipates = True
@@ -256,7 +259,7 @@ class AllStiffnessChange(FrameEffect, Departure):
     parameter = "frame_stiffness"
     typical = 0.3
     absorbing = True
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$K \to (1 + x)\,K$ beyond the prior of the frame's stiffness",
         "`all_added_mass`, which the motion of a shaken table cannot tell from it, `joint_flexibility`, `p_delta`, "
@@ -289,7 +292,7 @@ class AllDampingChange(FrameEffect, Departure):
     """Of the factor's logarithm."""
     absorbing = True
     dissipates = True
-    quantities = (Quantity("damping_factor", "1", logarithmic=True),)
+    quantities = (Quantity("damping_factor", "1", logarithmic=True, symbol="c"),)
     described = Description(
         r"$\zeta \to c\,\zeta$ in all modes beyond the prior of the frame's damping",
         "`damping_change` in the storey that drifts most, `air_drag`, `all_quadratic_damping` and `all_coulomb_friction` "
@@ -318,7 +321,7 @@ class AllAddedMass(FrameEffect):
     linear = True
     typical = 0.3
     absorbing = True
-    quantities = (Quantity("relative_change", "1"),)
+    quantities = (Quantity("relative_change", "1", symbol="x"),)
     described = Description(
         r"$M \to (1 + x)\,M$ beyond the priors of the floors' masses",
         "`all_stiffness_change`, which the motion of a shaken table cannot tell from it, `p_delta`",

@@ -80,6 +80,15 @@ def test_every_effect_that_may_be_named_is_described() -> None:
 
 
 @pytest.mark.parametrize("kind", shown(kinds()), ids=lambda kind: kind.name)
+def test_every_reported_parameter_is_a_symbol_of_the_equation(kind: type[Effect]) -> None:
+    assert kind.described is not None
+    for quantity in kind.quantities:
+        if quantity.reported:
+            assert quantity.symbol, quantity.name
+            assert quantity.symbol in kind.described.equation, quantity.name
+
+
+@pytest.mark.parametrize("kind", shown(kinds()), ids=lambda kind: kind.name)
 def test_a_sketch_shows_a_difference(kind: type[Effect]) -> None:
     assert kind.described is not None
     x, baseline, true = kind.described.sketch.curves()
