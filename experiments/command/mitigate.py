@@ -5,8 +5,9 @@ from __future__ import annotations
 import json as json_text
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 from cyclopts import Parameter
 from rich.progress import Progress
 
@@ -21,10 +22,14 @@ from pounding.experiments.mitigation.pictures import trade_offs
 from pounding.experiments.mitigation.search import Answer, Objective, compare, cost
 from pounding.experiments.mitigation.standing import Hit, Standing
 from pounding.experiments.output import result_folder as keeping
+from pounding.experiments.output.building_sketch import Marked, Outline, building_sketch
+from pounding.experiments.output.html import three_digits
 from pounding.experiments.output.report import write_report
 from pounding.experiments.records import find
 from pounding.experiments.results.provenance import stamp
+from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.table_scale import TableScale
+from pounding.frames import ReducedFrame
 from pounding.frames.files import replacing, write_whole
 
 LIMITS = (
@@ -118,7 +123,7 @@ def mitigate(
         "limits": list(LIMITS),
     }
     if out is not None:
-        result["files"] = _keep(result, answers, out)
+        result["files"] = _keep(result, answers, row.frames, contacts, out)
     emit(result, as_json=json, show=lambda: _show(result, row.scale))
 
 
@@ -152,16 +157,58 @@ def _sentence(answers: Sequence[Answer], objective: Objective) -> str:
     best = min(others, key=lambda answer: cost(answer.best.response, objective))
     what, factor, unit = OBJECTIVES[objective]
     before, after = (factor * cost(one.best.response, objective) for one in (as_it_is, best))
-    return f"The smallest {what} is left by {best.measure.name}: {after:.3g} {unit} instead of {before:.3g} {unit}."
+    return (
+        f"The smallest {what} is left by {best.measure.name} ({best.measure.words}): {after:.3g} {unit} instead of "
+        f"{before:.3g} {unit}."
+    )
 
 
-def _keep(result: dict[str, Any], answers: Sequence[Answer], out: Path) -> list[str]:
+def _keep(
+    result: dict[str, Any],
+    answers: Sequence[Answer],
+    row: Sequence[ReducedFrame],
+    contacts: Sequence[Contact],
+    out: Path,
+) -> list[str]:
     figure = trade_offs(answers)
     with replacing(out / "trade-offs.png") as part:
         figure.savefig(part, dpi=100)
-    write_report("mitigate", plain(result), out / "mitigate.html", [figure])
+    places = _narrowest(contacts, answers[0].best.response.required_gap_mm)
+    sketch = building_sketch(
+        [Outline(one.name, one.heights_m.tolist()) for one in row], [place.marked(row) for place in places]
+    )
+    needed_mm = [place.needed_mm for place in places]
+    page = out / "mitigate.html"
+    write_report("mitigate", plain(result), page, [figure], sketch, needed_mm=needed_mm)
     write_whole(out / "mitigate.json", (json_text.dumps(plain(result), indent=2) + "\n").encode())
     return ["trade-offs.png", "mitigate.html", "mitigate.json"]
+
+
+class _Place(NamedTuple):
+    """A contact and the gap [mm] that would have kept its floors apart."""
+
+    contact: Contact
+    needed_mm: float
+
+    def marked(self, row: Sequence[ReducedFrame]) -> Marked:
+        there_mm = 1e3 * self.contact.gap_m
+        levels_m = [0.0, *row[self.contact.pair].heights_m]
+        # Between two floors where it is on columns.
+        height_m = float(np.interp(self.contact.floors[0], range(len(levels_m)), levels_m))
+        words = f"{there_mm:.4g} / {three_digits(self.needed_mm)}"
+        return Marked(self.contact.pair, height_m, words, there_mm < self.needed_mm)
+
+
+def _narrowest(contacts: Sequence[Contact], needed_mm: Sequence[float]) -> list[_Place]:
+    """Return of each pair of neighbours the place that lacks most."""
+    places = list(map(_Place, contacts, needed_mm))
+    return [
+        max(
+            (place for place in places if place.contact.pair == pair),
+            key=lambda place: place.needed_mm - 1e3 * place.contact.gap_m,
+        )
+        for pair in sorted({contact.pair for contact in contacts})
+    ]
 
 
 def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
@@ -189,15 +236,10 @@ def _row(one: dict[str, Any], hit: bool) -> list[str]:
     own = ["column_shear_kn", "column_moment_kn_m"] if hit else ["link_force_n"]
     return [
         one["name"],
-        _shown(found["peak_force_n"] / 1e3),
-        *(_shown(found[key] / (1e3 if key.endswith("_n") else 1.0)) for key in own),
+        three_digits(found["peak_force_n"] / 1e3),
+        *(three_digits(found[key] / (1e3 if key.endswith("_n") else 1.0)) for key in own),
         f"{found['touches']}",
         f"{100 * found['drift']:.2f}",
         f"{found['acceleration_g']:.2f}",
-        _shown(max(found["required_gap_mm"])),
+        three_digits(max(found["required_gap_mm"])),
     ]
-
-
-def _shown(value: float) -> str:
-    """Return a number with three digits, or all before the point: forces of models and of buildings stand in one table."""
-    return f"{value:,.0f}" if value >= 100.0 else f"{value:.3g}"

@@ -170,7 +170,14 @@ def _soft_links(street: Standing) -> Measure:
 
 
 def _dampers(street: Standing) -> Measure:
-    settings = (Setting("damping over m w of the lighter neighbour [-]", 0.01, 10.0, is_logarithmic=True),)
+    settings = (
+        Setting(
+            "damping over mass and angular frequency of the lighter neighbour [-]",
+            0.01,
+            10.0,
+            is_logarithmic=True,
+        ),
+    )
 
     def apply(values: Sequence[float]) -> Standing:
         def link(pair: Sequence[ReducedFrame]) -> tuple[float, float]:

@@ -151,6 +151,8 @@ def test_gap_report_is_one_file(capsys, tmp_path: Path) -> None:
     assert "http" not in re.sub(r"base64,[^\"]+", "", html)
     assert [path.name for path in file.parent.iterdir()] == ["gap.html"]
     assert f"Keep them at least {answer['required_gap_mm']:.1f} mm apart at floor 5." in html
+    assert "frame 10, state free-vibration" in html
+    assert "&#39;" not in html.split("Where this comes from")[1]
     assert (
         html.index('class="sheet"')
         < html.index("<svg")

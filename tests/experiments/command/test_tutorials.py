@@ -93,6 +93,12 @@ def test_what_to_do(tmp_path: Path):
         "after/pound.json",
     ):
         assert (tmp_path / name).is_file()
+    sheet, behind = (tmp_path / "measures/mitigate.html").read_text(encoding="utf-8").split("</section>")
+    assert "As it is, floors touch 50 times" in sheet
+    assert "60 / 213" in sheet.split("<svg")[1]
+    for row in table:
+        assert f"<td>{row.split(' | ')[0]}</td>" in sheet
+    assert "a block of rubber" in behind
 
 
 @pytest.mark.slow
