@@ -22,6 +22,8 @@ TIMES = ("table_delay", "channel_delay")
 """Nuisance parameters that are times [s]; others are logarithms of a factor, or changes relative to one."""
 FREQUENCIES = 3
 """How many frequencies of each frame are stated."""
+SHOWN = 1e-4
+"""Smallest share of the motion that is stated: no measurement is so exact."""
 
 
 def calibration(found: Findings, judged: Judged) -> tuple[CalibratedParameter, ...]:
@@ -111,10 +113,8 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
         sight: What changes of its model do to the channels.
     """
     size, left = sight.discrepancy(), remaining(found, judged)
-    said = (
-        f"the baseline model and the frame differ by {100 * size:.2g} % of the motion in ways that no single effect "
-        "explains"
-    )
+    share = "less than 0.01" if size < SHOWN else f"{100 * size:.2g}"
+    said = f"the baseline model and the frame differ by {share} % of the motion in ways that no single effect explains"
     chance = p_value(found, left)
     if not remains(found, left):
         return Remainder(

@@ -8,6 +8,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from pounding.diagnosis.decision.claims import Parameter
 from pounding.diagnosis.report.modal import contents
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.report_text import (
@@ -62,37 +63,51 @@ def _of_runs(report: Report) -> Iterator[RenderableType]:
         yield Text(f"{alike[0].upper()}{alike[1:]}.")
     if report.where:
         title = "Where the baseline model disagrees most"
-        spots = Table("channel", "run", "window [s]", "band [Hz]", "misfit", title=title)
-        for one in report.where[:SPOTS]:
-            window, band = (f"{number(a)} to {number(b)}" for a, b in (one.window_s, one.band_hz))
-            spots.add_row(one.channel, one.run, window, band, percent(one.misfit))
-        yield spots
-    ranked = Table("candidate", "where", "ln Bayes factor", title="Evidence against 'nothing missing'")
-    for tried in report.candidates[:CANDIDATES]:
-        ranked.add_row(tried.effect, tried.where(), f"{tried.log_evidence:.1f}")
-    yield ranked
+        spots = [
+            (
+                one.channel,
+                one.run,
+                *(f"{number(a)} to {number(b)}" for a, b in (one.window_s, one.band_hz)),
+                percent(one.misfit),
+            )
+            for one in report.where[:SPOTS]
+        ]
+        yield table(title, ["channel", "run", "window [s]", "band [Hz]", "misfit"], spots)
+    ranked = [
+        (tried.effect, tried.where(), f"{tried.log_evidence:.1f}") for tried in report.candidates[:CANDIDATES]
+    ]
+    yield table("Evidence against 'nothing missing'", ["candidate", "where", "ln Bayes factor"], ranked)
     if said := against_the_next(report):
         yield Text(said)
 
 
 def _effects(report: Report) -> Table:
     title = "Nearest of what was tried" if report.verdict == "unknown_effect" else "What is missing"
-    effects = Table("effect", "where", "parameter", "value", "standard error", "unit", title=title)
-    for effect in report.effects:
-        for one in effect.parameters:
-            size = (number(one.value), number(one.std), one.unit)
-            effects.add_row(effect.effect, effect.where(), one.name, *size)
-    return effects
+    rows = [
+        (effect.effect, effect.where(), one.name, _size(one))
+        for effect in report.effects
+        for one in effect.parameters
+    ]
+    return table(title, ["effect", "where", "parameter", "value and standard error"], rows)
+
+
+def _size(one: Parameter) -> str:
+    """Return value, standard error and unit; what has no size, such as the name of a law, stands alone."""
+    words = number(one.value)
+    if (error := number(one.std)) != "–":
+        words += f" ± {error}"
+    return f"{words} {one.unit}".rstrip()
 
 
 def _misfits(report: Report) -> Table:
     title = "Misfit (NRMSE): rms(simulated - measured) / rms(measured)"
-    misfits = Table("runs", "before", "after", "noise floor", "explained", title=title)
     held_out = report.misfit.held_out
-    for label, misfit in (
-        ("training", report.misfit.training),
-        (f"held out ({held_out.run})" if held_out else "held out: none, there is a single run", held_out),
-    ):
-        keys = ("before", "after", "noise_floor", "explained")
-        misfits.add_row(label, *(percent(getattr(misfit, key, None)) for key in keys))
-    return misfits
+    keys = ("before", "after", "noise_floor", "explained")
+    rows = [
+        (label, *(percent(getattr(misfit, key, None)) for key in keys))
+        for label, misfit in (
+            ("training", report.misfit.training),
+            (f"held out ({held_out.run})" if held_out else "held out: none, there is a single run", held_out),
+        )
+    ]
+    return table(title, ["runs", "before", "after", "noise floor", "explained"], rows)

@@ -85,6 +85,7 @@ def test_a_frame_that_is_not_quite_the_model_is_said_to_differ_by_some_of_the_mo
         said = remainder(found, found.null, Sight.of(found, found.null.fit.filtered))
         assert said.linear
         assert "of the motion in ways that no single effect explains" in said.statement
+        assert ("by less than 0.01 %" in said.statement) == ((said.size or 0.0) < 1e-4)
         sizes.append(said.size or 0.0)
     assert sizes[1] > 5 * sizes[0]
 

@@ -235,6 +235,15 @@ def test_the_terminal_shows_verdict_size_and_evidence(kind: str) -> None:
     assert "nats" not in text
 
 
+@pytest.mark.parametrize("kind", REPORTS)
+def test_a_terminal_of_80_columns_cuts_no_name(kind: str) -> None:
+    report = REPORTS[kind]()
+    console = Console(width=80, file=io.StringIO(), markup=False)
+    for part in tables(report):
+        console.print(part)
+    assert "…" not in console.file.getvalue()  # type: ignore[attr-defined]
+
+
 def test_the_sentence_says_what_where_how_large_and_how_sure() -> None:
     assert sentence(of_runs()) == (
         "Missing is coulomb friction in storey 3 of 5B (friction force 12.1 ± 0.4 N), or damping change in storey 3 of 5B, "
