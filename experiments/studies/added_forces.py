@@ -84,15 +84,18 @@ def damping_by_drift(body: Storeys, values: Real) -> Force:
     return force
 
 
-def hysteresis(body: Storeys, values: Real, *, share: float) -> Force:
+def hysteresis(body: Storeys, values: Real, *, share: float | Real) -> Force:
     """Return the loss of force where a share of each storey's stiffness slips at a drift of `values` [mm].
 
     Args:
         body: The storeys.
         values: Drift at which a storey slips, one a variant (values,) [mm].
-        share: Share of the stiffness that slips [-].
+        share: Share of the stiffness that slips [-], one for all or one a variant (values,).
     """
-    return _slider(share * body.storey_stiffness, np.multiply.outer(1e-3 * values, np.ones(len(body.mass))))
+    return _slider(
+        np.multiply.outer(share, body.storey_stiffness),
+        np.multiply.outer(1e-3 * values, np.ones(len(body.mass))),
+    )
 
 
 def softening(body: Storeys, values: Real) -> Force:
@@ -127,11 +130,11 @@ def column_yielding(body: Storeys, values: Real) -> Force:
 
 
 def _slider(stiffness: Real, limit: Real) -> Force:
-    """Return the loss of force of springs (n,) [N/m] that slip at elastic drifts `limit` (values, n) [m].
+    """Return the loss of force of springs (n,) or (values, n) [N/m] that slip at elastic drifts `limit` (values, n) [m].
 
     The slider's state is carried from call to call, so a force serves one run only.
     """
-    state = {"elastic": np.zeros_like(limit), "drift": np.zeros((1, len(stiffness)))}
+    state = {"elastic": np.zeros_like(limit), "drift": np.zeros((1, limit.shape[1]))}
 
     def force(u: Real, _v: Real, _w: Real) -> Real:
         drift = drifts(u)

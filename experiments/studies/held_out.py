@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from pounding.experiments.studies.peak_lattice import Freedom, PeakLattice
+from pounding.experiments.studies.peak_lattice import Freedom, Lattice
 from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
 
 
-def split_errors(lattice: PeakLattice, freedom: Freedom, count: int, every: bool) -> list[float]:
+def split_errors(lattice: Lattice, freedom: Freedom, count: int, every: bool) -> list[float]:
     """Return the mean error on the records that were not fitted, for each way to fit `count` of four [-].
 
     Args:
@@ -30,7 +29,7 @@ def split_errors(lattice: PeakLattice, freedom: Freedom, count: int, every: bool
     return found
 
 
-def frame_errors(lattice: PeakLattice, freedom: Freedom) -> list[float]:
+def frame_errors(lattice: Lattice, freedom: Freedom) -> list[float]:
     """Return the mean error on each frame when the others are fitted; its own state is then the first that it may have.
 
     Args:
@@ -46,15 +45,14 @@ def frame_errors(lattice: PeakLattice, freedom: Freedom) -> list[float]:
 
 
 def picked_inside(
-    lattice: PeakLattice, models: Sequence[Freedom], every: bool = False
+    models: Sequence[tuple[Lattice, Freedom]], every: bool = False
 ) -> tuple[float, list[Freedom]]:
     """Return the held-out error over six splits when the model, too, is picked inside each of them, and those picked.
 
     The one is picked that, fitted to one of the two records, is nearest on the other, both ways.
 
     Args:
-        lattice: The errors of all models.
-        models: The models to pick from.
+        models: The models to pick from, each in its lattice.
         every: Whether contested peaks count, too.
     """
     errors, picked = [], []
@@ -66,16 +64,16 @@ def picked_inside(
                     for a, b in (pair, pair[::-1])
                 ]
             )
-            for one in models
+            for lattice, one in models
         ]
-        best = models[int(np.argmin(crossed))]
+        lattice, best = models[int(np.argmin(crossed))]
         rest = [one for one in range(len(RECORDS)) if one not in pair]
         errors.append(lattice.error(lattice.fit(best, pair, every=every), rest, every=every))
         picked.append(best)
     return float(np.mean(errors)), picked
 
 
-def row(lattice: PeakLattice, name: str, freedom: Freedom) -> dict[str, Any]:
+def row(lattice: Lattice, name: str, freedom: Freedom) -> dict[str, Any]:
     """Return how near a model comes to the peaks: fitted to all, and on what it was not fitted to [-].
 
     Args:
@@ -95,6 +93,6 @@ def row(lattice: PeakLattice, name: str, freedom: Freedom) -> dict[str, Any]:
         "frames_58": float(np.mean(frame_errors(lattice, freedom))),
         "all_64": lattice.fit(freedom, range(len(RECORDS)), every=True).error,
         "halves_64": float(np.mean(split_errors(lattice, freedom, 2, True))),
-        "setting": asdict(chosen.setting),
+        "numbers": dict(chosen.numbers),
         "states": chosen.states,
     }

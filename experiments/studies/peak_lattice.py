@@ -1,16 +1,17 @@
-"""Errors of Table 4.1 on a lattice of models: state of each frame, frequency factor, damping ratio and gain of the table.
+"""Errors of Table 4.1 on a lattice of models: a state of each frame, and numbers that are the same for all frames.
 
-The first three say how a frame swings and the last scales what it does, so that all models of the lattice follow from the
-responses at each first frequency and damping ratio: between neighbouring frequencies, half a per cent apart, peaks are taken
-as straight.
+`PeakLattice` has the linear models: frequency factor, damping ratio and gain of the table. The first two and the state
+say how a frame swings and the gain scales what it does, so that all its models follow from the responses at each first
+frequency and damping ratio: between neighbouring frequencies, half a per cent apart, peaks are taken as straight.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,13 +55,16 @@ RATIOS = (
 GAINS = np.concatenate([[1.0], np.arange(0.75, 0.9999, 0.025), np.arange(1.025, 1.1001, 0.025)])
 """Values of each number that are tried, first the one that changes nothing; no damping ratio is each frame's own."""
 
+PARTS = {"slip": 2}
+"""Of how many numbers one is made: a slip is a share of the stiffness and a drift."""
+
 
 @dataclass(frozen=True)
 class Freedom:
     """What a model may choose, the rest being as in the baseline model.
 
     Attributes:
-        numbers: Which of `factor`, `damping` and `gain` are fitted.
+        numbers: Which of the lattice's numbers are fitted.
         states: `baseline` (free vibration), `fitted` (one of `PLACES` for each frame), or a state for each frame that was
             chosen beforehand.
     """
@@ -77,75 +81,54 @@ class Freedom:
     @property
     def fitted(self) -> int:
         """How many numbers and choices are fitted."""
-        return len(self.numbers) + (len(FRAMES) if self.states == "fitted" else 0)
+        numbers = sum(PARTS.get(name, 1) for name in self.numbers)
+        return numbers + (len(FRAMES) if self.states == "fitted" else 0)
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """A model of the lattice: numbers for all frames, a state for each, and its mean error where it was fitted [-]."""
+    """A model of a lattice.
 
-    setting: Setting
+    Attributes:
+        numbers: Numbers for all frames by name; those that are left out change nothing.
+        states: A state for each frame.
+        error: Its mean error where it was fitted [-].
+    """
+
+    numbers: Mapping[str, Any]
     states: dict[str, Frequency]
     error: float
 
+    @property
+    def setting(self) -> Setting:
+        """The model as the linear models of the other tables take it."""
+        factor, gain = (float(self.numbers.get(name, 1.0)) for name in ("factor", "gain"))
+        return Setting(self.numbers.get("damping"), factor, gain)
 
-class PeakLattice:
-    """The errors of all models of the lattice at all peaks of Table 4.1.
+
+class Lattice:
+    """The errors of all models of a lattice at all peaks of Table 4.1; one that is derived computes the predictions.
 
     Args:
-        records: Folder with ground motions; None for the default.
-        told: Called after each frame and record with the share that is done.
+        axes: Values of each number that are tried, in the order of the axes of `predictions`; first the one that changes
+            nothing.
+
+    Attributes:
+        predictions: Peaks [mm] of each frame by all models, (states, a size for each of `axes`, floors, records, sides).
+        measured: Measured peaks [mm] of each frame (floors, records, sides).
+        floors: Floors of each frame whose peaks were measured.
     """
 
-    def __init__(self, records: Path | None = None, told: Callable[[float], None] | None = None) -> None:
-        self.motions = [_motion(name, records) for name in RECORDS]
+    predictions: dict[str, Real]
+
+    def __init__(self, axes: Mapping[str, Sequence[Any]]) -> None:
+        self.axes = {name: tuple(values) for name, values in axes.items()}
         truth, sure = measured(), trusted()
         self.measured = {name: truth.values[truth.frame.values == name] for name in FRAMES}
         self.sure = {name: sure.values[truth.frame.values == name] for name in FRAMES}
-        self._floors = {
+        self.floors = {
             name: [int(one) for one in truth.floor.values[truth.frame.values == name]] for name in FRAMES
         }
-        self._peaks: dict[str, Real] = {}
-        for number, name in enumerate(FRAMES):
-            self._peaks[name] = self._computed(name)
-            if told is not None:
-                told((number + 1) / len(FRAMES))
-
-    def _computed(self, frame: str) -> Real:
-        """Return the peaks [mm] of a frame, shape (floors, records, sides, frequencies, ratios)."""
-        own, floors = first_frequency(frame, "free vibration"), self._floors[frame]
-        found = np.empty((len(floors), len(RECORDS), 2, len(FREQUENCIES), len(RATIOS)))
-        for column, motion in enumerate(self.motions):
-            for i, relative in enumerate(FREQUENCIES):
-                for j, ratio in enumerate(RATIOS):
-                    moved = displacements(frame, floors, motion, own * relative, ratio)
-                    found[:, column, :, i, j] = 1e3 * extremes(moved)
-        return found
-
-    def peaks(self, frame: str, state: Frequency, factor: float) -> Real:
-        """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios).
-
-        Args:
-            frame: Name of the frame.
-            state: Its state.
-            factor: Factor on its first frequency [-].
-        """
-        wanted = first_frequency(frame, state) * factor / first_frequency(frame, "free vibration")
-        place = float(np.interp(wanted, FREQUENCIES, np.arange(len(FREQUENCIES))))
-        lower = min(int(place), len(FREQUENCIES) - 2)
-        weight = place - lower
-        table = self._peaks[frame]
-        return np.asarray((1 - weight) * table[..., lower, :] + weight * table[..., lower + 1, :])
-
-    @cached_property
-    def predictions(self) -> dict[str, Real]:
-        """Peaks [mm] of each frame by all models, (states, factors, ratios, gains, floors, records, sides)."""
-        found = {}
-        for name in FRAMES:
-            peaks = np.array([[self.peaks(name, state, float(f)) for f in FACTORS] for state in PLACES])
-            peaks = np.moveaxis(peaks, -1, 2)[:, :, :, None]
-            found[name] = np.asarray(GAINS[:, None, None, None] * peaks)
-        return found
 
     @cached_property
     def errors(self) -> dict[str, Real]:
@@ -167,13 +150,14 @@ class PeakLattice:
         each = {name: self.summed(name, freedom, records, every) for name in frames}
         total = np.sum([sums.min(axis=0) for sums, _ in each.values()], axis=0)
         count = sum(counted for _, counted in each.values())
-        factor, ratio, gain = (int(one) for one in np.unravel_index(int(np.argmin(total)), total.shape))
+        place = tuple(int(one) for one in np.unravel_index(int(np.argmin(total)), total.shape))
         for name in FRAMES:
-            choice = int(np.argmin(each[name][0][:, factor, ratio, gain])) if name in each else 0
+            choice = int(np.argmin(each[name][0], axis=0)[place]) if name in each else 0
             states[name] = freedom.allowed(name)[choice]
-        factors, ratios, gains = self._grids(freedom)
-        setting = Setting(RATIOS[ratios[ratio]], float(FACTORS[factors[factor]]), float(GAINS[gains[gain]]))
-        return Chosen(setting, states, float(total[factor, ratio, gain]) / count)
+        numbers = {
+            name: values[number] for (name, values), number in zip(self.axes.items(), place, strict=True)
+        }
+        return Chosen(numbers, states, float(total[place]) / count)
 
     def error(
         self, chosen: Chosen, records: Sequence[int], frames: Sequence[str] = FRAMES, every: bool = False
@@ -186,11 +170,8 @@ class PeakLattice:
             frames: Frames whose peaks are used.
             every: Whether contested peaks are used, too.
         """
-        ratio, setting = RATIOS.index(chosen.setting.damping), chosen.setting
-        peaks = {
-            name: setting.gain * self.peaks(name, chosen.states[name], setting.factor)[..., ratio]
-            for name in frames
-        }
+        place = [values.index(chosen.numbers.get(name, values[0])) for name, values in self.axes.items()]
+        peaks = {name: self.predictions[name][(PLACES.index(chosen.states[name]), *place)] for name in frames}
         return self.error_of(peaks, records, frames, every)
 
     def error_of(
@@ -215,7 +196,7 @@ class PeakLattice:
         return total / count
 
     def summed(self, name: str, freedom: Freedom, records: Sequence[int], every: bool) -> tuple[Real, int]:
-        """Return sums of errors, (allowed states, factors, ratios, gains), and how many peaks they are of.
+        """Return sums of errors, (allowed states, a size for each number), and how many peaks they are of.
 
         Args:
             name: Name of the frame.
@@ -223,10 +204,9 @@ class PeakLattice:
             records: Numbers of the records whose peaks are used.
             every: Whether contested peaks are used, too.
         """
-        factors, ratios, gains = self._grids(freedom)
         chosen = [PLACES.index(state) for state in freedom.allowed(name)]
         used = self._used(name, records, every)
-        part = self.errors[name][np.ix_(chosen, factors, ratios, gains)]
+        part = self.errors[name][np.ix_(chosen, *self._grids(freedom))]
         return np.asarray(part[..., used, :].sum(axis=(-1, -2))), 2 * int(used.sum())
 
     def _used(self, name: str, records: Sequence[int], every: bool) -> NDArray[np.bool_]:
@@ -234,13 +214,69 @@ class PeakLattice:
         wanted = np.isin(np.arange(len(RECORDS)), list(records))
         return np.asarray((np.ones_like(sure) if every else sure) & wanted)
 
-    @staticmethod
-    def _grids(freedom: Freedom) -> tuple[list[int], list[int], list[int]]:
-        sizes = {"factor": len(FACTORS), "damping": len(RATIOS), "gain": len(GAINS)}
-        found = [list(range(size)) if name in freedom.numbers else [0] for name, size in sizes.items()]
-        return found[0], found[1], found[2]
+    def _grids(self, freedom: Freedom) -> list[list[int]]:
+        return [
+            list(range(len(values))) if name in freedom.numbers else [0] for name, values in self.axes.items()
+        ]
 
 
-def _motion(name: str, folder: Path | None) -> Record:
+class PeakLattice(Lattice):
+    """The linear models: a factor on all frequencies, one damping ratio, a gain of the table.
+
+    Args:
+        records: Folder with ground motions; None for the default.
+        told: Called after each frame with the share that is done.
+    """
+
+    def __init__(self, records: Path | None = None, told: Callable[[float], None] | None = None) -> None:
+        super().__init__({"factor": FACTORS.tolist(), "damping": RATIOS, "gain": GAINS.tolist()})
+        self.motions = [motion_of(name, records, STEP_S) for name in RECORDS]
+        self._peaks: dict[str, Real] = {}
+        for number, name in enumerate(FRAMES):
+            self._peaks[name] = self._computed(name)
+            if told is not None:
+                told((number + 1) / len(FRAMES))
+        self.predictions = {name: self._of_all_models(name) for name in FRAMES}
+
+    def _computed(self, frame: str) -> Real:
+        """Return the peaks [mm] of a frame, shape (floors, records, sides, frequencies, ratios)."""
+        own, floors = first_frequency(frame, "free vibration"), self.floors[frame]
+        found = np.empty((len(floors), len(RECORDS), 2, len(FREQUENCIES), len(RATIOS)))
+        for column, motion in enumerate(self.motions):
+            for i, relative in enumerate(FREQUENCIES):
+                for j, ratio in enumerate(RATIOS):
+                    moved = displacements(frame, floors, motion, own * relative, ratio)
+                    found[:, column, :, i, j] = 1e3 * extremes(moved)
+        return found
+
+    def peaks(self, frame: str, state: Frequency, factor: float) -> Real:
+        """Return the peaks [mm] of a frame in a state for all damping ratios, shape (floors, records, sides, ratios).
+
+        Args:
+            frame: Name of the frame.
+            state: Its state.
+            factor: Factor on its first frequency [-].
+        """
+        wanted = first_frequency(frame, state) * factor / first_frequency(frame, "free vibration")
+        place = float(np.interp(wanted, FREQUENCIES, np.arange(len(FREQUENCIES))))
+        lower = min(int(place), len(FREQUENCIES) - 2)
+        weight = place - lower
+        table = self._peaks[frame]
+        return np.asarray((1 - weight) * table[..., lower, :] + weight * table[..., lower + 1, :])
+
+    def _of_all_models(self, frame: str) -> Real:
+        """Return the peaks [mm] of a frame, (states, factors, ratios, gains, floors, records, sides)."""
+        peaks = np.array([[self.peaks(frame, state, float(f)) for f in FACTORS] for state in PLACES])
+        return np.asarray(GAINS[:, None, None, None] * np.moveaxis(peaks, -1, 2)[:, :, :, None])
+
+
+def motion_of(name: str, folder: Path | None, step_s: float) -> Record:
+    """Return the motion of the table by a record at the frames' scale, while it shakes.
+
+    Args:
+        name: Name of the record.
+        folder: Folder with ground motions; None for the default.
+        step_s: Longest step [s].
+    """
     motion = table_motion(name, BLIND, folder).trimmed(lower=0.0, upper=KEPT_ARIAS)
-    return motion.resampled(motion.step_s / np.ceil(motion.step_s / STEP_S))
+    return motion.resampled(motion.step_s / np.ceil(motion.step_s / step_s))

@@ -14,7 +14,7 @@ from pounding.experiments.studies.frame_states import (
 )
 from pounding.experiments.studies.held_out import picked_inside, split_errors
 from pounding.experiments.studies.missing_in_the_thesis import freedoms
-from pounding.experiments.studies.peak_lattice import FRAMES, RATIOS, Freedom, PeakLattice
+from pounding.experiments.studies.peak_lattice import FRAMES, Freedom, PeakLattice
 from pounding.experiments.studies.table_4_1 import BLIND, RECORDS, predict, score, table_motion, trusted
 from pounding.frames.response.exact import linear_response
 
@@ -54,11 +54,7 @@ def test_the_lattice_without_any_freedom_is_the_baseline_model(lattice):
 
 @pytest.mark.parametrize("states", ["fitted", tuple(TWO_STATES.items())])
 def test_a_hidden_model_of_the_lattice_is_found(lattice, states, monkeypatch):
-    truth = {
-        name: 0.85 * lattice.peaks(name, TWO_STATES[name], 0.98)[..., RATIOS.index(None) + 2]
-        for name in FRAMES
-    }
-    monkeypatch.setattr(peak_lattice, "RATIOS", (None, 0.01, 0.02))
+    truth = {name: 0.85 * lattice.peaks(name, TWO_STATES[name], 0.98)[..., 2] for name in FRAMES}
     monkeypatch.setattr(lattice, "measured", truth)
     lattice.__dict__.pop("errors", None)
     found = lattice.fit(Freedom(("damping", "factor", "gain"), states), ALL)
@@ -70,7 +66,6 @@ def test_a_hidden_model_of_the_lattice_is_found(lattice, states, monkeypatch):
 
 
 def test_what_is_held_out_takes_no_part_in_the_fit(lattice, monkeypatch):
-    monkeypatch.setattr(peak_lattice, "RATIOS", (None, 0.01, 0.02))
     freedom = Freedom(("gain",))
     before = lattice.fit(freedom, [0, 1])
     changed = {name: peaks.copy() for name, peaks in lattice.measured.items()}
@@ -86,10 +81,9 @@ def test_what_is_held_out_takes_no_part_in_the_fit(lattice, monkeypatch):
     assert max(errors) > 0.5
 
 
-def test_the_model_picked_inside_a_split_is_one_of_those_offered(lattice, monkeypatch):
-    monkeypatch.setattr(peak_lattice, "RATIOS", (None, 0.01, 0.02))
+def test_the_model_picked_inside_a_split_is_one_of_those_offered(lattice):
     offered = [Freedom(), Freedom(("gain",))]
-    error, picked = picked_inside(lattice, offered)
+    error, picked = picked_inside([(lattice, one) for one in offered])
     assert len(picked) == 6
     assert set(picked) <= set(offered)
     assert 0.05 < error < 0.3
@@ -102,20 +96,19 @@ def test_a_weighted_median_has_half_of_the_weight_on_each_side():
 
 
 def test_the_average_of_all_models_is_the_hidden_one_where_the_fitted_peaks_tell_it(lattice, monkeypatch):
-    monkeypatch.setattr(peak_lattice, "RATIOS", (None, 0.01, 0.02))
     rng = np.random.default_rng(2)
     truth = {name: 0.85 * lattice.peaks(name, TWO_STATES[name], 0.98)[..., 2] for name in FRAMES}
     noisy = {name: peaks * (1 + 0.01 * rng.standard_normal(peaks.shape)) for name, peaks in truth.items()}
     monkeypatch.setattr(lattice, "measured", noisy)
     lattice.__dict__.pop("errors", None)
-    errors = averaged_errors(lattice, 2)
-    before = averaged(lattice, [0, 1])
+    errors = averaged_errors([lattice], 2)
+    before = averaged([lattice], [0, 1])
     changed = {name: peaks.copy() for name, peaks in noisy.items()}
     for peaks in changed.values():
         peaks[:, 2:] *= 3.0
     monkeypatch.setattr(lattice, "measured", changed)
     lattice.__dict__.pop("errors", None)
-    after = averaged(lattice, [0, 1])
+    after = averaged([lattice], [0, 1])
     lattice.__dict__.pop("errors", None)
     assert len(errors) == 6
     assert max(errors) < 0.015
