@@ -119,6 +119,26 @@ def test_peaks_scale_with_the_records(test_records):
     np.testing.assert_allclose(ratio.sel(record=list(RECORDS)), expected, rtol=1e-4)
 
 
+def test_noise_that_both_sides_of_a_floor_share_is_left_out():
+    truth = table_4_1.measured()
+    rng = np.random.default_rng(1)
+    shared = 1.0 + 0.3 * rng.random((truth.sizes["place"], truth.sizes["record"], 1))
+    assert table_4_1.noise_of_sides(truth * shared, truth, table_4_1.trusted()) == pytest.approx(
+        0.0, abs=1e-12
+    )
+    # 29 ratios tell the mean size of a normal error, 0.8 sd, within 14 % (one standard error).
+    noisy = truth * np.exp(0.1 * rng.standard_normal(truth.shape))
+    found = table_4_1.noise_of_sides(noisy, truth, table_4_1.trusted())
+    assert found == pytest.approx(0.1 * np.sqrt(2.0 / np.pi), rel=0.3)
+
+
+def test_the_noise_of_the_measured_peaks_is_at_most_7_to_9_percent(blind, test_records):
+    strong = table_4_1.predict_in("strong-motion", test_records)
+    models = (table_4_1.measured("numerical"), strong, blind)
+    found = [table_4_1.noise_of_sides(one, table_4_1.measured(), table_4_1.trusted()) for one in models]
+    assert found == pytest.approx([0.072, 0.080, 0.088], abs=ROOM)
+
+
 def test_polarity_swaps_the_sides(blind, test_records):
     turned = table_4_1.predict(Variant(polarity=-1), test_records)
     np.testing.assert_allclose(turned.sel(side="max"), blind.sel(side="min"), rtol=1e-12)
