@@ -17,6 +17,7 @@ from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.decision.false_alarms import stored
+from pounding.diagnosis.decision.imitated import unhide
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
@@ -293,5 +294,6 @@ def _find(
     found = search(model, effects, used, unseen, progress, start)
     found.pair = pair
     found.false_alarms = stored(false_alarms)
+    unhide(found)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

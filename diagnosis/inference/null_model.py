@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, best, fit_misfits, leaves_much
+from pounding.diagnosis.inference.findings import Findings, Judged, best, fit_misfits, judge, leaves_much
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
 from pounding.diagnosis.inference.refine import Fit, calibrated_further, refine
@@ -85,6 +86,31 @@ def _own_error(model: Model, filtered: Filtered) -> list[Noise]:
             )
         )
     return noise
+
+
+def no_more_discrepant(found: Findings, judged: Judged) -> Judged:
+    """Return the null model calibrated with the model discrepancy's scale of effects, if that is smaller.
+
+    Its likelihood stays that of the likeliest null model.
+
+    Args:
+        found: What the search found.
+        judged: The effects.
+    """
+    model, null = found.model, found.null.fit
+    scale = judged.fit.filtered.discrepancy
+    if scale >= null.filtered.discrepancy:
+        return found.null
+    reach = box_of(len(model.std)) * model.spread(scale)
+    start = run_filter(
+        model,
+        np.clip(null.filtered.values, -reach, reach),
+        null.filtered.with_discrepancy(scale).noise,
+        null.filtered.runs,
+    )
+    narrow = calibrated_further(model, start, SETTINGS.refinement.by_motion, Marquardt())
+    fit = by_its_motion(model, replace(null, filtered=narrow))
+    return judge(model, fit, null, found.training, found.held_out)
 
 
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:

@@ -1,0 +1,46 @@
+"""A storey that lost a third of its stiffness: a wide model discrepancy imitates it, and is no reason to say nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.decision.imitated import unhide
+from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.search import search
+from tests.diagnosis.models import measured
+
+LOSS = -0.3
+
+
+def findings(lost: float) -> Findings:
+    """Return what is found of the storeys of a frame of which the second lost a share of its stiffness."""
+    blank = measured(samples=50, runs=1)
+    second = next(one for one in candidates(blank) if (one.name, one.storey) == ("stiffness_change", 2))
+    effects = [(second, np.array([lost]))] if lost else []
+    model = measured(effects, noise=0.01, samples=1500)
+    storeys = [one for one in candidates(model) if one.name in ("stiffness_change", "damping_change")]
+    return search(model, storeys, (0,), (1,), lambda *_: None)
+
+
+def test_a_storey_that_a_wide_discrepancy_imitates_is_named() -> None:
+    found = findings(LOSS)
+    imitated = found.null
+    assert decide(found).verdict == "nothing_missing"
+    unhide(found)
+    named = decide(found)
+    assert (named.verdict, named.judged.label()) == ("effect_named", "stiffness change, storey 2 of bench")
+    assert float(named.judged.fit.values[0][0]) == pytest.approx(LOSS, abs=0.06)
+    assert found.null.fit.filtered.discrepancy < imitated.fit.filtered.discrepancy
+    assert found.null.misfit[1] > 2 * imitated.misfit[1]
+    # What the evidence says is of the likeliest null model still.
+    assert found.null.fit.log_posterior == imitated.fit.log_posterior
+
+
+def test_where_nothing_is_likely_nothing_changes() -> None:
+    found = findings(0.0)
+    null = found.null
+    unhide(found)
+    assert found.null is null
