@@ -28,5 +28,10 @@ def check(where: str, rows: list[list[float]], storeys: int) -> None:
         raise FrameError(f"{where} holds a value that is not finite; correct it")
     if np.abs(matrix - matrix.T).max() > ROUND_OFF * np.abs(matrix).max():
         raise FrameError(f"{where} is not symmetric; what one floor does to another, the other does to it")
-    if not np.linalg.eigvalsh(matrix)[0] > 0.0:
-        raise FrameError(f"{where} is not positive definite: the frame would not stand")
+    values, motions = np.linalg.eigh(matrix)
+    if not values[0] > 0.0:
+        floor = int(np.abs(motions[:, 0]).argmax()) + 1
+        raise FrameError(
+            f"{where} is not positive definite: the frame would not stand (least eigenvalue {values[0]:.3g}, mostly of "
+            f"floor {floor}); correct these rows, or export the matrices of a building on a fixed base"
+        )

@@ -73,7 +73,8 @@ class Target:
         if last > LONGEST_SHARE * record.duration_s or first < STEPS * record.step_s:
             raise ExperimentError(
                 f"record {record.name}, {record.duration_s:.3g} s by steps of {record.step_s:.3g} s, says nothing of "
-                f"periods from {first:.3g} to {last:.3g} s, at which it is brought to the target; leave it out"
+                f"periods from {first:.3g} to {last:.3g} s, at which it is brought to the target (that takes "
+                f"{last / LONGEST_SHARE:.3g} s and steps of at most {first / STEPS:.2g} s); leave it out"
             )
         periods = np.geomspace(first, last, LOOKS)
         own = response_spectrum(record, periods, 0.05).pseudo_acceleration_m_s2 / STANDARD_GRAVITY

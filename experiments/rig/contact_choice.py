@@ -70,9 +70,9 @@ def chosen_parameters(frames: Sequence[Frame], table: TableScale, wish: ContactW
     if chosen != "floors":
         if not at_home:
             raise ExperimentError(
-                f"the laboratory's contact parameters ({chosen}) hold at {THESIS}, and these frames stand at {table.scale}; "
-                f"leave --parameters out and estimate the contact {_needs(frames) or 'from the floors'}, or give "
-                "--stiffness and --restitution"
+                f"the laboratory's contact parameters ({chosen}) hold at {THESIS}, and {_names(frames)} stand at "
+                f"{table.scale}; leave --parameters (in a street file 'parameters') out and estimate the contact "
+                f"{_needs(frames) or 'from the floors'}, or give --stiffness and --restitution (in a street file the keys)"
             )
         return chosen
     if wish.stiffness is None:
@@ -80,10 +80,14 @@ def chosen_parameters(frames: Sequence[Frame], table: TableScale, wish: ContactW
             is_hertz(name)
         if _needs(frames):
             raise ExperimentError(
-                f"the contact of {' and '.join(frame.name for frame in frames)} at {table.scale} is not known; estimate it "
-                f"{_needs(frames)}, or give --stiffness and --restitution"
+                f"the contact of {_names(frames)} at {table.scale} is not known; estimate it "
+                f"{_needs(frames)}, or give --stiffness and --restitution (in a street file the keys)"
             )
     return chosen
+
+
+def _names(frames: Sequence[Frame]) -> str:
+    return " and ".join(frame.name for frame in frames)
 
 
 def choose_laws(

@@ -49,7 +49,10 @@ def folder(tmp_path: Path) -> Path:
     [
         ("pound bench.toml bench.toml --gap 2 --parameters printed", "no scale, so the time of the record"),
         ("gap bench.toml bench.toml", "the frame's file states no scale"),
-        ("pound slow.toml stiff.toml --gap 20 --parameters printed", "hold at 1:30, and these frames stand"),
+        (
+            "pound slow.toml stiff.toml --gap 20 --parameters printed",
+            "hold at 1:30, and slow and stiff stand",
+        ),
         ("pound slow.toml 5A --gap 20", "cannot stand on one table: a record has one time scale"),
         ("gap slow.toml 5A", "cannot stand on one table: a record has one time scale"),
         ("shake no_mass.toml", "matrices.mass_kg is not positive definite"),

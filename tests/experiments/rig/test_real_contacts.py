@@ -78,7 +78,7 @@ def test_touches_merge_by_the_similitude() -> None:
     [
         (
             ContactWish(["linear_spring"], "printed"),
-            "printed.* hold at 1:30, and these frames stand at full scale",
+            "printed.* hold at 1:30, and left and bare stand at full scale",
         ),
         (ContactWish(["linear_spring"], "formula", stiffness=1e9), "formula.* hold at 1:30"),
         (
