@@ -69,3 +69,16 @@ def spellings(kind: dict[str, float]) -> list[str]:
 def si(kind: dict[str, float]) -> str:
     """Return the SI unit of a kind, which is the one whose factor is 1."""
     return next(unit for unit, factor in kind.items() if factor == 1.0)
+
+
+LARGE_FORCE_N = 1e5
+"""Where a larger force occurs, forces are shown in kN."""
+
+
+def force_unit(largest_n: float) -> tuple[str, float]:
+    """Return the unit in which forces are shown, and what it is in N: N for models, kN for buildings.
+
+    Args:
+        largest_n: The largest of them [N].
+    """
+    return ("kN", 1e3) if largest_n > LARGE_FORCE_N else ("N", 1.0)

@@ -12,12 +12,10 @@ from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.states import FrameState
 from pounding.experiments.rig.table_scale import TableScale
 from pounding.experiments.rig.turning import turning_sentence
+from pounding.units import force_unit
 
 HEADS = ("time s", "floor", "peak {unit}", "{unit} s", "approach m/s", "touches, max ms", "restitution")
 """Of the table of impacts; duration and restitution are those of single touches."""
-
-LARGE_N = 1e5
-"""Runs with a larger force are shown in kN."""
 
 
 def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableScale) -> Iterable[Any]:
@@ -118,8 +116,7 @@ def _together(bases: Iterable[str]) -> Iterable[str]:
 
 
 def _unit(impacts: Iterable[dict[str, Any]]) -> str:
-    """Return the unit of forces: N for models, kN for buildings."""
-    return "kN" if max((one["peak_force_n"] for one in impacts), default=0.0) > LARGE_N else "N"
+    return force_unit(max((one["peak_force_n"] for one in impacts), default=0.0))[0]
 
 
 def _force(value_n: float, unit: str, digits: int = 0) -> str:

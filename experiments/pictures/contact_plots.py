@@ -14,6 +14,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures.panels import figure_of, keep, panels
 from pounding.experiments.pictures.plots import STYLE
 from pounding.experiments.rig.impacts import impacts
+from pounding.units import force_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -69,15 +70,16 @@ def force_histories(
     shown = hit_hardest(runs)
     window_s = _first_touch_s(shown) if window_s is None else window_s
     starts = [[impact.time_s for impact in impacts(history)] for history in shown]
+    unit, newtons = _unit(shown)
     for index, history in enumerate(shown):
         name = labels[index] if labels else _label(history)
         colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
         times, force = history.sampled()
-        whole.plot(times, force, color=colour, label=name, linewidth=0.9)
+        whole.plot(times, force / newtons, color=colour, label=name, linewidth=0.9)
         if starts[index]:
             start = starts[index][0]
             near = np.linspace(start - 0.1 * window_s, start + window_s, 1500)
-            close.plot(1e3 * (near - start), history.at(near)[2], color=colour)
+            close.plot(1e3 * (near - start), history.at(near)[2] / newtons, color=colour)
     touches = [time for each in starts for time in each]
     margin = 0.03 + 0.1 * (max(touches) - min(touches))
     whole.set_xlim(max(0.0, min(touches) - margin), max(touches) + margin)
@@ -85,7 +87,7 @@ def force_histories(
     if len(runs[0].motion.contacts) > 1:
         gap += f" at floor {shown[0].floor}"
     whole.set_title(f"{shown[0].left} beside {shown[0].right}, {runs[0].record.name}, {gap}", fontsize=10)
-    whole.set(xlabel="time [s]", ylabel="contact force [N]")
+    whole.set(xlabel="time [s]", ylabel=f"contact force [{unit}]")
     # Below the axes of a figure of ours: the peaks take whatever room there is inside.
     named = whole.get_legend_handles_labels()
     if new:
@@ -107,6 +109,11 @@ def hit_hardest(runs: Sequence[Pounding]) -> list[ContactHistory]:
     peaks = [[contact.sampled()[1].max(initial=0.0) for contact in run.motion.contacts] for run in runs]
     place = int(np.max(peaks, axis=0).argmax())
     return [run.motion.contacts[place] for run in runs]
+
+
+def _unit(shown: Sequence[ContactHistory]) -> tuple[str, float]:
+    """Return the unit of the forces of contacts, and what it is in N."""
+    return force_unit(max(float(history.sampled()[1].max(initial=0.0)) for history in shown))
 
 
 def _first_touch_s(shown: Sequence[ContactHistory]) -> float:
@@ -139,11 +146,13 @@ def loops(
     """
     _require_touch(runs)
     (axes,) = panels(axes, 1, (5.4, 3.8))
-    for index, history in enumerate(hit_hardest(runs)):
+    shown = hit_hardest(runs)
+    unit, newtons = _unit(shown)
+    for index, history in enumerate(shown):
         if history.pulses:
             colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
-            _loop(axes, history, labels[index] if labels else _label(history), colour)
-    axes.set(xlabel="deformation [mm]", ylabel="contact force [N]")
+            _loop(axes, history, labels[index] if labels else _label(history), colour, newtons)
+    axes.set(xlabel="deformation [mm]", ylabel=f"contact force [{unit}]")
     axes.set_title("hardest touch of each", fontsize=10)
     axes.legend(fontsize=8)
     keep(axes, path, dpi=DPI)
@@ -192,10 +201,10 @@ def peak_map(
     return axes
 
 
-def _loop(axes: Axes, history: ContactHistory, name: str, colour: str) -> None:
+def _loop(axes: Axes, history: ContactHistory, name: str, colour: str, newtons: float) -> None:
     pulses = [history.pulse(*pulse) for pulse in history.pulses]
     _, deformation, _, force = max(pulses, key=lambda pulse: float(pulse[3].max()))
-    axes.plot(1e3 * deformation, force, color=colour, label=name, linewidth=1.3)
+    axes.plot(1e3 * deformation, force / newtons, color=colour, label=name, linewidth=1.3)
 
 
 def _label(history: ContactHistory) -> str:
