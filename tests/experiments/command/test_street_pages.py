@@ -99,6 +99,13 @@ def test_what_helps_where_a_floor_hits_columns(folder: Path, capsys: pytest.Capt
             f"{r['column_moment_kn_m']:,.0f} | {r['touches']} | {100 * r['drift']:.2f} | {r['acceleration_g']:.2f} | "
             f"{max(r['required_gap_mm']):.1f} |"
         ) in text("mitigation.md")
+    out = folder / "measures"
+    main(["mitigate", str(street), *RECORD, "--measure", "collision-walls", "--out", str(out)])
+    capsys.readouterr()
+    assert (
+        f'<td class="n">{found[2]["response"]["column_shear_kn"]:,.0f}</td>'
+        in (out / "mitigate.html").read_text()
+    )
     apart = found[1]["response"]
     said = f"bears {apart['column_shear_kn']:,.0f} kN and {apart['column_moment_kn_m']:,.0f} kN m, because"
     assert said in joined(text("streets.md"))
