@@ -157,10 +157,10 @@ def _sentence(answers: Sequence[Answer], objective: Objective) -> str:
     best = min(others, key=lambda answer: cost(answer.best.response, objective))
     what, factor, unit = OBJECTIVES[objective]
     before, after = (factor * cost(one.best.response, objective) for one in (as_it_is, best))
-    return (
-        f"The smallest {what} is left by {best.measure.name} ({best.measure.words}): {after:.3g} {unit} instead of "
-        f"{before:.3g} {unit}."
-    )
+    said = f"{best.measure.name} ({best.measure.words}): {after:.3g} {unit} instead of {before:.3g} {unit}."
+    if after >= before:
+        return f"No measure tried lowers the largest {what}; the least is left by {said}"
+    return f"The smallest {what} is left by {said}"
 
 
 def _keep(
