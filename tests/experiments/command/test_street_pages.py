@@ -101,7 +101,7 @@ def test_what_helps_where_a_floor_hits_columns(folder: Path, capsys: pytest.Capt
         ) in text("mitigation.md")
     out = folder / "measures"
     main(["mitigate", str(street), *RECORD, "--measure", "collision-walls", "--out", str(out)])
-    capsys.readouterr()
+    assert "No measure tried lowers the largest acceleration of a floor" in joined(capsys.readouterr().out)
     assert (
         f'<td class="n">{found[2]["response"]["column_shear_kn"]:,.0f}</td>'
         in (out / "mitigate.html").read_text()
