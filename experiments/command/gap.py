@@ -245,7 +245,7 @@ def _tables(
         f"({result['pga_g']:.3f} g)"
     )
     yield table(title, ["", "mm", ""], rows)
-    yield from map(str, states)
+    yield from dict.fromkeys(map(str, states))  # one building may stand twice
     yield str(scale)
     yield table(
         "Rules, from the peaks of this run",

@@ -49,7 +49,7 @@ def tables(result: dict[str, Any], states: Iterable[FrameState], scale: TableSca
         f"Impacts as a force sensor sees them: {SAMPLE_RATE_HZ:,.0f} samples a second, {THRESHOLD_N:g} N, "
         f"touches less than {1e3 * result['parameters']['impact_merging_s']:.3g} ms apart are one."
     )
-    yield from map(str, states)
+    yield from dict.fromkeys(map(str, states))  # one building may stand twice
     yield str(scale)
     yield from _together(result["parameters"]["contact_basis"])
     yield from keeping.written(result)

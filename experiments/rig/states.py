@@ -128,7 +128,8 @@ class FrameState:
 
 def in_words(state: Mapping[str, Any]) -> str:
     """Return `FrameState.as_dict` in words: the frame, its state, and where stiffness and damping come from."""
-    return f"{state['frame']}, {state['state'] or 'no state'}: {state['source']}"
+    named = [state["frame"], *([state["state"]] if state["state"] else [])]
+    return f"{', '.join(named)}: {state['source']}"
 
 
 def states_of(
