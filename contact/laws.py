@@ -30,6 +30,7 @@ import numpy as np
 
 from pounding.contact.damping import hertz_damp_ratio
 from pounding.contact.errors import ContactError
+from pounding.toml_text import meant
 
 
 class FloatOperations:
@@ -248,7 +249,7 @@ def law_class(name: str) -> type[Law]:
     try:
         return LAWS[name]
     except KeyError:
-        raise ContactError(f"no impact law is called {name!r}; known are {', '.join(names())}") from None
+        raise ContactError(f"no impact law is called {name!r}{meant(name, names())}") from None
 
 
 def _not_negative(law: Law, field: str, unit: str) -> None:

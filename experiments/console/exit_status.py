@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cyclopts import App, CycloptsError, ValidationError
+from cyclopts import App, CoercionError, CycloptsError, MissingArgumentError, ValidationError
 from rich.console import Console
 
 from pounding.errors import InputError
@@ -19,6 +19,11 @@ from pounding.experiments.console.interruption import heeding
 from pounding.experiments.results.provenance import software_version
 
 BAD_INPUT = 2
+NUMBERS: dict[type | None, tuple[str, str]] = {
+    float: ("number", "; a unit, if it has one, is stated in the help and not typed"),
+    int: ("whole number", ""),
+}
+"""What a number is called in a sentence, and what is to be done."""
 
 
 def command(**named: Any) -> App:
@@ -59,7 +64,8 @@ def run(app: App, arguments: Sequence[str] | None = None) -> None:
     except ValidationError as error:
         _leave(_of_option(error), BAD_INPUT)
     except CycloptsError as error:
-        _leave(f"{error} (see {' '.join(app.name)} --help)", BAD_INPUT)
+        page = " ".join([*app.name, *(error.command_chain or ())])
+        _leave(f"{_of_words(error)} (see {page} --help)", BAD_INPUT)
     except BrokenPipeError:
         # The reader of our output (a pager, `head`) has seen enough; nothing more can be told to it.
         _drop_output()
@@ -84,6 +90,24 @@ def _of_option(error: ValidationError) -> str:
     tokens = error.argument.tokens if error.argument else []
     option = next((token.keyword for token in tokens if token.keyword), None)
     return f"{option}: {error.exception_message}" if option else str(error)
+
+
+def _of_words(error: CycloptsError) -> str:
+    """Return what is wrong with the words of a command, in the words of its help and not in those of Python."""
+    argument = error.argument
+    if isinstance(error, MissingArgumentError) and argument:
+        name = argument.name
+        if name in (error.root_input_tokens or ()):
+            return f"{name} needs a value"
+        if error.unused_tokens:
+            # One of them may be this option, mistyped: cyclopts says which.
+            return str(error)
+        return f"{name.lstrip('-').upper() if argument.field_info.is_positional else name} is missing"
+    if isinstance(error, CoercionError) and error.token and error.target_type in NUMBERS:
+        option = error.token.keyword or (argument.name.lstrip("-").upper() if argument else "")
+        kind, hint = NUMBERS[error.target_type]
+        return f"{option}: {error.token.value!r} is not a {kind}{hint}"
+    return str(error)
 
 
 def _open_streams() -> None:

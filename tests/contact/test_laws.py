@@ -24,6 +24,8 @@ quickly = settings(max_examples=60, deadline=None, derandomize=True)
 def test_the_five_laws_are_known_by_their_names() -> None:
     assert tuple(names()[:5]) == FIVE
     with pytest.raises(ContactError, match="known are linear_spring"):
+        law_class("xyz")
+    with pytest.raises(ContactError, match="did you mean hertz"):
         law_class("hertzian")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from pathlib import Path
 import pytest
 
 from pounding.experiments.command import main
-from pounding.experiments.command.app import STUDIES, VERBS, described
+from pounding.experiments.command.app import EXAMPLES, STUDIES, VERBS, VERBS_BY_PURPOSE, app, described
 from pounding.experiments.console.exit_status import run_script
 
 
@@ -173,7 +174,19 @@ def test_list_as_json() -> None:
     ("words", "named"),
     [
         (["modal", "5C"], "5"),
-        (["modal"], "frame"),
+        (["modal"], "FRAME is missing (see pounding modal --help)"),
+        (["gap", "15B", "5B"], "--record is missing (see pounding gap --help)"),
+        (["pound", "15B", "5B", "--gap"], "--gap needs a value"),
+        (
+            ["pound", "15B", "5B", "--record", "elcentro-chopra", "--gap", "8mm"],
+            "'8mm' is not a number; a unit",
+        ),
+        (["pound", "15B", "5B", "--record", "elcentro-chopra", "--floor", "x"], "'x' is not a whole number"),
+        (["shake", "15B", "--recrd", "elcentro-chopra"], "did you mean --record instead of --recrd"),
+        (
+            ["pound", "15B", "5B", "--gap", "8", "--record", "elcentro-chopra", "--law", "herz"],
+            "no impact law is called 'herz'; did you mean hertz?",
+        ),
         (["modul", "5A"], "modul"),
         (["modal", "5A", "--joints", "soft"], "soft"),
         (["modal", "5A", "--damping", "much"], "much"),
@@ -221,6 +234,21 @@ def test_every_verb_and_study_says_in_the_list_what_it_does(function: str) -> No
     said = described(function)
     assert said.split("\n")[0].endswith(".")
     assert "Args:" not in said
+
+
+def test_every_verb_has_a_purpose_and_an_example_that_can_be_typed() -> None:
+    assert set(EXAMPLES) == {*VERBS, "study"}
+    for verb, line in EXAMPLES.items():
+        name, typed, *_ = words = shlex.split(line)
+        assert (name, typed) == ("pounding", verb)
+        app.parse_args(words[1:])
+
+
+def test_the_help_shows_verbs_by_purpose_and_each_with_its_example(here: Callable[..., Done]) -> None:
+    said = here("--help").stdout
+    places = [said.index(f"─ {purpose} ─") for purpose in VERBS_BY_PURPOSE]
+    assert places == sorted(places)
+    assert EXAMPLES["gap"] in " ".join(here("gap", "--help").stdout.split())
 
 
 def shell(line: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
