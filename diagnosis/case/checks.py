@@ -371,10 +371,11 @@ def check_what_is_measured(channels: Sequence[Channel], places: Places) -> None:
 
 
 def suggest(word: str, known: list[str]) -> str:
-    """Return the end of a sentence: the known words that the word is a part of, else the nearest one, else all of them."""
+    """Return the end of a sentence: the known words that the word is a part of, else the nearest one and all of them."""
     of_it = [item for item in known if word.lower() in item.lower().split("_")]
     if len(of_it) > 1:
         return f"; say which: {', '.join(of_it)}"
     close = difflib.get_close_matches(word.lower(), [item.lower() for item in known], n=1, cutoff=0.5)
     nearest = next((item for item in known if close and item.lower() == close[0]), None)
-    return f"; did you mean {nearest!r}?" if nearest else f"; use one of {', '.join(known)}"
+    near = f"; did you mean {nearest!r}? Allowed are" if nearest else "; use one of"
+    return f"{near} {', '.join(known)}"

@@ -27,6 +27,12 @@ Peak = Annotated[
 ]
 
 
+def _fraction(_type: object, value: float) -> None:
+    """Refuse a damping in percent, as which a code states it."""
+    if not 0.0 < value < 1.0:
+        raise ValueError(f"{value:g} is not a fraction from above 0 to below 1 (5 % is 0.05)")
+
+
 def design(
     *,
     tall: Annotated[float, Parameter(help="Height of the taller building [m].")],
@@ -35,8 +41,9 @@ def design(
     tall_frequency: Hertz = None,
     short_frequency: Hertz = None,
     damping: Annotated[
-        float, Parameter(help="Damping of both buildings [percent of critical].")
-    ] = DEFAULT_DAMPING_PERCENT,
+        float,
+        Parameter(help="Damping ratio of both buildings, a fraction (0.05 is 5 %).", validator=_fraction),
+    ] = DEFAULT_DAMPING_PERCENT / 100.0,
     tall_mm: Peak = None,
     short_mm: Peak = None,
     report: Report = None,
@@ -49,7 +56,7 @@ def design(
         pga_g=pga,
         tall_frequency_hz=tall_frequency,
         short_frequency_hz=short_frequency,
-        damping_percent=damping,
+        damping_percent=100.0 * damping,
         tall_mm=tall_mm,
         short_mm=short_mm,
     )

@@ -133,6 +133,7 @@ def test_full_scale_building(capsys, tmp_path) -> None:
         (("design", "--tall", "39", "--short", "21", "--pga", "-1"), "it must be"),
         (("design", "--tall", "39", "--short", "21"), "pga"),
         (("design", "--tall", "39", "--short", "21", "--pga", "0.2", "--tall-mm", "80"), "of both"),
+        (("design", "--tall", "39", "--short", "21", "--pga", "0.2", "--damping", "5"), "5 % is 0.05"),
     ],
 )
 def test_bad_input_is_one_sentence(capsys, words, named) -> None:
@@ -170,7 +171,7 @@ def test_design_report_and_keys(capsys, tmp_path: Path) -> None:
     assert all(set(rule) == {"name", "gap_mm", "basis", "in_range", "reason"} for rule in found["rules"])
     gaps = {rule["name"]: rule["gap_mm"] for rule in found["rules"]}
     assert gaps["equation 7.16"] == pytest.approx(154.32, abs=0.005)
-    assert found["parameters"]["damping_percent"] == 5.0
+    assert found["parameters"]["damping_percent"] == pytest.approx(5.0)
     html = file.read_text(encoding="utf-8")
     assert "154.3" in html
     assert "256.5" in html
