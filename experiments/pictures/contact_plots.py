@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.pictures.palette import BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from pounding.experiments.pictures.panels import figure_of, keep, panels
 from pounding.experiments.pictures.plots import STYLE
 from pounding.experiments.rig.impacts import impacts
@@ -25,11 +26,11 @@ if TYPE_CHECKING:
 Real = NDArray[np.floating[Any]]
 
 COLOURS = {
-    "linear_spring": "#1f4e79",
-    "linear_viscoelastic": "#d1711c",
-    "hertz": "#3a7d44",
-    "nonlinear_viscoelastic": "#b3262e",
-    "hertz_damp": "#6a4c93",
+    "linear_spring": BLUE,
+    "linear_viscoelastic": ORANGE,
+    "hertz": GREEN,
+    "nonlinear_viscoelastic": VERMILION,
+    "hertz_damp": PURPLE,
 }
 OTHER = "#555555"
 PALETTE = tuple(COLOURS.values())
