@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from pounding.experiments.rig.drifts import storey_drift, storey_row
 from pounding.experiments.rig.motion import FrameMotion
-from pounding.experiments.rig.storeys import storey_drift, storey_row
 from pounding.frames.yielding import storey_yields
 
 

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import storey_forces as forces
+from pounding.experiments.rig.drifts import storey_drift, storey_row
 from pounding.experiments.rig.laws import Law, along, filled
 from pounding.experiments.rig.motion import FrameMotion, StoreyHistory
-from pounding.experiments.rig.storeys import StoreyLaw, history_of, storey_drift, storey_row
+from pounding.experiments.rig.storeys import StoreyLaw, history_of
 from pounding.experiments.rig.yielding import yielding_laws
 from pounding.frames import storey_laws as stated
 from pounding.frames.storey_laws import StatedLaw

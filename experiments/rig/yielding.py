@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding.experiments.rig.drifts import storey_row
 from pounding.experiments.rig.laws import Law, filled, remembering
 from pounding.experiments.rig.storey_forces import yielding as rounded_force
-from pounding.experiments.rig.storeys import StoreyLaw, storey_row
+from pounding.experiments.rig.storeys import StoreyLaw
 from pounding.frames.yielding import StoreyYield, storey_yields
 
 if TYPE_CHECKING:

@@ -56,7 +56,7 @@ def test_the_building_pair(tmp_path: Path):
         ("177.89", "177.9 mm"),
         ("139.02 to 211.17", "139.0 to 211.2 mm"),
         ("163.19", "163.2 mm"),
-        ("22874543", "22.9 MN"),
+        ("│ 22875 │", "22.9 MN"),
         ("full scale, by the height of the storeys", "storeys are higher than 2 m"),
     ):
         assert printed in said
@@ -73,11 +73,11 @@ def test_what_to_do(tmp_path: Path):
     for printed, written in (
         ("213.39", "213.39"),
         ("180.86", "180.86 mm"),
-        ("19009504", "19.0 MN"),
+        ("│ 19010 │", "19.0 MN"),
         ("7.59", "7.59 g"),
         ("0.58", "0.58 g"),
         ("1.05", "1.05 g"),
-        ("3705546", "3.7 MN"),
+        ("│ 3706 │", "3.7 MN"),
     ):
         assert printed in said
         assert written in page
@@ -127,7 +127,7 @@ def test_the_first_collision(tmp_path: Path):
         ("6.95 to 13.64", "6.95 to 13.64 mm"),
         ("│ 1.1364 │ 5 │ 1743 │", "1.1364 s after the start with a force of 1743 N"),
         ("│ 1, 1.16 │", "It lasts 1.16 ms"),
-        ("│ linear_viscoelastic │ 15B │ 14.0 │ 14.8 │ 1743 │ 3 │", "collide three times"),
+        ("│ 15B │ 14.0 │ 14.8 │ 2.10 │ 27.30 │ 1743 │ 3 │", "collide three times"),
     ):
         assert printed in said
         assert written in page

@@ -195,15 +195,6 @@ def test_how_likely_a_floor_hits_columns_follows_from_the_same_closing() -> None
     assert closings([LEFT, RIGHT], contacts, record) == pytest.approx(expected)
 
 
-def test_measures_stand_between_floors_and_are_refused_before_columns(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(SystemExit) as left:
-        main(["mitigate", str(folder / "street.toml"), "--record", "elcentro-chopra"])
-    assert left.value.code == 2
-    assert "has columns that a floor hits" in " ".join(capsys.readouterr().err.split())
-
-
 @pytest.mark.parametrize(
     ("wrong", "right", "sentence"),
     [
