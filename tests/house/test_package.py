@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -120,6 +121,18 @@ def test_the_sdist_builds_the_same_wheel(built: Built, tmp_path: Path) -> None:
     assert {one: again.read(one) for one in again.namelist()} == {
         one: first.read(one) for one in first.namelist()
     }
+
+
+@pytest.mark.slow
+def test_an_index_shows_the_readme_without_links_that_lead_nowhere(built: Built) -> None:
+    metadata = next(built.packages.glob("*.dist-info/METADATA")).read_text(encoding="utf-8")
+    _, _, described = metadata.partition("\n\n")
+    assert "Description-Content-Type: text/markdown" in metadata
+    assert "## Three commands" in described
+    assert "what to do about pounding, how likely it is over many records" in described
+    links = re.findall(r"\]\(([^)]*)\)", described)
+    assert not [one for one in links if not one.startswith("https://")]
+    assert "![" not in described
 
 
 @pytest.mark.slow
