@@ -206,7 +206,7 @@ def test_restitution_of_one_is_the_spring_alone_and_any_stiffness_is_resolved(
     [
         ([*SHORT[:4], "-1", *SHORT[5:]], "overlap"),
         ([*SHORT, "--floor", "7"], "floor 7"),
-        ([*SHORT, "--law", "herz"], "known are linear_spring"),
+        ([*SHORT, "--law", "herz"], "did you mean hertz?"),
         ([*SHORT, "--gap", "2"], "2 gaps for 1 floor"),
         ([*SHORT, "--floor", "5", "--floor", "5"], "given once"),
         ([*SHORT, "--parameters", "guessed"], "guessed"),
