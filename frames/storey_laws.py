@@ -63,11 +63,16 @@ class Damper(_Stated, frozen=True, tag="damper"):
 
     Attributes:
         storey: The storey, from 1.
-        damping_n_s_per_m: Its coefficient [N s/m]; negative where the frame has less damping than its modes' ratios.
+        damping_n_s_per_m: Force over the drift's rate [N s/m], at the rate `at_m_per_s` where the power is not one;
+            negative where the frame has less damping than its modes' ratios.
+        power: Power of the rate [-].
+        at_m_per_s: The rate at which a damper of another power is as strong as the linear one [m/s].
     """
 
     storey: int
     damping_n_s_per_m: float
+    power: float = 1.0
+    at_m_per_s: float = 0.1
 
 
 class QuadraticDamper(_Stated, frozen=True, tag="quadratic_damper"):
@@ -181,6 +186,7 @@ BOUNDS: dict[str, Bound] = {
     "gap_mm": Bound(-1e5, 1e5, "", "no storey drifts so far"),
     "loss_s_per_m": Bound(-1e3, 1e3, "", "a stop loses a share of its force"),
     "power": Bound(0.1, 10.0, "", "forces grow with a small power"),
+    "at_m_per_s": Bound(1e-9, 1e6, "", "a storey drifts at some rate"),
     "coefficient_n_s2_per_m2": POSITIVE,
     "air_at_rest": Bound(
         -10.0, 10.0, "", "1 is air at rest in the room, and 0 air that moves with the table"

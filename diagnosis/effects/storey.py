@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.bases import Departure, LawEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness
+from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness, usual_drift_rate
 from pounding.experiments.rig.storey_forces import (
     cubic_spring,
     damper,
@@ -36,6 +36,10 @@ STICKING = 15.0
 BREAKAWAY_SPREAD = 0.15
 BREAKAWAY_RANGE = (-0.5, 1.0)
 """Prior standard deviation of what static friction has beyond the sliding one as a share of it, and how far it may go."""
+POWER_SPREAD = 0.3
+POWER_RANGE = (-0.8, 2.0)
+"""Prior standard deviation of what the power of a damper has beyond the first, and how far it may go: from nearly dry
+friction to the cube."""
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
 """Prior standard deviations of a stop's loss
@@ -91,19 +95,31 @@ class StiffnessChange(Departure):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class DampingChange(StoreyEffect):
-    """A viscous damper: c v, negative where the frame has less than the baseline model."""
+    """A viscous damper: c v, negative where the frame has less than the baseline model.
+
+    Real dampers grow by a power near the first, which is refined with the rest; c is that at the usual rate of a storey's
+    drift.
+    """
 
     name = "damping_change"
     law = damper
-    linear = True
-    quantities = (Quantity("damping", "N s/m", symbol="c"),)
+    quantities = (
+        Quantity("damping", "N s/m", symbol="c"),
+        Quantity("power_beyond_one", "1", reported=False, spread=POWER_SPREAD),
+    )
     dissipates = True
     described = Description(
-        r"$f = c\,v$",
+        r"$f = c\,v$; the power of $v$ (near 1) is refined and not reported",
         "the same in another storey (at light damping a mode feels only the sum), `coulomb_friction` if all runs are of "
         "one size, `air_drag`",
-        loop(damper, 0.035),
+        loop(damper, 0.035, 0.0, 1.0),
         ", negative where the frame has less than the baseline model",
+        shapes={
+            "power_beyond_one": (
+                "the damper grows by less than the catalogue's first power of the rate",
+                "the damper grows by more than the catalogue's first power of the rate",
+            )
+        },
         plain=(
             "{where} has less damping than the model, by a damper of {size}",
             "{where} has more damping than the model, by a damper of {size}",
@@ -114,6 +130,15 @@ class DampingChange(StoreyEffect):
         """Return the damper that gives the storey alone five per cent of critical in the first mode."""
         first = float(scales.omega[model.structure.index(str(self.frame))][0])
         return 0.1 * self.stiffness(model) / first
+
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return a linear damper."""
+        return np.array([amplitude, 0.0])
+
+    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
+        """Return the damper, what its power has beyond the first, and the rate at which it is as strong as a linear one."""
+        beyond = within(values[1], POWER_RANGE)
+        return (float(values[0]), beyond, usual_drift_rate(model.structure, self.index))
 
 
 @CATALOGUE.add

@@ -34,11 +34,24 @@ from pounding.experiments.rig.storey_forces import cubic_spring, friction, quadr
 
 EVERY = "all storeys"
 """Where these effects are: a frame of more than one storey."""
+TAPER_SPREAD = 0.4
+"""Prior standard deviation of the logarithm by which a law of all storeys is stronger at the roof, and weaker at the base,
+than in proportion to their stiffness: frames are weaker towards the roof by their own rule."""
+TAPER = Quantity("taper", "1", reported=False, spread=TAPER_SPREAD)
+TAPERS = {
+    "taper": (
+        "towards the roof it falls by more than the storeys' stiffness does",
+        "towards the roof it falls by less than the storeys' stiffness does",
+    )
+}
 
 
 @dataclass(frozen=True)
 class EveryStorey(LawEffect, FrameEffect):
     """The law of a storey in every storey of a frame; the amplitude times a storey's stiffness is that storey's.
+
+    The last of its parameters is how it tapers: the law is exp(taper) times as strong in the highest storey, as much
+    weaker in the lowest, and evenly between. It is refined with the rest.
 
     Attributes:
         alone: The effect in one storey; shapes and prior widths are those of the storey that drifts most.
@@ -47,6 +60,8 @@ class EveryStorey(LawEffect, FrameEffect):
     where = EVERY
     common = True
     alone: ClassVar[type[StoreyEffect]]
+    tapered: ClassVar[int | None] = None
+    """Which parameter tapers: the amplitude when None."""
 
     def each(self, model: Model) -> Iterator[StoreyEffect]:
         """Yield the effect in each storey."""
@@ -54,15 +69,26 @@ class EveryStorey(LawEffect, FrameEffect):
         for index in range(span.start, span.stop):
             yield self.alone(index=index, frame=self.frame, storey=index - span.start + 1)
 
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the parameters of one storey, and no taper."""
+        return np.append(self.alone().values(amplitude, shape), 0.0)
+
     def weight(self, model: Model, storey: StoreyEffect) -> float:
         """Return what the amplitude of the whole is multiplied by in one storey: its stiffness [N/m]."""
         return storey.stiffness(model)
 
+    def tapering(self, values: np.ndarray, model: Model, storey: StoreyEffect) -> np.ndarray:
+        """Return the SI parameters of the whole with the taper in them at one storey, shape (parameters - 1,)."""
+        place = np.linspace(-1.0, 1.0, self.storeys(model).floors)[int(storey.storey or 1) - 1]
+        there = np.array(values[:-1], float)
+        there[self.amplitude if self.tapered is None else self.tapered] *= np.exp(values[-1] * place)
+        return there
+
     def of_one(self, values: np.ndarray, weight: float) -> np.ndarray:
-        """Return the SI parameters of one storey, shape (parameters,).
+        """Return the SI parameters of one storey, shape (parameters - 1,).
 
         Args:
-            values: SI parameters of the whole in the order of `quantities`, shape (parameters,).
+            values: SI parameters of the whole in the order of `quantities`, less the taper, shape (parameters - 1,).
             weight: That of the storey.
         """
         scaled = np.array(values, float)
@@ -96,7 +122,8 @@ class EveryStorey(LawEffect, FrameEffect):
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the law of every storey to the assembly."""
         for storey in self.each(model):
-            storey.apply(assembly, self.of_one(values, self.weight(model, storey)), model)
+            there = self.tapering(values, model, storey)
+            storey.apply(assembly, self.of_one(there, self.weight(model, storey)), model)
 
 
 @CATALOGUE.add
@@ -109,21 +136,20 @@ class AllCoulombFriction(EveryStorey):
     quantities = (
         Quantity("slip_drift", "um", 1e6, logarithmic=True, symbol="x_s"),
         *CoulombFriction.quantities[1:],
+        TAPER,
     )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$f = k\,x_s\,\mathrm{sign}(v)$ in every storey, stuck below, its breakaway refined as in one storey",
+        r"$f = k\,x_s\,\mathrm{sign}(v)$ in every storey, stuck below, its breakaway refined as in one storey, and how it "
+        "tapers towards the roof",
         "`all_damping_change` and `all_quadratic_damping` at one amplitude, `air_drag`, `coulomb_friction` in the storey "
         "that drifts most",
         replace(loop(friction, 0.3, 30.0, 0.0, np.inf, 0.0), mark="frame"),
+        shapes=TAPERS,
         plain=("friction in every storey of {where}, which slides from a drift of {size} on",),
     )
-
-    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return slip drift, stiffness while stuck and breakaway as in one storey."""
-        return self.alone().values(amplitude, shape)
 
 
 @CATALOGUE.add
@@ -135,20 +161,23 @@ class AllHysteresis(EveryStorey):
     alone = Hysteresis
     absorbing = True
     amplitude = 1
+    tapered = 0
     quantities = (
         Quantity("yield_drift", "mm", 1000.0, logarithmic=True, symbol="d_y"),
         Quantity("stiffness_share", "1", logarithmic=True, symbol="s"),
         *Hysteresis.quantities[2:],
+        TAPER,
     )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        "a share $s$ of the stiffness of every storey yields at the drift $d_y$: $F_y = s\\,k\\,d_y$; knee and unloading "
-        "are refined as in one storey",
+        "a share $s$ of the stiffness of every storey yields at the drift $d_y$: $F_y = s\\,k\\,d_y$; knee, unloading "
+        "and a taper of $d_y$ towards the roof are refined",
         "`hysteresis` in the storey that drifts most, `all_coulomb_friction`, `all_cubic_stiffness` below zero, `air_drag`",
         replace(loop(yielding, 0.25, 0.6, 8.0, 0.0), mark="frame"),
         told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
+        shapes=TAPERS,
         plain=("every storey of {where} yields at a drift of {size}",),
     )
 
@@ -158,8 +187,8 @@ class AllHysteresis(EveryStorey):
         return 1.0
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return yield drift, share of the stiffness, and knee and unloading as in one storey."""
-        return np.array([shape[0], amplitude, *self.alone().values(amplitude, shape)[2:]])
+        """Return yield drift, share of the stiffness, knee and unloading as in one storey, and no taper."""
+        return np.array([shape[0], amplitude, *self.alone().values(amplitude, shape)[2:], 0.0])
 
     def of_one(self, values: np.ndarray, weight: float) -> np.ndarray:
         """Return yield force and stiffness of one storey, and what shapes its loop."""
@@ -174,13 +203,14 @@ class AllCubicStiffness(EveryStorey):
 
     name = "all_cubic_stiffness"
     alone = CubicStiffness
-    quantities = (Quantity("cubic_share", "1/m^2", symbol="b"),)
+    quantities = (Quantity("cubic_share", "1/m^2", symbol="b"), TAPER)
     nonlinear = True
     described = Description(
-        r"$f = k\,b\,d^3$ in every storey",
+        r"$f = k\,b\,d^3$ in every storey; how it tapers towards the roof is refined",
         "`cubic_stiffness` in the storey that drifts most, `all_hysteresis` (where $b < 0$)",
         replace(loop(cubic_spring, 0.8), mark="frame"),
         told_by="The same shaking at half and at twice its amplitude: frequencies move with the square of it.",
+        shapes=TAPERS,
         plain=(
             "every storey of {where} gets softer the further it drifts, by {size}",
             "every storey of {where} gets stiffer the further it drifts, by {size}",
@@ -195,13 +225,14 @@ class AllLoosening(EveryStorey):
 
     name = "all_loosening"
     alone = Loosening
-    quantities = Loosening.quantities
+    quantities = (*Loosening.quantities, TAPER)
     sign = -1
     described = Description(
-        r"$f = x\,k\,(t/T)\,d$ in every storey, in each run anew",
+        r"$f = x\,k\,(t/T)\,d$ in every storey, in each run anew; how it tapers towards the roof is refined",
         "`loosening` in the storey that drifts most, `all_hysteresis` in a run that grows, `all_stiffness_change`",
         history("frame", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
         told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+        shapes=TAPERS,
         plain=("every storey of {where} loses {size} of its stiffness in the course of a run",),
     )
 
@@ -236,14 +267,16 @@ class AllQuadraticDamping(EveryStorey):
 
     name = "all_quadratic_damping"
     alone = QuadraticDamper
-    quantities = (Quantity("quadratic_damping", "s^2/m^2", logarithmic=True, symbol="q"),)
+    quantities = (Quantity("quadratic_damping", "s^2/m^2", logarithmic=True, symbol="q"), TAPER)
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$f = k\,q\,v\lvert v\rvert$ in every storey: damping that grows with the amplitude",
+        r"$f = k\,q\,v\lvert v\rvert$ in every storey: damping that grows with the amplitude; how it tapers "
+        "towards the roof is refined",
         "`air_drag`, `all_damping_change` at one amplitude, `all_coulomb_friction`",
         relation("frame", "drift rate", "force", lambda x: 0.0 * x, lambda x: x * abs(x)),
+        shapes=TAPERS,
         plain=("the damping of {where} grows with its amplitude, by {size}",),
     )
 

@@ -12,7 +12,7 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.kalman import DISCREPANCY
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.observations import Observations
-from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.model.storeys import Structure, solve_modes
 
 CHANNEL_GAIN = 0.003
 CHANNEL_DELAY_S = 2e-4
@@ -28,6 +28,10 @@ JOINT_STIFFNESS = 0.05
 """The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
 rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
 models that agree in all frequencies differ in both."""
+
+
+USUAL_DRIFT = 0.005
+"""Share of its height by which a storey drifts when it is shaken in earnest: a third to twice as much here."""
 
 
 MODAL_STIFFNESS = "modal_stiffness"
@@ -173,6 +177,14 @@ def storey_stiffness(structure: Structure, storey: int) -> float:
     """Return the stiffness [N/m] of a storey counted among all frames."""
     name, number = structure.place(storey)
     return float(structure.frames[structure.index(name)].storey_stiffness[number - 1])
+
+
+def usual_drift_rate(structure: Structure, storey: int) -> float:
+    """Return the rate [m/s] of a storey, counted among all, that drifts by `USUAL_DRIFT` at its frame's lowest frequency."""
+    name, number = structure.place(storey)
+    frame = structure.frames[structure.index(name)]
+    height = np.diff(frame.height_m, prepend=0.0)[number - 1]
+    return USUAL_DRIFT * float(height) * float(solve_modes(frame.mass, frame.stiffness)[0][0])
 
 
 def storey_pattern(structure: Structure, storey: int) -> np.ndarray:

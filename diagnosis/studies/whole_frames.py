@@ -113,7 +113,7 @@ CATALOGUE = (
         "damping ratio of the first mode more by this, dampers in proportion to the storeys' stiffness",
         "1",
         _even(-0.003, 0.045, 17),
-        _storeys(DampingChange, lambda b, e, x: [2 * x * e.stiffness(b) / _first(b)]),
+        _storeys(DampingChange, lambda b, e, x: e.values(2 * x * e.stiffness(b) / _first(b), ())),
     ),
     WholeFrame(
         "coulomb_friction",

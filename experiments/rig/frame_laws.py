@@ -62,7 +62,7 @@ STATED: dict[type[StatedLaw], Kind] = {
         ),
     ),
     stated.DahlFriction: Kind(forces.bristles, (Key("force_n"), Key("build_up_mm", 1e-3))),
-    stated.Damper: Kind(forces.damper, (Key("damping_n_s_per_m"),)),
+    stated.Damper: Kind(forces.damper, (Key("damping_n_s_per_m"), Key("power", less=1.0), Key("at_m_per_s"))),
     stated.QuadraticDamper: Kind(forces.quadratic_damper, (Key("damping_n_s2_per_m2"),)),
     stated.Cubic: Kind(forces.cubic_spring, (Key("stiffness_n_per_m3"),)),
     stated.Hysteresis: Kind(

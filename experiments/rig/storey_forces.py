@@ -22,8 +22,9 @@ DRAG_RATE = 0.3
 
 @memoryless
 def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
-    """Return p0 v: p0 the damper [N s/m]."""
-    return p[0] * v
+    """Return p0 v: p0 the damper [N s/m]; p1 what the power of the rate has beyond the first, the force at p2 [m/s] being
+    the same."""
+    return p[0] * v if p[1] == 0.0 else p[0] * v * (abs(v) / p[2]) ** p[1]
 
 
 @memoryless

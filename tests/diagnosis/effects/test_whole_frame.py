@@ -53,9 +53,9 @@ def placed(effect: Effect, values: list[float]) -> list[tuple[tuple[float, ...],
 @pytest.mark.parametrize(
     ("effect", "values", "law", "first"),
     [
-        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0], friction, 2e-4 * STIFFNESS),
-        (AllCubicStiffness(frame="bench"), [1e4], cubic_spring, 1e4 * STIFFNESS),
-        (AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.0], yielding, 4e-4 * STIFFNESS),
+        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.0], friction, 2e-4 * STIFFNESS),
+        (AllCubicStiffness(frame="bench"), [1e4, 0.0], cubic_spring, 1e4 * STIFFNESS),
+        (AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.0, 0.0], yielding, 4e-4 * STIFFNESS),
     ],
 )
 def test_every_storey_has_the_law_in_proportion_to_its_stiffness(
@@ -68,11 +68,38 @@ def test_every_storey_has_the_law_in_proportion_to_its_stiffness(
 
 
 def test_all_storeys_yield_at_one_drift() -> None:
-    found = placed(AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.1])
+    found = placed(AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.1, 0.0])
     force, stiffness = np.array([numbers[:2] for numbers, _, _ in found]).T
     assert force / stiffness == pytest.approx(1e-3)
     assert stiffness == pytest.approx(0.4 * STIFFNESS)
     assert all(numbers[2:] == (8.0, 0.1) for numbers, _, _ in found)
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "first"),
+    [
+        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.5], 2e-4 * STIFFNESS),
+        (AllCubicStiffness(frame="bench"), [1e4, 0.5], 1e4 * STIFFNESS),
+        (AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.0, 0.5], 4e-4 * STIFFNESS),
+    ],
+)
+def test_a_law_of_all_storeys_tapers_evenly_from_base_to_roof(
+    effect: Effect, values: list[float], first: np.ndarray
+) -> None:
+    """What yields does so at another force, and has the same share of each storey's stiffness."""
+    found = placed(effect, values)
+    assert [numbers[0] for numbers, _, _ in found] == pytest.approx(first * np.exp([-0.5, 0.0, 0.5]))
+    if isinstance(effect, AllHysteresis):
+        assert [numbers[1] for numbers, _, _ in found] == pytest.approx(0.4 * STIFFNESS)
+
+
+def test_the_taper_of_a_law_is_found_and_said() -> None:
+    truth = np.array([2e-4, 0.5, 8.0, 0.0, -0.5])
+    effect = AllHysteresis(frame="bench")
+    model = measured([(effect, truth)], runs=1)
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
+    fit = refine(model, filtered, (effect,), (np.array([2.5e-4, 0.4, 8.0, 0.0, 0.0]),))
+    assert fit.values[0][[0, 1, 4]] == pytest.approx(truth[[0, 1, 4]], rel=0.05)
 
 
 def test_what_all_storeys_share_every_real_frame_has_a_little_of() -> None:
@@ -111,7 +138,7 @@ def ranked(model: Model, count: int) -> list[Fit]:
 
 
 def test_a_law_in_all_storeys_is_not_that_of_one_and_its_size_is_found() -> None:
-    truth = np.array([2e-4, 0.5, 8.0, 0.0])
+    truth = np.array([2e-4, 0.5, 8.0, 0.0, 0.0])
     model = measured([(AllHysteresis(frame="bench"), truth)], runs=1)
     best, *others = ranked(model, 2)
     assert best.effects[0].name == "all_hysteresis"

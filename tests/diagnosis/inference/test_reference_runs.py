@@ -73,7 +73,7 @@ def test_effects_act_in_the_runs_since() -> None:
 def test_an_effect_has_no_signature_in_a_reference_run(name: str) -> None:
     here = model()
     effect = effects(name)[0]
-    values = np.array([0.05])
+    values = effect.values(0.05, ())
     filtered = run_filter(
         here, np.zeros(len(here.std)), starting_noise(here, [0, 1]), [0, 1], [(effect, values)]
     )

@@ -52,7 +52,7 @@ class Placed(NamedTuple):
 
 
 PLACED = {
-    "damper": Placed((20.0,)),
+    "damper": Placed((20.0, 0.0, 1.0)),
     "friction": Placed((6.0, 15 * SPRING, STUCK, np.inf)),
     "cubic_spring": Placed((0.3 * SPRING / 0.004**2,)),
     "yielding": Placed((8.0, 0.5 * SPRING, 30.0)),

@@ -19,7 +19,7 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.terms import nuisance_terms
 from tests.diagnosis.models import measured
 
-NO_DAMPER = (DampingChange(index=0, frame="bench", storey=1), np.array([0.0]))
+NO_DAMPER = (DampingChange(index=0, frame="bench", storey=1), np.array([0.0, 0.0]))
 
 
 def problem() -> tuple[Model, np.ndarray, Filtered]:

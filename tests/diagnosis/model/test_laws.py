@@ -24,7 +24,7 @@ PARAMETERS = {
     "growing_spring": (5e4, 4.0),
     "stop": (-1e-3, 6e4),
     "cubic_spring": (4e8,),
-    "damper": (40.0,),
+    "damper": (40.0, 0.4, 0.02),
     "bristles": (20.0, 2e-4),
 }
 metres = st.floats(-0.01, 0.01)

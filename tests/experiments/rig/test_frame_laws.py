@@ -19,7 +19,7 @@ STEP = 0.004
 LAWS = {
     "friction": "storey = 2\nforce_n = 4\nsticking_stiffness_n_per_m = 5e4\nsticking_damping_n_s_per_m = 90",
     "dahl_friction": "storey = 1\nforce_n = 5\nbuild_up_mm = 0.3",
-    "damper": "storey = 2\ndamping_n_s_per_m = 15",
+    "damper": "storey = 2\ndamping_n_s_per_m = 15\npower = 1.4\nat_m_per_s = 0.05",
     "quadratic_damper": "storey = 1\ndamping_n_s2_per_m2 = 90",
     "cubic": "storey = 1\nstiffness_n_per_m3 = 1e8",
     "hysteresis": "storey = 1\nyield_force_n = 6\nstiffness_n_per_m = 2.5e3\nsharpness = 4\nunloading = 0.2",
