@@ -16,7 +16,7 @@ from pounding.diagnosis.inference.filtering import (
     whitened_innovations,
     whitened_runs,
 )
-from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products
+from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products, product
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
@@ -71,6 +71,20 @@ class Histories(Likelihood):
             self.model.predict(nuisance, gains, acting, self.filtered.runs, whole=False).innovations
         )
 
+    def slope_from(self, theta: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """Return the slope of innovations at another point by the signatures at theta; gains are the filter's."""
+        coordinates = self.coordinates
+        gains = [steady.gain for steady in self.filtered.filters]
+        innovations = self.model.predict(
+            coordinates.nuisance(there), gains, coordinates.acting(there), self.filtered.runs, whole=False
+        ).innovations
+        slope = np.zeros(len(theta))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for white, (_, nuisance, own) in zip(self._white(innovations), self.columns(theta), strict=True):
+                residual = white.ravel()
+                slope += np.concatenate([product(nuisance, residual), product(own, residual)])
+        return slope
+
     def _is_here(self, nuisance: np.ndarray, acting: Sequence[tuple[Acting, np.ndarray]]) -> bool:
         """Return whether the filter was run with just these parameters."""
         own = self.filtered.effects
@@ -93,10 +107,17 @@ class Histories(Likelihood):
 
     def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
         """Yield whitened innovations and signatures of each run."""
-        residuals = whitened_innovations(self.model, self.filtered)
-        effects = self.effect_columns(theta)
-        for residual, nuisance, own in zip(residuals, self.nuisance_columns(), effects, strict=True):
+        for residual, nuisance, own in self.columns(theta):
             yield residual, np.hstack([nuisance, own])
+
+    def columns(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Yield whitened innovations, and signatures of the nuisance parameters and of the effects, of each run.
+
+        Args:
+            theta: Nuisance parameters and effects in units of their priors, shape (parameters,).
+        """
+        residuals = whitened_innovations(self.model, self.filtered)
+        yield from zip(residuals, self.nuisance_columns(), self.effect_columns(theta), strict=True)
 
     def settled(self, theta: np.ndarray) -> Histories | None:
         """Return the term with the filter run again at `theta`, None if that is much less likely."""

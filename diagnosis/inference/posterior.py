@@ -64,6 +64,8 @@ SHORTENED = Afresh(((0.0, 1.0), (0.0, 0.5), (0.0, 0.2), (0.0, 0.05)))
 steps in the direction of Gauss and Newton get further."""
 PIECE = 2048
 """Rows of which products are taken at a time."""
+CORRECTIONS = 3
+"""Times that a step which left a bent valley is led back into it."""
 STRIDE = 0.1
 """First stride of the search along single coordinates."""
 
@@ -101,6 +103,15 @@ class Likelihood(Protocol):
             add_products(gram, slope, columns, residual)
         return gram, slope
 
+    def slope_from(self, theta: np.ndarray, there: np.ndarray) -> np.ndarray:
+        """Return the slope (parameters,) that residuals at another point have by the prediction's slopes at theta.
+
+        Args:
+            theta, there: The parameters in units of their priors, shape (parameters,).
+        """
+        both = zip(self.blocks(theta), self.blocks(there), strict=True)
+        return np.sum([columns.T @ residual for (_, columns), (residual, _) in both], axis=0)  # type: ignore[no-any-return]
+
     def settled(self, theta: np.ndarray) -> Self | None:
         """Return the term as it is about theta, itself if it does not change, None if it is much less likely there.
 
@@ -125,6 +136,20 @@ def add_products(gram: np.ndarray, slope: np.ndarray, columns: np.ndarray, resid
         wide = columns[first : first + PIECE].astype(float, copy=False)
         gram += wide.T @ wide
         slope += wide.T @ residual[first : first + PIECE]
+
+
+def product(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:
+    """Return columns' residual in double precision, shape (parameters,).
+
+    Args:
+        columns: Whitened slopes, shape (n, parameters).
+        residual: Whitened residuals, shape (n,).
+    """
+    found = np.zeros(columns.shape[1])
+    for first in range(0, len(columns), PIECE):
+        piece = slice(first, first + PIECE)
+        found += columns[piece].astype(float, copy=False).T @ residual[piece]
+    return found
 
 
 @dataclass(frozen=True)
@@ -203,6 +228,37 @@ class Posterior:
         upper = np.minimum(self.upper - theta, self.reach)
         return bounded_step(precision, slope - theta, lower, upper)
 
+    def led_back(
+        self, gram: np.ndarray, theta: np.ndarray, trial: np.ndarray, cost: float
+    ) -> tuple[np.ndarray, float]:
+        """Return a step's end and its cost after corrections with the slopes of its beginning, the best there is.
+
+        Where parameters stand for one another, as mass and stiffness do on a shaken table, the valley of good fits is
+        long, narrow and bent: a straight step leaves it, however short, and the chords of the residuals there lead back
+        (the simplified Newton iteration; Deuflhard 2011, section 2.1).
+
+        Args:
+            gram: Information of the data at the beginning, shape (parameters, parameters).
+            theta, trial: Beginning and end of the step, shape (parameters,).
+            cost: Cost at its end.
+        """
+        last = float(np.linalg.norm(trial - theta))
+        for _ in range(CORRECTIONS):
+            slope = sum(term.slope_from(theta, trial) for term in self.terms)
+            if not np.isfinite(slope).all():
+                break
+            correction = self.step(gram, np.asarray(slope), trial, 0.0)
+            size = float(np.linalg.norm(correction))
+            if size > 0.5 * last:
+                # It does not contract: there is no valley here, or it is another one.
+                break
+            there, last = trial + correction, size
+            tried = self.cost(there)
+            if not tried < cost:
+                break
+            trial, cost = there, tried
+        return trial, cost
+
 
 def descend(
     posterior: Posterior,
@@ -229,8 +285,12 @@ def descend(
         before = after = posterior.cost(theta)
         moved = theta
         for damping, share in trials.steps(last):
-            trial = theta + share * posterior.step(gram, slope, theta, damping)
+            step = posterior.step(gram, slope, theta, damping)
+            trial = theta + share * step
             after = posterior.cost(trial)
+            bent = damping == 0.0 and share == 1.0 and np.isfinite(after) and after >= before
+            if bent and 0.5 * float((slope - theta) @ step) > enough:
+                trial, after = posterior.led_back(gram, theta, trial, after)
             if after < before:
                 moved, last = trial, damping
                 break

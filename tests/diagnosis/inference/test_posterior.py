@@ -186,3 +186,27 @@ def test_slopes_that_are_too_large_for_their_digits_still_give_a_step_inside_the
         np.linalg.cholesky(precision)
     step = bounded_step(precision, np.array([1e13, -1e13, 1e14]), lower, upper)
     assert np.all((step >= lower) & (step <= upper))
+
+
+class Product(Likelihood):
+    """The product of two numbers, known a hundred times better than either: good fits are a long, bent valley."""
+
+    def cost(self, theta: np.ndarray) -> float:
+        return 0.5 * float(self._residual(theta) ** 2)
+
+    def _residual(self, theta: np.ndarray) -> float:
+        return float(3e4 * (1.0 - (1.0 + 0.03 * theta[0]) * (1.0 + 0.03 * theta[1])))
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        slopes = 3e4 * 0.03 * np.array([[1.0 + 0.03 * theta[1], 1.0 + 0.03 * theta[0]]])
+        yield np.array([self._residual(theta)]), slopes
+
+
+def test_a_descent_follows_a_bent_valley_to_where_the_prior_is_best() -> None:
+    free = np.full(2, np.inf)
+    start = np.array([3.0, (1.0 / 1.09 - 1.0) / 0.03])
+    whole = Posterior((Product(),), -free, free, free)
+    assert whole.cost(start) > 8.0
+    whole, theta = descend(whole, start, 3)
+    assert theta == pytest.approx(np.zeros(2), abs=0.02)
+    assert whole.cost(theta) < 0.01
