@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.constancy import between_windows
 from pounding.diagnosis.inference.coordinates import Coordinates, box_of
 from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
@@ -245,7 +246,14 @@ def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta:
     own = len(model.std)
     any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
-    covariance = np.linalg.inv(gram + np.eye(len(gram))) * np.outer(size, size)
+    scaled = np.linalg.inv(gram + np.eye(len(gram)))
+    if coordinates.effects:
+        histories = terms[0]
+        assert isinstance(histories, Histories)
+        scaled[range(own, len(scaled)), range(own, len(scaled))] += between_windows(
+            histories, theta, gram[own:, own:]
+        )
+    covariance = scaled * np.outer(size, size)
     known = np.sqrt(np.diag(covariance))
     return Fit(
         effects=coordinates.effects,
