@@ -1,12 +1,15 @@
 """Sphinx configuration."""
 
 import re
+import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
 from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.ext.napoleon import GoogleDocstring
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 project = "pounding"
 author = "the pounding developers"
@@ -16,6 +19,7 @@ version = release
 
 extensions = [
     "myst_parser",
+    "notebook_pages",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
@@ -25,7 +29,8 @@ myst_heading_anchors = 3
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 napoleon_google_docstring = True
-exclude_patterns = ["_build", "gallery"]
+# The gallery offers each script as a notebook too; its page is made of the script.
+exclude_patterns = ["_build", "gallery", "examples/**.ipynb"]
 
 # The scripts of the gallery run when the documentation is built, those that changed since it was built last.
 sphinx_gallery_conf = {
