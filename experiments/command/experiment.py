@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,6 +18,7 @@ from pounding.experiments.rig.states import FREE_VIBRATION, FrameState, State
 
 if TYPE_CHECKING:
     from pounding.experiments.configurations.every import Finished
+    from pounding.experiments.configurations.running import Conditions
 
 LIST = "list"
 
@@ -48,6 +50,7 @@ def experiment(
     record: Record = None,
     state: options.State = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     out: Out = None,
     workers: options.Workers = None,
     json: options.Json = False,
@@ -65,11 +68,18 @@ def experiment(
             "name one experiment, or `list`, or give --all (see pounding experiment --help)"
         )
     if every:
-        _run_all(out, record, state, records, workers, json)
+        if record is not None or record_unit is not None:
+            raise ExperimentError(
+                "--record and --record-unit belong to one experiment; --all takes the ground motions of the thesis"
+            )
+        _run_all(out, state, records, workers, json)
     elif name == LIST:
         emit(stamp({}) | {"experiments": inventory()}, as_json=json, show=_listed)
     else:
-        _run_one(str(name), record, state, records, out, json)
+        from pounding.experiments.configurations.running import Conditions
+
+        conditions = Conditions(None if records is None else str(records), record, state, unit=record_unit)
+        _run_one(str(name), conditions, out, json)
 
 
 def inventory() -> list[dict[str, Any]]:
@@ -103,14 +113,12 @@ def _places(entry: dict[str, Any]) -> str:
     return ", ".join(dict.fromkeys(place.partition(",")[0] for place in entry["measured"]))
 
 
-def _run_one(
-    name: str, record: str | None, state: State | None, records: Path | None, out: Path | None, json: bool
-) -> None:
+def _run_one(name: str, conditions: Conditions, out: Path | None, json: bool) -> None:
     chosen = find(name)
     from rich.progress import Progress
 
     from pounding.experiments.configurations import folder as folders
-    from pounding.experiments.configurations.running import Conditions, run
+    from pounding.experiments.configurations.running import run
 
     if out is not None:
         folders.prepare(out, name)
@@ -121,7 +129,7 @@ def _run_one(
         def told(what: str, share: float) -> None:
             progress.update(bar, description=f"{name}: {what}", completed=share)
 
-        outcome = run(chosen, Conditions(None if records is None else str(records), record, state, told))
+        outcome = run(chosen, replace(conditions, progress=told))
         result = folders.result_of(outcome)
         if out is not None:
             kept = folders.keep(outcome, out)
@@ -153,7 +161,6 @@ def _cells(row: dict[str, Any]) -> list[Any]:
 
 def _run_all(
     out: Path | None,
-    record: str | None,
     state: State | None,
     records: Path | None,
     workers: int | None,
@@ -161,10 +168,6 @@ def _run_all(
 ) -> None:
     if out is None:
         raise ExperimentError("--all needs a folder for its results: --out DIR")
-    if record is not None:
-        raise ExperimentError(
-            "--record belongs to one experiment; --all takes the ground motions of the thesis"
-        )
     from pounding.experiments.configurations.every import run_all
     from pounding.experiments.configurations.measured import write_many
     from pounding.experiments.console import estimates

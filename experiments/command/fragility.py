@@ -105,6 +105,7 @@ def fragility(
     time_factor: options.TimeFactor = None,
     damping: options.Damping = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     out: options.Out = None,
     json: options.Json = False,
 ) -> None:
@@ -128,6 +129,7 @@ def fragility(
         set_ and _place(set_),
         None if records is None else str(records.resolve()),
         row.scale.time_factor,
+        record_unit,
     )
     shakings = _several(motions.read())
     streets = [_with_gap(row.street, value) for value in gap] if gap else [row.street]
@@ -185,6 +187,7 @@ def fragility(
     asked = {
         **row.as_dict(),
         "set": set_,
+        "record_unit": record_unit,
         "gap_mm": gap,
         "period_s": intensity.period_s,
         "target": aim and aim.words,

@@ -60,6 +60,7 @@ def gap(
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     report: Report = None,
     json: options.Json = False,
 ) -> None:
@@ -77,7 +78,7 @@ def gap(
     names = [building.frame for building in street.building]
     definitions = [frames.load(name) for name in names]
     scale = table_scale(definitions, time_factor)
-    motion = find(record, records).scaled(scale.time_factor, pga)
+    motion = find(record, records, unit=record_unit).scaled(scale.time_factor, pga)
     states = states_of(names, state, motion.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     row = named(street, built_row(street, states, joints, p_delta))
@@ -103,6 +104,7 @@ def gap(
             else {"street": left, **msgspec.to_builtins(street)}
         ),
         "record": record,
+        "record_unit": record_unit,
         "pga_g": pga,
         "joints": joints,
         "p_delta": p_delta,

@@ -79,6 +79,7 @@ def mitigate(
     time_factor: options.TimeFactor = None,
     damping: options.Damping = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     out: options.Out = None,
     json: options.Json = False,
 ) -> None:
@@ -95,7 +96,7 @@ def mitigate(
         if name not in NAMES:
             raise ExperimentError(f"measure {name!r} is not known; known are {', '.join(NAMES)}")
     row = linear_street(street, time_factor, damping)
-    shakings = [find(name, records).scaled(row.scale.time_factor, pga) for name in record]
+    shakings = [find(name, records, unit=record_unit).scaled(row.scale.time_factor, pga) for name in record]
     contacts, bases = row.contacts()
     hits = tuple(Hit(number, *basis.hit) for number, basis in enumerate(bases) if basis.hit is not None)
     if out is not None:
@@ -115,6 +116,7 @@ def mitigate(
         "objective": objective,
         "evaluations": evaluations,
         "pga_g": pga,
+        "record_unit": record_unit,
         "contact_basis": [basis.sentence for basis in bases],
     }
     result = stamp(asked, shakings) | {

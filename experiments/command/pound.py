@@ -100,6 +100,7 @@ def pound(
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     solver: options.Solver = "exudyn",
     out: options.Out = None,
     film: Annotated[
@@ -131,7 +132,7 @@ def pound(
     scale = table_scale(definitions, time_factor)
     sets = [chosen_sets(street, definitions, scale) for street in streets]
     folder = None if records is None else str(records)
-    shaken = shaking(record, folder, time_factor=scale.time_factor, pga_g=pga, flip=flip)
+    shaken = shaking(record, folder, time_factor=scale.time_factor, pga_g=pga, flip=flip, unit=record_unit)
     states = states_of(names, state, shaken.name, joints=joints, damping=damping)
     estimates.announce(*map(estimates.of_frame, definitions))
     row = named(streets[0], built_row(streets[0], states, joints, p_delta))
@@ -157,6 +158,7 @@ def pound(
         "contact_basis": _bases([basis for _, bases in contacts for basis in bases], row),
         "flip": flip,
         "pga_g": pga,
+        "record_unit": record_unit,
         "solver": solver,
         "frames": [frame.options for frame in row],
         "states": [one.as_dict() for one in states],

@@ -50,6 +50,7 @@ def shake(
     p_delta: options.PDelta = True,
     damping: options.Damping = None,
     records: options.Records = None,
+    record_unit: options.RecordUnit = None,
     measured_file: Annotated[Path | None, Parameter(name="--measured", help=COLUMNS_HELP)] = None,
     out: options.Out = None,
     film: Annotated[bool, Parameter(negative=(), help="Write a film of the run to --out.")] = False,
@@ -72,7 +73,7 @@ def shake(
     street = _street(frame, measured_file)
     definitions = [frames.load(one.frame) for one in street.building]
     scale = table_scale(definitions, time_factor)
-    motion = find(record, records).scaled(scale.time_factor, pga)
+    motion = find(record, records, unit=record_unit).scaled(scale.time_factor, pga)
     states = [
         states_of([one.frame], state, motion.name, joints=joints, damping=damping)[0]
         for one in street.building
@@ -85,7 +86,7 @@ def shake(
     for folder in folders:
         if folder is not None:
             keeping.prepare(folder)
-    asked = {"frame" if alone else "street": frame, "record": record}
+    asked = {"frame" if alone else "street": frame, "record": record, "record_unit": record_unit}
     asked_values = {"pga_g": pga, "damping_ratio": damping}
     answers = []
     for reduced, chosen, folder in zip(row, states, folders, strict=True):

@@ -70,12 +70,14 @@ class Conditions:
         record: Ground motion in the place of the entry's.
         state: State of the frames, see `states_of`; None for free vibration.
         progress: Called with what is being done and the share of it that is done.
+        unit: Unit of acceleration of a ground motion's file that names none.
     """
 
     records: str | None = None
     record: str | None = None
     state: State | None = None
     progress: Told = _nobody
+    unit: str | None = None
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ def motion_of(experiment: Shaken, conditions: Conditions) -> Record:
         experiment: The configuration.
         conditions: May name another one, and a folder.
     """
-    return shaking(conditions.record or experiment.record, conditions.records)
+    return shaking(conditions.record or experiment.record, conditions.records, unit=conditions.unit)
 
 
 def states(experiment: Experiment, conditions: Conditions) -> tuple[FrameState, ...]:

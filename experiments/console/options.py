@@ -72,6 +72,13 @@ Records = Annotated[
     Path | None,
     Parameter(help="Folder with ground motions; default: POUNDING_RECORDS, then installed packages."),
 ]
+RecordUnit = Annotated[
+    str | None,
+    Parameter(
+        name="--record-unit",
+        help="Unit of acceleration of a record's file that names none: g, m/s2, cm/s2 or gal, mm/s2, mg, ft/s2, in/s2.",
+    ),
+]
 Json = Annotated[
     bool,
     Parameter(name="--json", negative=(), help="Print one JSON object and nothing else on standard output."),

@@ -45,12 +45,14 @@ class Motions(msgspec.Struct, frozen=True):
         set_name: A set, or None.
         folder: Folder with ground motions; None for the default.
         time_factor: What their time is multiplied by [-].
+        unit: Unit of acceleration of files that name none.
     """
 
     names: tuple[str, ...] = ()
     set_name: str | None = None
     folder: str | None = None
     time_factor: float = 1.0
+    unit: str | None = None
 
     def read(self) -> list[Record]:
         """Return the motions at the scale of the buildings.
@@ -58,8 +60,8 @@ class Motions(msgspec.Struct, frozen=True):
         Raises:
             ExperimentError: There is no such motion or set.
         """
-        found = [find(name, self.folder) for name in self.names]
-        found += record_set(self.set_name) if self.set_name else []
+        found = [find(name, self.folder, unit=self.unit) for name in self.names]
+        found += record_set(self.set_name, self.unit) if self.set_name else []
         return [one.scaled(self.time_factor) for one in found]
 
 

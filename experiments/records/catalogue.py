@@ -62,12 +62,17 @@ def find(name: str, folder: Path | str | None = None, *, unit: str | None = None
         unit: Unit of acceleration for two-column files that do not name it.
 
     Raises:
-        ExperimentError: Nothing of that name, more than one file of that name, a broken file, or the wrong
-            motion under a reserved name. The message says where to get the right one.
+        ExperimentError: Nothing of that name, more than one file of that name, a broken file, the wrong
+            motion under a reserved name, or a unit for a motion of a package. The message says where to get the
+            right one.
     """
     file, plain = file_of(name, folder), name.strip().lower()
     if file is not None:
         return _checked(file.stem.lower(), read(file, unit))
+    if plain in PACKAGED and unit is not None:
+        raise ExperimentError(
+            f"record '{plain}' is installed with its unit; leave out the unit '{unit}', which is for files"
+        )
     if plain in PACKAGED:
         return load_packaged(plain)
     raise ExperimentError(_missing(name, records_folder(folder)))

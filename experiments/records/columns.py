@@ -12,7 +12,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records.record import Record
 from pounding.experiments.records.units import to_metric
 from pounding.experiments.text_file import is_ended
-from pounding.units import TIME, named
+from pounding.units import ACCELERATION, TIME, named
 
 UNIFORMITY = 1e-3
 """Largest departure of a sample's time from a uniform grid, as a fraction of the step."""
@@ -26,7 +26,8 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
     """Read a CSV of time and acceleration.
 
     The header names the columns and their units: `time_s,acceleration_m_s2`, `time_s,acceleration_g`,
-    `time (s), acc (gal)`. Without a header, or without a unit in it, `unit` has to say it. Commas,
+    `time (s), acc (gal)`. Without a header, or without a unit in it, `unit` has to say it; what both say
+    has to be the same. Commas,
     semicolons, tabs and blanks separate; lines that begin with `#` are left out. Time may start anywhere.
 
     Args:
@@ -38,7 +39,7 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
 
     Raises:
         ExperimentError: A line that is not two numbers, a third column, a column of another quantity, no or an
-            unknown unit, or time that is not uniform.
+            unknown unit, another one than the header's, or time that is not uniform.
     """
     cells = split(text, str(path), ExperimentError, separator=_separator(text), comment="#")
     rows = list(zip(cells.lines, map(_without_empty_end, cells.rows), strict=True))
@@ -46,23 +47,42 @@ def read_columns(path: Path, text: str, unit: str | None = None) -> Record:
         raise ExperimentError(
             f"{path}: no data in this file; it needs a line of time and acceleration a sample"
         )
-    time_factor = 1.0
+    time_factor, asked = 1.0, unit
     if not is_number(rows[0][1][0]):
         number, header = rows.pop(0)
         time_factor, said = _header(path, number, header)
-        unit = unit or said
+        unit = _agreed(f"{path}, line {number}", unit, said)
     if not unit:
         raise ExperimentError(
-            f"{path}: no unit of acceleration; make 'time_s,acceleration_g' or"
-            " 'time_s,acceleration_m_s2' its first line"
+            f"{path}: no unit of acceleration; give it with --record-unit g or --record-unit m/s2, or make"
+            " 'time_s,acceleration_g' or 'time_s,acceleration_m_s2' its first line"
         )
-    factor = to_metric(unit, str(path))
+    factor = to_metric(unit, str(path), "" if asked else "; if the first line names none, give --record-unit")
     values = np.array([_pair(path, number, cells) for number, cells in rows]).reshape(-1, 2)
     step = uniform_step(values[:, 0] * time_factor, str(path), [number for number, _ in rows])
     history = [f"read in {unit}"]
     if not is_ended(text):
         history.append("the last line of the file has no end, so its number may be cut")
     return Record(path.stem, values[:, 1] * factor, step, source=str(path), history=tuple(history))
+
+
+def _agreed(where: str, given: str | None, said: str | None) -> str | None:
+    """Return the unit of acceleration that a header says, or the one given where it says none.
+
+    Args:
+        where: File and line for the message.
+        given: As the caller names it.
+        said: What stands in the header where a unit may stand; another word of the column's name, often.
+
+    Raises:
+        ExperimentError: Both are units, and not the same.
+    """
+    if given and said and named(said) in ACCELERATION and named(given) != named(said):
+        raise ExperimentError(
+            f"{where}: the acceleration is in {shown(said)}, and the unit given beside the file is {shown(given)}; leave the"
+            " latter out, or correct the line"
+        )
+    return given or said
 
 
 def uniform_step(time_s: np.ndarray, where: str, lines: list[int] | None = None) -> float:

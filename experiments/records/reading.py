@@ -30,7 +30,7 @@ def read(path: Path | str, unit: str | None = None) -> Record:
     Args:
         path: `.AT2` (PEER), `.V2` and `.V2c` (CSMIP, COSMOS), `.EW`, `.NS`, `.UD` and so on (K-NET, KiK-net),
             otherwise two columns of text (`.csv`, `.txt`, `.tsv`, `.dat`).
-        unit: Unit of acceleration where a two-column file does not name it.
+        unit: Unit of acceleration where a two-column file does not name it; `--record-unit` of the command.
 
     Returns:
         The record in m/s^2, named by the file's stem; `kobe.csv` gives `kobe-file`, because the names of
@@ -44,7 +44,7 @@ def read(path: Path | str, unit: str | None = None) -> Record:
     if suffix not in SUFFIXES:
         raise ExperimentError(f"{path}: '{path.suffix}' is no known format; use {', '.join(SUFFIXES)}")
     if unit is not None and suffix in _READERS:
-        raise ExperimentError(f"{path}: a {suffix} file states its own unit; leave out '{unit}'")
+        raise ExperimentError(f"{path}: a {suffix} file states its own unit; leave out the unit '{unit}'")
     try:
         # Names of stations in headers may be in Latin-1, in which every byte is a character.
         text = read_text(path, str(path), ExperimentError, fallback="latin-1")

@@ -18,15 +18,19 @@ FEMA_SETS = {
 """Sets of FEMA P695 (22, 14 and 14 pairs of components) and the files that hold them."""
 
 
-def record_set(name: str) -> list[Record]:
+def record_set(name: str, unit: str | None = None) -> list[Record]:
     """Return the motions of a set, both horizontal components of each pair.
 
     Args:
         name: Name of a set of FEMA P695, or a folder of files.
+        unit: Unit of acceleration of two-column files in a folder that do not name it.
 
     Raises:
-        ExperimentError: No such set or folder, no file in it, or a broken file; which package a set needs.
+        ExperimentError: No such set or folder, no file in it, a broken file, or a unit for a set that has its own;
+            which package a set needs.
     """
+    if name in FEMA_SETS and unit is not None:
+        raise ExperimentError(f"set {name} has its own unit; leave out the unit '{unit}', which is for files")
     if name in FEMA_SETS:
         path = fema_file(FEMA_SETS[name])
         if path is None:
@@ -40,4 +44,4 @@ def record_set(name: str) -> list[Record]:
     files = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
     if not files:
         raise ExperimentError(f"set {name}: no file in it ends in {', '.join(sorted(SUFFIXES))}")
-    return [read(path) for path in files]
+    return [read(path, unit) for path in files]

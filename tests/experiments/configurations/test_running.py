@@ -251,7 +251,7 @@ def test_a_motion_enters_a_case_by_its_hash(tmp_path: Path, short: str) -> None:
     ("words", "sentence"),
     [
         (["--all"], "--all needs a folder"),
-        (["--all", "--out", "x", "--record", "kobe"], "--record belongs to one experiment"),
+        (["--all", "--out", "x", "--record", "kobe"], "--record and --record-unit belong to one experiment"),
         (
             ["--all", "--out", "x", "--records", "nowhere"],
             "folder of records 'nowhere' (from --records) is not there",

@@ -6,6 +6,7 @@ import pytest
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import read
+from pounding.experiments.records.sets import record_set
 
 AT2 = """PEER NGA STRONG MOTION DATABASE RECORD
 Somewhere, 1/1/2000, Station, 180
@@ -131,6 +132,26 @@ def test_columns_without_a_header_need_a_unit(tmp_path):
     with pytest.raises(ExperimentError, match="no unit of acceleration"):
         read(path)
     np.testing.assert_allclose(read(path, "gal").acceleration_m_s2, [0.01, 0.02, -0.03])
+
+
+@pytest.mark.parametrize("header", ["time,acc", "time_s,acceleration_ns", "time (s), acc (gal)"])
+def test_a_unit_beside_the_file_says_what_the_header_does_not_say(header, tmp_path):
+    path = put(tmp_path, "a.csv", f"{header}\n0.00,1\n0.02,2\n0.04,-3\n")
+    np.testing.assert_allclose(read(path, "cm/s2").acceleration_m_s2, [0.01, 0.02, -0.03])
+
+
+def test_a_unit_beside_the_file_may_not_contradict_the_header(tmp_path):
+    path = put(tmp_path, "a.csv", "time_s,acceleration_g\n0.00,1\n0.02,2\n")
+    with pytest.raises(ExperimentError, match=r"line 1: the acceleration is in 'g', and .* is 'm/s2'"):
+        read(path, "m/s2")
+
+
+def test_a_set_of_files_takes_the_unit_that_they_do_not_name(tmp_path):
+    for name in ("a.csv", "b.csv"):
+        put(tmp_path, name, "0.00,1\n0.02,2\n")
+    assert [one.pga_m_s2 for one in record_set(str(tmp_path), "gal")] == [0.02, 0.02]
+    with pytest.raises(ExperimentError, match="has its own unit"):
+        record_set("fema-p695-farfield", "g")
 
 
 def test_times_with_few_digits_are_uniform(tmp_path):
