@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.design import contact_advice, frame_advice
+from pounding.diagnosis.design.contenders import Advice
 from pounding.diagnosis.settings import SETTINGS
 
 
-def advice(diagnosis: Diagnosis) -> list[str]:
-    """Return sentences on further measurements, the best first; none for a clear verdict.
+def advice(diagnosis: Diagnosis) -> list[Advice]:
+    """Return what to say of further measurements, the best first; none for a clear verdict.
 
     Of frames that pound it is their impacts that are in question.
     """

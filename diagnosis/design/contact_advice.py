@@ -14,7 +14,7 @@ from pounding.diagnosis.contact_force.contacts import Fitted, again, best_fit, s
 from pounding.diagnosis.contact_force.impacts import Bodies, Impact, Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.contact_force.striking import STEP_S
-from pounding.diagnosis.design.contenders import Gain, advised, contenders
+from pounding.diagnosis.design.contenders import Advice, Gain, advised, contenders
 from pounding.diagnosis.settings import SETTINGS
 
 TESTS = (
@@ -49,8 +49,8 @@ def rivals(contact_findings: ContactFindings, needed: float) -> tuple[Fitted, Fi
     return contenders(first, of_another_kind, contact_findings.null, claimed=first[0] >= needed)
 
 
-def advice(contact_findings: ContactFindings, needed: float) -> list[str]:
-    """Return sentences on the tests that would part the rivals, best first; none where the impacts are clear.
+def advice(contact_findings: ContactFindings, needed: float) -> list[Advice]:
+    """Return what to say of the tests that would part the rivals, best first; none where the impacts are clear.
 
     Args:
         contact_findings: What the impacts say.

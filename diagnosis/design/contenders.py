@@ -19,6 +19,14 @@ class Gain:
     ln_bayes: float
 
 
+@dataclass(frozen=True)
+class Advice:
+    """A sentence on a further measurement, and the ln Bayes factor by which it is expected to tell more."""
+
+    sentence: str
+    ln_bayes: float
+
+
 def contenders(
     first: tuple[float, Explanation],
     others: Sequence[tuple[float, Explanation]],
@@ -45,8 +53,8 @@ def advised(
     pair: tuple[Explanation, Explanation] | None,
     name: Callable[[Explanation], str],
     expected: Callable[[Explanation, Explanation], Sequence[Gain]],
-) -> list[str]:
-    """Return sentences on the further measurements that would tell two explanations apart, the best first.
+) -> list[Advice]:
+    """Return what to say of the further measurements that would tell two explanations apart, the best first.
 
     Args:
         pair: The explanations; None where the data are clear, which needs no advice.
@@ -59,7 +67,7 @@ def advised(
     return sentences(expected(first, second), (name(first), name(second)))
 
 
-def sentences(gains: Sequence[Gain], names: tuple[str, str]) -> list[str]:
+def sentences(gains: Sequence[Gain], names: tuple[str, str]) -> list[Advice]:
     """Return what to say of further measurements: those that would tell, or that none would.
 
     Args:
@@ -69,12 +77,20 @@ def sentences(gains: Sequence[Gain], names: tuple[str, str]) -> list[str]:
     useful = [one for one in gains if one.ln_bayes >= SETTINGS.design.enough][: SETTINGS.design.listed]
     if not useful and gains:
         best = gains[0]
-        return [
-            f"None of the further measurements tried would tell {names[0]} from {names[1]}; "
-            f"the best, {best.what}, is expected to bring a ln Bayes factor of {max(best.ln_bayes, 0.0):.1f}."
-        ]
+        said = (
+            f"None of the further measurements tried would decide between {names[0]} and {names[1]}; "
+            f"the best, {best.what}, is expected to bring {strength(best.ln_bayes)} evidence."
+        )
+        return [Advice(said, max(best.ln_bayes, 0.0))]
     return [
-        f"{one.what[0].upper()}{one.what[1:]} is expected to tell {names[0]} from {names[1]} "
-        f"by a ln Bayes factor of {one.ln_bayes:.0f} more."
+        Advice(
+            f"{one.what[0].upper()}{one.what[1:]} is expected to decide between {names[0]} and {names[1]}.",
+            one.ln_bayes,
+        )
         for one in useful
     ]
+
+
+def strength(ln_bayes: float) -> str:
+    """Return what evidence of that ln Bayes factor is called: `decisive`, `strong` or `weak`."""
+    return "decisive" if ln_bayes > 5 else "strong" if ln_bayes > 3 else "weak"

@@ -15,7 +15,7 @@ from time import perf_counter
 import numpy as np
 
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.design.contenders import Gain, advised, contenders
+from pounding.diagnosis.design.contenders import Advice, Gain, advised, contenders
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
     run_filter,
@@ -65,8 +65,8 @@ def rivals(found: Findings, decision: Decision) -> tuple[Judged, Judged] | None:
     return contenders((first.ln_bayes, first), others, found.null, decision.named)
 
 
-def advice(found: Findings, decision: Decision) -> list[str]:
-    """Return sentences on the further measurements that would part the rivals, best first; none for a clear verdict."""
+def advice(found: Findings, decision: Decision) -> list[Advice]:
+    """Return what to say of the further measurements that would part the rivals, best first; none for a clear verdict."""
     return advised(
         rivals(found, decision), Judged.label, lambda true, other: expected(found, true.fit, other.fit)
     )

@@ -35,12 +35,14 @@ def detailed(diagnosis: Diagnosis, made: Made, loop: Loops | None = None) -> Rep
     case, found, report = diagnosis.case, diagnosis.found, made.report
     judged = diagnosis.decision.judged
     sight = Sight.of(found, judged.fit.filtered)
+    further = advice(diagnosis)
     return msgspec.structs.replace(
         report,
         remainder=remainder(found, judged, sight),
         calibration=calibration(found, judged),
         misfit=with_shares(report.misfit, report.verdict),
-        advice=tuple(advice(diagnosis)),
+        advice=tuple(one.sentence for one in further),
+        advice_evidence=tuple(one.ln_bayes for one in further),
         shape=shape(diagnosis, loop) or UNSET,
         channels=channels(diagnosis, made.outputs),
         smallest_detectable=tuple(smallest(case, found, diagnosis.decision, sight)),

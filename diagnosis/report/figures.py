@@ -14,22 +14,23 @@ from matplotlib.image import AxesImage
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
-from pounding.diagnosis.inference.misfit import levelled, simulate
+from pounding.diagnosis.report.history_figure import history_figure
 from pounding.diagnosis.report.loop_figure import loop_figure
 from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Outputs
 from pounding.diagnosis.report.misfit_maps import misfit_maps
 from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.residual_force_figure import residual_force_figure
-from pounding.diagnosis.report.transmissibility import transmissibility_figure
+from pounding.diagnosis.report.sheet_figure import sheet_figure
+from pounding.diagnosis.report.transmissibility import answers, transmissibility_figure
 from pounding.experiments.pictures.palette import BLACK, BLUE, GREY, ORANGE
 
-SHOWN_S = 3.0
-"""Length of what is shown of a run [s], about its largest value."""
 CANDIDATES = 10
 
 
-def figures(diagnosis: Diagnosis, report: Report, outputs: Outputs, loop: Loops | None) -> dict[str, bytes]:
+def figures(
+    diagnosis: Diagnosis, report: Report, outputs: Outputs, loop: Loops | None, first_page_mm: float
+) -> dict[str, bytes]:
     """Return the PNG of each figure by its name.
 
     Args:
@@ -37,74 +38,29 @@ def figures(diagnosis: Diagnosis, report: Report, outputs: Outputs, loop: Loops 
         report: The report with its details.
         outputs: The runs as the engine gave them for the model of the verdict.
         loop: The loops of the named storey, if there is one.
+        first_page_mm: Height of the first page's figure on paper [mm].
     """
+    answered = answers(diagnosis, outputs)
     shown = {} if loop is None else {"force_over_drift": _png(loop_figure(diagnosis, loop))}
     return shown | {
-        "before_after": _png(_before_after(diagnosis, outputs)),
-        "transmissibility": _png(transmissibility_figure(diagnosis, outputs)),
+        "first_page": _png(sheet_figure(diagnosis, outputs, answered, first_page_mm), dpi=200),
+        "before_after": _png(history_figure(diagnosis, outputs)),
+        "transmissibility": _png(transmissibility_figure(answered)),
         "where": _png(_where(diagnosis, report)),
         "residual_force": _png(residual_force_figure(diagnosis, loop)),
         "evidence": _png(evidence_figure(report)),
     }
 
 
-def _png(figure: Figure) -> bytes:
+def _png(figure: Figure, dpi: int = 100) -> bytes:
     FigureCanvasAgg(figure)
     store = io.BytesIO()
-    figure.savefig(store, format="png", dpi=100)
+    figure.savefig(store, format="png", dpi=dpi)
     return store.getvalue()
 
 
 def _figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
-
-
-def _before_after(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
-    case, found = diagnosis.case, diagnosis.found
-    model, observed = found.model, found.model.observed
-    run = (found.held_out or found.training)[0]
-    data = observed.runs[run]
-    channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
-    scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
-    simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
-    if outputs:
-        simulated["after"] = (outputs[run], ORANGE)
-    told = (
-        {} if diagnosis.decision.named else {"after": " (with the likeliest candidate, which is not claimed)"}
-    )
-    measured = data.measured[:, channel] / scale
-    figure = _figure(9, 5.4)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-    for (name, (output, colour)), width in zip(simulated.items(), (1.8, 2.8), strict=False):
-        difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale
-        rms = float(np.sqrt(np.nanmean(difference**2)))
-        # What lies nearer to the measurement is drawn wider, so that both stand out behind it.
-        upper.plot(
-            data.time_s,
-            output[:, channel] / scale,
-            color=colour,
-            lw=width,
-            label=f"simulated, {name}{told.get(name, '')}",
-        )
-        label = f"{name}: simulated − measured, rms {rms:.3g} {unit}"
-        lower.plot(data.time_s, difference, color=colour, lw=1.0, label=label)
-    upper.plot(data.time_s, measured, color=BLACK, lw=0.9, label="measured")
-    used = "held out" if found.held_out else "the run that was used; none could be held out"
-    upper.set_title(
-        f"{observed.names[channel]} in {data.name} ({used}): the channel with the largest misfit before",
-        fontsize=10,
-        pad=26,
-    )
-    middle = data.time_s[int(np.argmax(np.abs(np.nan_to_num(measured))))]
-    first = min(max(data.time_s[0], middle - 0.4 * SHOWN_S), max(data.time_s[0], data.time_s[-1] - SHOWN_S))
-    upper.set_xlim(first, min(data.time_s[-1], first + SHOWN_S))
-    for axes in (upper, lower):
-        axes.set_ylabel(f"{observed.names[channel]} [{unit}]" if axes is upper else f"difference [{unit}]")
-        axes.grid(alpha=0.25)
-    lower.set_xlabel("time [s]")
-    upper.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=3, fontsize=8, borderaxespad=0)
-    lower.legend(loc="lower left", bbox_to_anchor=(0, 1.02), ncols=2, fontsize=8, borderaxespad=0)
-    return figure
 
 
 def _where(diagnosis: Diagnosis, report: Report) -> Figure:

@@ -23,6 +23,7 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
 from pounding.diagnosis.report.report import HeldOutMisfit, Misfit, Misfits, ModalRow, Report
+from pounding.diagnosis.report.report_text import listed
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.motion import FrameMotion
 
@@ -100,9 +101,22 @@ def assembled(
         misfit=misfits,
         where=tuple(spots),
         candidates=conclusion.candidates,
-        warnings=(*conclusion.warnings, *warnings),
+        warnings=said_once([*conclusion.warnings, *warnings]),
         modal=tuple(modal) or UNSET,
     )
+
+
+def said_once(warnings: Sequence[str]) -> tuple[str, ...]:
+    """Return warnings with what holds for several runs said once: `run1.csv and run2.csv: no table acceleration ...`.
+
+    Args:
+        warnings: Sentences; one on a run begins with its name and a colon.
+    """
+    found: dict[str, list[str]] = {}
+    for warning in dict.fromkeys(warnings):
+        of, mark, said = warning.partition(": ")
+        found.setdefault(said if mark else of, []).extend([of] if mark else [])
+    return tuple(f"{listed(of)}: {said}" if of else said for said, of in found.items())
 
 
 def lacked(found: Findings, judged: Judged) -> list[str]:

@@ -261,6 +261,7 @@ class Report(Struct, frozen=True, kw_only=True):
         warnings: Sentences.
         modal: Every modal datum; of cases with modal data alone.
         advice: Sentences on further measurements.
+        advice_evidence: The ln Bayes factor that each is expected to bring.
         shape: What is said of the shape of what was found; of a report that is written to a folder.
         model: The corrected model as files, where it was asked for.
         channels, smallest_detectable, apart, thresholds, origin: Details of a report that is written to a folder.
@@ -279,6 +280,7 @@ class Report(Struct, frozen=True, kw_only=True):
     calibration: tuple[CalibratedParameter, ...] | None = None
     modal: tuple[ModalRow, ...] | UnsetType = UNSET
     advice: tuple[str, ...] | UnsetType = UNSET
+    advice_evidence: tuple[float, ...] | UnsetType = UNSET
     shape: Shape | UnsetType = UNSET
     channels: tuple[ChannelMisfit, ...] | UnsetType = UNSET
     smallest_detectable: tuple[Detectability, ...] | UnsetType = UNSET

@@ -10,6 +10,7 @@ from msgspec import UnsetType
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.decision.claims import Claim
+from pounding.diagnosis.design.contenders import strength
 from pounding.diagnosis.design.detectability import Detectability, Sized
 from pounding.diagnosis.model.nuisance import (
     BASE_STIFFNESS,
@@ -66,11 +67,15 @@ def before_the_change(report: Report) -> str | None:
     if not names:
         return None
     several = len(names) > 1
-    listed = f"{', '.join(names[:-1])} and {names[-1]}" if several else names[0]
     return (
-        f"Run{'s' * several} {listed} {'are' if several else 'is'} of the frame before the change; the baseline was "
+        f"Run{'s' * several} {listed(names)} {'are' if several else 'is'} of the frame before the change; the baseline was "
         f"calibrated on {'them' if several else 'it'} too, and the question is what changed since."
     )
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in words: `a`, `a and b`, `a, b and c`."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def storeys_that_moved(report: Report) -> str:
@@ -194,11 +199,6 @@ def number(value: float | str | UnsetType | None) -> str:
     return f"{value:.4g}" if isinstance(value, float | int) else "–"
 
 
-def strength(ln_bayes: float) -> str:
-    """Return what evidence of that ln Bayes factor is called: `decisive`, `strong` or `weak`."""
-    return "decisive" if ln_bayes > 5 else "strong" if ln_bayes > 3 else "weak"
-
-
 def against_the_next(report: Report) -> str | None:
     """Return how strongly a single named effect is told from what comes next; None where that was not compared.
 
@@ -229,9 +229,18 @@ def together(effects: Sequence[Claim]) -> list[Claim]:
     return list(found.values())
 
 
-def next_steps(case: Case, report: Report) -> list[str]:
-    """Return what would tell more, beside the tests that part what looks alike."""
-    said = list(report.advice or ())
+def next_steps(case: Case, report: Report, *, figures: bool = False) -> list[str]:
+    """Return what would tell more, beside the tests that part what looks alike.
+
+    Args:
+        case: The case.
+        report: The report with its details.
+        figures: Whether each further measurement comes with the ln Bayes factor that it is expected to bring.
+    """
+    said = [
+        f"{sentence[:-1]} (ln Bayes factor {ln_bayes:.3g})." if figures else sentence
+        for sentence, ln_bayes in zip(report.advice or (), report.advice_evidence or (), strict=True)
+    ]
     if report.misfit.held_out is None:
         said.append(
             "A second run would allow a judgement on data that was not used; there is no held-out run here."

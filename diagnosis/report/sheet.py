@@ -19,8 +19,10 @@ STEPS, WARNINGS, MOVED = 3, 2, 4
 """How many steps to take next, warnings and moved parameters stand on the sheet; all stand behind it."""
 
 
-LETTERS, LINES = 100, 16
-"""Letters in a line, and lines of text and modes up to which the sheet has room for a second figure."""
+LETTERS = 100
+"""Letters in a printed line of text."""
+ROOM_MM, LINE_MM, FIGURE_MM = 190.0, 4.6, (62.0, 120.0)
+"""Height that the figure has on a sheet without text and modes, what a line of them takes of it, and its bounds [mm]."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Sheet:
         steps: What to measure next, sentences.
         warnings: The first warnings.
         more_warnings: How many more there are.
-        roomy: Whether there is room for a second figure.
+        figure_mm: Height of the figure on paper [mm].
     """
 
     headline: str
@@ -57,7 +59,7 @@ class Sheet:
     steps: tuple[str, ...]
     warnings: tuple[str, ...]
     more_warnings: int
-    roomy: bool
+    figure_mm: float
 
 
 def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
@@ -81,7 +83,7 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
     # Impacts fill the spectrum and change its first peak.
     modes, title = _modes(calibration, readable=not case.contacts), headline(report)
     text = [title, sentence(report), *beside_the_verdict(report), *report.warnings[: WARNINGS + 1], *steps]
-    lines = len(modes) + sum(math.ceil(len(one) / LETTERS) for one in text)
+    lines = len(modes) + sum(math.ceil(len(one) / LETTERS) for one in text) + 2 * bool(steps)
     return Sheet(
         headline=title,
         sketch=frame_sketch(case, effects, places),
@@ -91,7 +93,7 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
         steps=tuple(steps),
         warnings=report.warnings[:WARNINGS],
         more_warnings=max(0, len(report.warnings) - WARNINGS),
-        roomy=lines <= LINES,
+        figure_mm=min(max(ROOM_MM - LINE_MM * lines, FIGURE_MM[0]), FIGURE_MM[1]),
     )
 
 

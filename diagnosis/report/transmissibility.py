@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.signal import csd, welch
 
@@ -13,6 +15,7 @@ from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.predictor import ACCELERATION
+from pounding.diagnosis.report.history_figure import BRIEF
 from pounding.diagnosis.report.making import Outputs
 from pounding.experiments.pictures.palette import BLACK, BLUE, GREEN, ORANGE
 
@@ -128,38 +131,49 @@ def _filled(series: np.ndarray) -> np.ndarray:
     return np.asarray(np.interp(index, index[good], series[good]))
 
 
-def transmissibility_figure(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
-    """Return the picture of `answers`, a panel for each frame.
+STYLES: dict[str, dict[str, Any]] = {
+    "baseline": {"color": GREEN, "lw": 1.6, "ls": (0, (5, 2))},
+    "calibrated": {"color": BLUE, "lw": 2.2},
+    "corrected": {"color": ORANGE, "lw": 2.6},
+    "measured": {"color": BLACK, "lw": 1.0},
+}
+"""How each line is drawn, the measured one last: it lies over what was simulated."""
+
+
+def transmissibility_figure(shown: Sequence[Answers]) -> Figure:
+    """Return the picture of the frames' answers to the table, a panel for each frame.
 
     Args:
-        diagnosis: What was found and decided.
-        outputs: The runs as the engine gave them with the effects in them, by number; may be empty.
+        shown: See `answers`.
     """
-    shown = answers(diagnosis, outputs)
     figure = Figure(figsize=(9, 0.6 + 3.2 * max(1, len(shown))), layout="constrained")
-    styles = {
-        "baseline": {"color": GREEN, "lw": 1.6, "ls": (0, (5, 2))},
-        "calibrated": {"color": BLUE, "lw": 2.2},
-        "corrected": {"color": ORANGE, "lw": 2.6},
-        "measured": {"color": BLACK, "lw": 1.0},
-    }
     panels = figure.subplots(max(1, len(shown)), 1, squeeze=False)[:, 0]
+    draw_answers(panels, shown)
+    if shown:
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
+    return figure
+
+
+def draw_answers(panels: Iterable[Axes], shown: Sequence[Answers], *, brief: bool = False) -> None:
+    """Draw the answer of each frame into a panel of its own.
+
+    Args:
+        panels: As many as answers, from the top.
+        shown: See `answers`.
+        brief: Whether the titles have little room.
+    """
     for axes, one in zip(panels, shown, strict=False):
-        # The measured line last: it lies over what was simulated.
-        for name, style in styles.items():
+        for name, style in STYLES.items():
             if name in one.sizes:
-                axes.plot(one.hertz, one.sizes[name], label=name, **style)
+                wide = (BRIEF if brief else 1.0) * style["lw"]
+                axes.plot(one.hertz, one.sizes[name], label=name, **(style | {"lw": wide}))
         axes.set_yscale("log")
         # Anti-resonances of a simulation without noise go down without end.
         axes.set_ylim(0.5 * np.nanmin(one.sizes["measured"]), 2 * np.nanmax([*one.sizes.values()]))
         axes.set_xlim(one.hertz[0], one.hertz[-1])
         axes.set_ylabel(f"|{one.channel} / table| [{one.unit}]")
-        axes.set_title(
-            f"{one.frame}: the highest channel over the table's acceleration in {', '.join(one.runs)}",
-            fontsize=10,
-        )
+        runs = "all runs" if brief else ", ".join(one.runs)
+        what = "top over table" if brief else "the highest channel over the table's acceleration"
+        axes.set_title(f"{one.frame}: {what} in {runs}", fontsize="medium")
         axes.grid(alpha=0.25, which="both")
-    panels[-1].set_xlabel("frequency [Hz]")
-    if shown:
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
-    return figure
+        axes.set_xlabel("frequency [Hz]")

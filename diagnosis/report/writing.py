@@ -59,7 +59,8 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
     """
     loop = loops(diagnosis)
     report = detailed(diagnosis, made, loop)
-    pictures = figures(diagnosis, report, made.outputs, loop)
+    first = sheet(diagnosis, report)
+    pictures = figures(diagnosis, report, made.outputs, loop, first.figure_mm)
     shown = on_the_frame(diagnosis, made.motions)
     if (picture := write_frames(shown, folder, film=film)) is not None:
         pictures["on_the_frame"] = picture
@@ -70,8 +71,8 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         report,
         pictures,
         "report.html.jinja",
-        sheet=sheet(diagnosis, report),
-        next_steps=next_steps(case, report),
+        sheet=first,
+        next_steps=next_steps(case, report, figures=True),
         against_the_next=against_the_next(report),
         assumptions=stated,
         frame_run=shown.run,

@@ -350,8 +350,10 @@ def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one()
     _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.5e7)))
     assert concluded.verdict == "nothing_missing"
     said = contact_advice.advice(found, SETTINGS.pair_decision.contact_evidence)
-    assert said[0].startswith("The same shaking recorded at four times the sampling rate")
-    assert "another stiffness of the contact from the contact of the baseline model" in said[0]
+    assert said[0].sentence.startswith("The same shaking recorded at four times the sampling rate")
+    assert (
+        "between another stiffness of the contact and the contact of the baseline model" in said[0].sentence
+    )
     assert found.bodies is not None
     assert found.null is not None
     expected = contact_advice.expected(found.bodies, found.ranked[0][1], found.null)

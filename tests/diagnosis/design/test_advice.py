@@ -50,10 +50,10 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
     decision = decide(weak)
     assert decision.verdict == "nothing_missing"
     said = advice(weak, decision)
-    assert said[0].startswith("The same shaking at twice its amplitude")
+    assert said[0].sentence.startswith("The same shaking at twice its amplitude")
     # So weakly shown, its storey is a guess.
-    assert "hysteresis" in said[0]
-    assert "nothing missing" in said[0]
+    assert "hysteresis" in said[0].sentence
+    assert "nothing missing" in said[0].sentence
     best = weak.judged[0]
     gains = {gain.what: gain.ln_bayes for gain in expected(weak, best.fit, weak.null.fit)}
     assert (

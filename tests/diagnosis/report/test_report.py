@@ -13,6 +13,7 @@ from msgspec import UNSET, structs
 from rich.console import Console
 
 from pounding.diagnosis import CaseError, Report, read_report
+from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.claims import Place, candidate, claim, parameter
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.confidence import Basis, Features
@@ -20,6 +21,7 @@ from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.inference.misfit_map import Spot
 from pounding.diagnosis.report.details import with_shares
 from pounding.diagnosis.report.figures import evidence_figure
+from pounding.diagnosis.report.making import said_once
 from pounding.diagnosis.report.report import (
     ChannelMisfit,
     HeldOutMisfit,
@@ -29,7 +31,7 @@ from pounding.diagnosis.report.report import (
     Threshold,
     Thresholds,
 )
-from pounding.diagnosis.report.report_text import against_the_next, percent, sentence, together
+from pounding.diagnosis.report.report_text import against_the_next, next_steps, percent, sentence, together
 from pounding.diagnosis.report.tables import tables
 
 FRICTION = Place(effect="coulomb_friction", frame="5B", storey=3)
@@ -289,6 +291,25 @@ def test_how_strongly_an_effect_is_told_from_the_next_is_said_where_that_can_be_
     assert against_the_next(structs.replace(alone, effects=())) is None
     both = (*alone.candidates, candidate(LAW, 3.0))
     assert against_the_next(structs.replace(alone, candidates=both)) is None
+
+
+def test_a_warning_that_holds_for_several_runs_is_said_once() -> None:
+    unused = "columns 'a', 'b' are no [[channel]] of the case and not used"
+    warnings = [f"run{number}.csv: {unused}" for number in (1, 2, 3)]
+    warnings[1:1] = ["run1.csv: nothing moves in this run; it was left out", "the clock may be off"]
+    assert said_once([*warnings, warnings[0]]) == (
+        f"run1.csv, run2.csv and run3.csv: {unused}",
+        "run1.csv: nothing moves in this run; it was left out",
+        "the clock may be off",
+    )
+
+
+def test_what_to_measure_next_is_said_without_figures_and_with_them_on_the_technical_pages() -> None:
+    said = "A weight on the roof is expected to decide between friction and yielding."
+    report = structs.replace(of_runs(), advice=(said,), advice_evidence=(588.4,))
+    case = Case("bench", Path(), (), (), ())
+    assert next_steps(case, report)[0] == said
+    assert next_steps(case, report, figures=True)[0] == f"{said[:-1]} (ln Bayes factor 588)."
 
 
 def test_one_late_logger_is_one_effect_on_its_channels() -> None:
