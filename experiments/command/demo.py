@@ -14,6 +14,7 @@ from rich.text import Text
 
 from pounding import frames
 from pounding.contact import thesis_law
+from pounding.diagnosis.report import figures as report
 from pounding.experiments.command.diagnose import diagnose
 from pounding.experiments.command.hide import hide
 from pounding.experiments.command.pound import pound
@@ -21,6 +22,7 @@ from pounding.experiments.command.shake import shake
 from pounding.experiments.console import options
 from pounding.experiments.console.output import printer, progress_console, warn
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.output import collision_folder, result_folder
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.output.index_page import Section, write_index
 from pounding.experiments.pictures.films import film, require
@@ -165,6 +167,10 @@ def _sections(out: Path, record: str) -> list[Section]:
             "Five steel frames from plate and column elements: mesh and mode shapes of the frame with ten storeys.",
             out / "frames",
             "pounding modal 10",
+            {
+                "mesh-10.png": "The mesh of frame 10 from plate and column elements.",
+                "modes-10.png": "The first modes of frame 10 with their frequencies [Hz], enlarged.",
+            },
         ),
         Section(
             "Table 3.1",
@@ -177,24 +183,30 @@ def _sections(out: Path, record: str) -> list[Section]:
             "Free vibration, sweep and push of each frame, read as the laboratory read them.",
             out / "laboratory",
             "pounding study laboratory",
+            {
+                "laboratory.png": "The simulated tests of frame 15B: free vibration, sweep and push, axes with their units."
+            },
         ),
         Section(
             f"15B under {record}",
             "The frame with fifteen storeys alone on the table: motion, spectra, largest stress.",
             out / "shaking",
             f"pounding shake 15B --record {record} --out DIR",
+            result_folder.CAPTIONS,
         ),
         Section(
             f"{left} beside {right}",
             "Two frames with too small a gap: contact force of five impact laws, and a film of the hardest impact.",
             out / "pounding",
             f"pounding pound {left} {right} --gap MM --record {record} --law all --out DIR",
+            collision_folder.CAPTIONS,
         ),
         Section(
             "The missing effect",
             "Friction was hidden in the third storey of frame 5A. The report says what the model lacks and where.",
             out / "missing-effect" / "report",
             "pounding diagnose CASE --out DIR",
+            report.CAPTIONS,
         ),
     ]
 

@@ -16,6 +16,14 @@ from pounding.experiments.rig.pounding import Pounding
 from pounding.frames.drawing.rendering import cannot_render
 from pounding.frames.files import write_whole
 
+CAPTIONS = {
+    "forces.png": "Contact force [N] over time by each impact law, and its first impact closer.",
+    "loops.png": "Contact force [N] over deformation [mm] in the hardest impact, by each impact law.",
+    "collision.png": "The frames at the largest contact force, displacements enlarged; the arrow is the force.",
+    "closest.png": "The frames when they come nearest to each other, displacements enlarged; they do not touch.",
+}
+"""What the pictures of the folder show."""
+
 
 def keep(
     runs: Sequence[Pounding],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import quote
@@ -21,12 +21,14 @@ class Section(NamedTuple):
         words: What the files show.
         folder: Folder with the files; its subfolders are left out, which hold what a series file opens.
         command: What makes the same on its own.
+        captions: What a picture shows, by the name of its file.
     """
 
     title: str
     words: str
     folder: Path
     command: str
+    captions: Mapping[str, str] = {}
 
 
 def write_index(title: str, sections: Sequence[Section], path: Path) -> None:
@@ -48,7 +50,13 @@ def write_index(title: str, sections: Sequence[Section], path: Path) -> None:
             )
             images = [one for one in files if one.suffix in IMAGES]
             others = [one for one in files if one.suffix not in IMAGES]
-            links = {"images": _links(images, path.parent), "files": _links(others, path.parent)}
+            links = {
+                "images": [
+                    one | {"caption": section.captions.get(one["name"], one["name"])}
+                    for one in _links(images, path.parent)
+                ],
+                "files": _links(others, path.parent),
+            }
             parts.append({"title": section.title, "words": section.words, "command": section.command} | links)
     page = TEMPLATES.get_template("index.html").render(title=title, parts=parts)
     write_whole(path, page.encode())

@@ -113,6 +113,15 @@ def keep(
     return Kept([*files, "shake.json"], [reason] if reason else [], film)
 
 
+CAPTIONS = {
+    "history.png": "The table's acceleration [g] and the displacement of floors relative to the table [mm] over time.",
+    "measured.png": "The measured channels over the run, each in its own unit.",
+    "peak.png": "The frame at its largest displacement, enlarged, with the von Mises stress of its columns [MPa].",
+    "spectra.png": "Response and Fourier spectra of the table's motion; dashed: the frame's first natural frequencies.",
+}
+"""What the pictures of the folder show."""
+
+
 def written(result: Mapping[str, Any]) -> Iterator[str]:
     """Say which files were written and what a film shows, if anything was kept."""
     if "files" in result:

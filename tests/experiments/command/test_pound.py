@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from pounding.experiments.command.app import main
+from pounding.experiments.output import collision_folder
 from pounding.frames.drawing.rendering import cannot_render
 
 RECORD = "elcentro-chopra"
@@ -72,6 +73,7 @@ def test_pictures_are_written(all_laws: tuple[dict[str, Any], Path]) -> None:
     others = {"forces.png", "loops.png", "pound.json", "series.pvd", "series"}
     assert {path.name for path in folder.iterdir()} - {"collision.png"} == others | laws
     assert all(path.stat().st_size > 5_000 for path in folder.glob("*.png"))
+    assert {path.name for path in folder.glob("*.png")} <= set(collision_folder.CAPTIONS)
 
 
 def test_a_series_lists_files_of_both_frames_around_the_hardest_impact(

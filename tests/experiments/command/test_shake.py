@@ -86,6 +86,9 @@ def test_a_folder_gets_everything_and_a_measured_history_is_laid_over(inputs, ca
     result = json.loads(out)
     assert status == 0
     assert "measured.png" in result["files"]
+    assert {path.name for path in (inputs / "second").glob("*.png")} - {"peak.png"} == set(
+        keeping.CAPTIONS
+    ) - {"peak.png"}
     assert len(result["measured"]) == len(read(inputs / "first" / "shake.csv"))
     assert all(row["rms_error_ratio"] < 1e-2 for row in result["measured"])
 
