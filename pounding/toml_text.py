@@ -48,6 +48,28 @@ UNITS = r"(_(m|mm|cm|km|kg|g|t|gpa|mpa|pa|n|kn|hz|khz|rad|s|ms|percent|per|m2|m3
 """Units at the end of a key."""
 
 
+CLOSE, CLOSE_OF_THREE = 0.75, 0.6
+"""Likeness (difflib's ratio) from which a word is taken for another one mistyped: `name` is no `frame`, `fram` is.
+In a word of three letters a single error leaves two thirds."""
+
+
+def nearest(word: str, known: Sequence[str]) -> str | None:
+    """Return the known word that was meant, in whatever case it is written; None where none is close.
+
+    Args:
+        word: A word that is not known.
+        known: The words that are.
+    """
+    lowered = {one.lower(): one for one in known}
+    cutoff = CLOSE if len(word) > 3 else CLOSE_OF_THREE
+    close = difflib.get_close_matches(word.lower(), lowered, 1, cutoff=cutoff)
+    if close:
+        return lowered[close[0]]
+    parts = set(word.lower().split("_"))
+    of_it = [one for one in known if parts <= set(one.lower().split("_"))]
+    return of_it[0] if len(of_it) == 1 else None
+
+
 def meant(key: str, known: Sequence[str]) -> str:
     """Return the end of a sentence on an unknown key: which one was meant, when only its unit is another, or all.
 
@@ -59,8 +81,8 @@ def meant(key: str, known: Sequence[str]) -> str:
     same = [one for one in known if re.sub(UNITS, "", one) == stem]
     if same:
         return f"; expected {same[0]} (mind the unit)"
-    near = difflib.get_close_matches(key, known, 1)
-    return f"; did you mean {near[0]}?" if near else f"; known are {', '.join(known)}"
+    near = nearest(key, known)
+    return f"; did you mean {near}?" if near else f"; known are {', '.join(known)}"
 
 
 KINDS = {

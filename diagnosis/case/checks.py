@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -32,7 +31,7 @@ from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
 from pounding.frames.scale import LOWEST_STOREY_M, known_scale
 from pounding.scale import FULL_SCALE, Scale, scale_of
-from pounding.toml_text import shown
+from pounding.toml_text import nearest, shown
 from pounding.units import LENGTH, named
 
 if TYPE_CHECKING:
@@ -375,7 +374,6 @@ def suggest(word: str, known: list[str]) -> str:
     of_it = [item for item in known if word.lower() in item.lower().split("_")]
     if len(of_it) > 1:
         return f"; say which: {', '.join(of_it)}"
-    close = difflib.get_close_matches(word.lower(), [item.lower() for item in known], n=1, cutoff=0.5)
-    nearest = next((item for item in known if close and item.lower() == close[0]), None)
-    near = f"; did you mean {nearest!r}? Allowed are" if nearest else "; use one of"
+    close = nearest(word, known)
+    near = f"; did you mean {close!r}? Allowed are" if close else "; use one of"
     return f"{near} {', '.join(known)}"

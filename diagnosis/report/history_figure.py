@@ -51,10 +51,14 @@ def draw_history(
     simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
     if outputs:
         simulated["after"] = (outputs[run], ORANGE)
-    beside = (
-        "" if diagnosis.decision.named or brief else " (with the likeliest candidate, which is not claimed)"
+    claimed = (
+        ""
+        if diagnosis.decision.named
+        else " (candidate)"
+        if brief
+        else " (with the likeliest candidate, which is not claimed)"
     )
-    told, before, wide = {"after": beside}, "" if brief else "simulated, ", BRIEF if brief else 1.0
+    told, before, wide = {"after": claimed}, "" if brief else "simulated, ", BRIEF if brief else 1.0
     measured = data.measured[:, channel] / scale
     for (name, (output, colour)), width in zip(simulated.items(), (1.8, 2.8), strict=False):
         difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale

@@ -66,7 +66,7 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
         "calibrated": simulate(model, calibrated.values, calibrated.effects, runs),
     }
     if outputs:
-        series["corrected"] = [outputs[run] for run in runs]
+        series["corrected" if diagnosis.decision.named else "candidate"] = [outputs[run] for run in runs]
     shown = (_highest(model, number) for number in range(len(model.structure.frames)))
     return [
         _answers(diagnosis, number, channel, series)
@@ -135,6 +135,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "baseline": {"color": GREEN, "lw": 1.6, "ls": (0, (5, 2))},
     "calibrated": {"color": BLUE, "lw": 2.2},
     "corrected": {"color": ORANGE, "lw": 2.6},
+    "candidate": {"color": ORANGE, "lw": 2.6},
     "measured": {"color": BLACK, "lw": 1.0},
 }
 """How each line is drawn, the measured one last: it lies over what was simulated."""

@@ -184,7 +184,7 @@ def _sections(out: Path, record: str) -> list[Section]:
             out / "laboratory",
             "pounding study laboratory",
             {
-                "laboratory.png": "The simulated tests of frame 15B: free vibration, sweep and push, axes with their units."
+                "laboratory.png": "Frame 15B: free vibration, its half-power bandwidth, and the answer to a sine sweep."
             },
         ),
         Section(

@@ -122,7 +122,7 @@ def coarse(number: int, values: np.ndarray, rng: np.random.Generator) -> None:
 @pytest.mark.parametrize(
     ("fault", "said"),
     [
-        (hum, "run1.csv: hum of the mains (50 Hz) in a1, a2, a3, d1, d3; subtracted"),
+        (hum, "run1.csv, run2.csv and run3.csv: hum of the mains (50 Hz) in a1, a2, a3, d1, d3; subtracted"),
         (dropped, "dropouts of the table's motion were interpolated"),
         (stuck, "a3 repeats one value between 0 and 1 s"),
         (constant, "a3 repeats one value between 0 and 2.998 s"),

@@ -283,6 +283,11 @@ def test_other_spellings_of_a_unit_are_the_unit(folder: Path, written: str, mean
         ("[[run]]", "[[rum]]", None),
         ('title = "bench"', 'title = "bench', "case.toml is not TOML: .*line 1"),
         ('file = "run1.csv"', 'file = "run9.csv"', "run9.csv is not there"),
+        (
+            "[[frame]]",
+            'name = "bench"\n[[frame]]',
+            r"unknown key 'name'; use one of frame, run, channel, title",
+        ),
         ('file = "run1.csv"', 'file = "run1.csv"\nrole = "heldout"', "unknown role 'heldout'; did you mean"),
     ],
 )
