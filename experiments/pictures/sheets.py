@@ -47,11 +47,12 @@ class Line(NamedTuple):
 
 
 class Level(NamedTuple):
-    """A published value to mark across a panel: its label, its values in the unit of the axis, and its colour."""
+    """A published value to mark across a panel: its label, its values in the unit of the axis, its colour and dashes."""
 
     label: str
     values: tuple[float, ...]
     colour: str = PUBLISHED
+    dashes: str = "--"
 
 
 @matplotlib.rc_context(STYLE | {"font.size": 9})
@@ -89,7 +90,7 @@ def motion(axis: Axes, lines: Sequence[Line], levels: Iterable[Level] = ()) -> N
     for level in levels:
         for place, value in enumerate(level.values):
             label = level.label if place == 0 else None
-            axis.axhline(value, color=level.colour, lw=1.0, ls="--", label=label)
+            axis.axhline(value, color=level.colour, lw=1.2, ls=level.dashes, label=label)
     axis.set_xlim(0.0, max(end_of_motion(line.time_s, [line.values], rest=REST) for line in lines))
 
 

@@ -16,6 +16,7 @@ from pounding.experiments import published
 from pounding.experiments.campaign.dissimilarity import dissimilarity
 from pounding.experiments.configurations.definition import Collision, ContactStiffness, Shaken
 from pounding.experiments.pictures import at_rest, sheets
+from pounding.experiments.pictures.palette import BLACK, PURPLE
 from pounding.experiments.pictures.sheets import Level, Line
 from pounding.experiments.rig.motion import ContactHistory
 from pounding.experiments.rig.pounding import built, shaking
@@ -41,10 +42,11 @@ STATES: dict[State, str] = {
     FREE_VIBRATION: "baseline model",
     "strong-motion": "strong motion (damping fitted)",
 }
-SOURCES: dict[str, tuple[str, str]] = {
-    "experiment": ("printed, measured", "#b3262e"),
-    "numerical": ("printed, SAP2000", "#3a7d44"),
+SOURCES: dict[str, tuple[str, str, str]] = {
+    "experiment": ("printed, measured", BLACK, "--"),
+    "numerical": ("printed, SAP2000", PURPLE, "-."),
 }
+"""Whose published values are marked: in words, with colour and dashes, either of which tells them apart."""
 SCALES: dict[Quantity, tuple[str, float, str]] = {
     "displacement": ("displacement relative to the table", 1e3, "mm"),
     "acceleration": ("acceleration in the room", 1.0 / STANDARD_GRAVITY, "g"),
@@ -114,7 +116,9 @@ def gap_figure(number: str, folder: str | None = None, out: Path | None = None) 
                 "equation_4_1_mm": 1e3 * need.equation_4_1_m,
             }
         printed = published.table("4.2").loc[(left, right, floors[0])]
-        levels = [Level(words, (printed[one.record, source],), c) for source, (words, c) in SOURCES.items()]
+        levels = [
+            Level(words, (printed[one.record, source],), *look) for source, (words, *look) in SOURCES.items()
+        ]
         sheets.motion(axis, _lines(closing), levels)
     _finish(figure, axes, number, out)
     return numbers
@@ -224,8 +228,8 @@ def _lines(values: Mapping[State, Real]) -> list[Line]:
 def _printed_peaks(frame: str, floor: int, record: str) -> list[Level]:
     row = published.table("4.1").loc[(frame, floor)]
     return [
-        Level(words, (row[record, source, "max"], -row[record, source, "min"]), colour)
-        for source, (words, colour) in SOURCES.items()
+        Level(words, (row[record, source, "max"], -row[record, source, "min"]), *look)
+        for source, (words, *look) in SOURCES.items()
     ]
 
 

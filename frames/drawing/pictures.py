@@ -260,7 +260,7 @@ def bar(scene: Any, title: str, **changes: Any) -> dict[str, Any]:
     """
     fonts = {"title_font_size": letters(scene, 16), "label_font_size": letters(scene, 15)}
     place = {"vertical": True, "position_x": 0.86, "position_y": 0.3, "height": 0.42, "width": 0.07}
-    return {"title": title, "color": "black", "n_labels": 5, "fmt": "%.3g"} | fonts | place | changes
+    return {"title": f"{title}\n ", "color": "black", "n_labels": 5, "fmt": "%.3g"} | fonts | place | changes
 
 
 def save(scene: Any, path: str | Path) -> None:
@@ -334,7 +334,7 @@ def modes_picture(
             moved = shape.moved(reduced.shapes[:, mode])
             moved = moved / np.linalg.norm(moved, axis=1).max()
             surface = grid(shape, factor * moved)
-            name = "displacement / largest displacement\n"
+            name = "displacement / largest displacement"
             surface[name] = np.abs(moved[:, 0])
             where = {"vertical": False, "height": 0.06, "width": 0.9, "position_x": 0.05, "position_y": 0.02}
             place = bar(drawn, name, **where)
