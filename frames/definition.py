@@ -108,6 +108,9 @@ class Published(Data, frozen=True):
     numerical_hz: list[float] = []
     numerical_roof_stiffness_n_per_mm: float | None = None
 
+    def __repr__(self) -> str:
+        return f"Published({self.source!r}, {self.free_vibration_hz} Hz, damping ratio {self.free_vibration_damping_ratio})"
+
 
 class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     """A frame of floor plates on column strips.
@@ -157,6 +160,9 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     yielding: Yielding | None = None
     storey_law: list[StatedLaw] = []
     scale: str | float | None = None
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r}, {self.storeys} storeys, first {self.storey_heights_m[0]:g} m high)"
 
     def __post_init__(self) -> None:
         checks.plate_frame(self)
@@ -375,6 +381,9 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     scale: str | float | None = None
     slab: Slab | None = None
     torsion: Torsion | None = None
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.name!r}, {self.storeys} storeys, first {self.storey_heights_m[0]:g} m high)"
 
     def __post_init__(self) -> None:
         checks.stick_frame(self)

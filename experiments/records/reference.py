@@ -42,6 +42,11 @@ class Reference:
     extremes_mm: dict[float, tuple[float, float]]
     obtain: str
 
+    def __repr__(self) -> str:
+        return (
+            f"Reference({self.title!r}, {self.samples} samples at {self.step_s:g} s, peak {self.pga_g:g} g)"
+        )
+
 
 _BENCHMARK = (
     "the ground motions of the structural control benchmark (Ohtori, Christenson, Spencer and Dyke 2004,"

@@ -18,6 +18,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicHermiteSpline
 
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.motion import distinct
 from pounding.frames.files import replacing, write_whole
 
@@ -45,7 +46,8 @@ def dataset(
         motion: The run.
         record: The shaking at model scale that it was run with.
         step_s: Step of the stored histories [s].
-        provenance: Where it comes from, as `pounding.experiments.results.provenance.stamp` gives it.
+        provenance: Where it comes from, as `pounding.experiments.results.provenance.stamp` gives it; by default the
+            software's version, the record, and how the frames and contacts were made.
 
     Returns:
         ``relative_`` and ``absolute_`` ``displacement``, ``velocity`` and ``acceleration`` (frame, floor,
@@ -79,7 +81,24 @@ def dataset(
     }
     if motion.contacts:
         _add_contacts(motion, data, coordinates)
-    return xr.Dataset(data, coordinates, _attributes(motion, provenance))
+    known = made_of(motion, record) if provenance is None else provenance
+    return xr.Dataset(data, coordinates, _attributes(motion, known))
+
+
+def made_of(motion: Motion, record: Record) -> dict[str, Any]:
+    """Return the provenance of a run as far as the run itself knows it.
+
+    Args:
+        motion: The run.
+        record: The shaking at model scale that it was run with.
+    """
+    contacts = [
+        {"left": one.left, "right": one.right, "floor": one.floor, "gap_m": one.gap_m, "law": one.law.name}
+        | {f"law_{name}": value for name, value in vars(one.law).items()}
+        for one in motion.contacts
+    ]
+    frames = {frame.name: frame.reduced.options for frame in motion.frames}
+    return stamp({"frames": frames, "contacts": contacts, "solver": motion.solver}, [record])
 
 
 def table_motion(record: Record, times_s: Real) -> dict[str, Real]:
@@ -214,10 +233,10 @@ def _add_contacts(motion: Motion, data: dict[str, Any], coordinates: dict[str, A
     )  # fmt: skip
 
 
-def _attributes(motion: Motion, provenance: Mapping[str, Any] | None) -> dict[str, Any]:
-    stamp = dict(provenance or {})
-    attributes: dict[str, Any] = {k: stamp[k] for k in ("schema", "software", "version") if k in stamp}
-    attributes |= {key: json.dumps(stamp[key]) for key in ("parameters", "records") if key in stamp}
+def _attributes(motion: Motion, provenance: Mapping[str, Any]) -> dict[str, Any]:
+    known = dict(provenance)
+    attributes: dict[str, Any] = {k: known[k] for k in ("schema", "software", "version") if k in known}
+    attributes |= {key: json.dumps(known[key]) for key in ("parameters", "records") if key in known}
     return attributes | {"wall_s": motion.wall_s, "model_s": motion.model_s, "steps": motion.steps}
 
 

@@ -72,6 +72,13 @@ class Impact:
     touch_restitutions: list[float | None]
     y_m: float = 0.0
 
+    def __repr__(self) -> str:
+        return (
+            f"Impact(at {self.time_s:.4f} s, floor {self.floor:g} of {self.left!r} beside {self.right!r}, "
+            f"{self.peak_force_n:.4g} N, approach {self.approach_velocity_m_s:.3g} m/s, {self.touches} "
+            f"touch{'es' * (self.touches != 1)})"
+        )
+
     def as_dict(self) -> dict[str, Any]:
         """Return the impact as a dictionary, in the order above."""
         return asdict(self)

@@ -41,6 +41,11 @@ class Case(NamedTuple):
     acceleration: ArrayLike
     step_s: float
 
+    def __repr__(self) -> str:
+        names = " beside ".join(repr(frame.name) for frame in self.frames)
+        samples = len(np.asarray(self.acceleration))
+        return f"Case({names}, contacts: {len(self.contacts)}, {samples} samples at {self.step_s:.4g} s)"
+
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
@@ -65,6 +70,10 @@ class Outcome:
     first_touch_s: Real
     closest_m: Real
     steps: int
+
+    def __repr__(self) -> str:
+        forces = ", ".join(f"{force:.4g} N" for force in self.peak_force_n) or "no contact"
+        return f"Outcome({len(self.displacement_m)} frames, {int(sum(self.touches))} touches, {forces}, {self.steps} steps)"
 
 
 def many(

@@ -48,6 +48,10 @@ class RequiredGap:
     left_peak_m: float
     right_peak_m: float
 
+    def __repr__(self) -> str:
+        swapped = f"on swapped sides {1e3 * self.opening_m:.2f} mm"
+        return f"RequiredGap({1e3 * self.closing_m:.2f} mm at {self.time_s:.3f} s, {swapped})"
+
     @property
     def equation_4_1_m(self) -> float:
         """Largest magnitude of ``u_left - u_right``, as equation 4.1 has it [m]."""

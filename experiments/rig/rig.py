@@ -99,6 +99,10 @@ class Rig:
         for contact in self.contacts:
             check(contact, self.frames)
 
+    def __repr__(self) -> str:
+        names = " beside ".join(repr(frame.name) for frame in self.frames)
+        return f"Rig({names}, contacts: {len(self.contacts)})"
+
     def run(
         self,
         shaking: Record | ArrayLike,

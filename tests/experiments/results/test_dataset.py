@@ -34,6 +34,15 @@ def test_provenance_goes_with_the_data(data):
     assert json.loads(data.attrs["records"])[0]["name"] == "noise"
 
 
+def test_a_run_states_where_it_comes_from_without_being_told(shaken_stick):
+    data = results.dataset(shaken_stick.motion, shaken_stick.record)
+    assert data.attrs["version"]
+    parameters = json.loads(data.attrs["parameters"])
+    assert list(parameters["frames"]) == ["stick"]
+    assert parameters["contacts"] == []
+    assert json.loads(data.attrs["records"])[0]["sha256"] == shaken_stick.record.sha256
+
+
 def test_peaks_of_the_data_are_those_of_the_run(shaken_stick, data):
     roof = 1e3 * data.relative_displacement.sel(frame="stick", floor=2)
     peak = shaken_stick.result()["peaks"][-1]
