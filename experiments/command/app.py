@@ -135,7 +135,7 @@ for _name, _function in STUDIES.items():
 
 # What the Tab key then runs is the shell alone: it completes without starting Python.
 app.register_install_completion_command(
-    help="Let the Tab key complete verbs and options in this shell.", group=_groups["The command"]
+    help="Let the Tab key complete verbs, options and names in this shell.", group=_groups["The command"]
 )
 for _flag in ("--help", "--version"):
     app[_flag].group = _groups["The command"]

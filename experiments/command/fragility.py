@@ -45,7 +45,8 @@ def fragility(
     street: str,
     *,
     record: Annotated[
-        list[str] | None, Parameter(negative=(), help="Ground motion by name or file, repeatable.")
+        list[options.RecordName] | None,
+        Parameter(negative=(), show_choices=False, help="Ground motion by name or file, repeatable."),
     ] = None,
     set_: Annotated[
         str | None,

@@ -48,10 +48,10 @@ Report = Annotated[
 
 
 def gap(
-    left: str,
-    right: str | None = None,
+    left: options.FrameName,
+    right: options.FrameName | None = None,
     *,
-    record: str,
+    record: options.RecordName,
     pga: options.Pga = None,
     floor: Floor = None,
     state: options.State = None,

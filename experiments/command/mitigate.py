@@ -52,7 +52,7 @@ def mitigate(
     street: str,
     *,
     record: Annotated[
-        list[str],
+        list[options.RecordName],
         Parameter(
             negative=(), help="Ground motion by name or file, repeatable; of each response the worst counts."
         ),

@@ -23,7 +23,7 @@ LARGE_KG = 1e4
 
 
 def modal(
-    frame: str,
+    frame: options.FrameName,
     *,
     state: options.State = None,
     joints: options.Joints = "calibrated",

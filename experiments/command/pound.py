@@ -47,10 +47,12 @@ if TYPE_CHECKING:
 
 
 def pound(
-    left: str,
-    right: str | None = None,
+    left: options.FrameName,
+    right: options.FrameName | None = None,
     *,
-    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
+    record: Annotated[
+        options.RecordName, Parameter(help="Ground motion by name (see `pounding list`) or file.")
+    ],
     gap: Annotated[
         list[float] | None,
         Parameter(
@@ -64,7 +66,7 @@ def pound(
         Parameter(negative=(), help="Floor with a contact, repeatable; default: the lower frame's roof."),
     ] = None,
     law: Annotated[
-        str | None,
+        options.LawName | None,
         Parameter(help="Name of an impact law (see `pounding list`), or all; default: linear_viscoelastic."),
     ] = None,
     parameters: Annotated[

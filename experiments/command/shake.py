@@ -40,9 +40,11 @@ COLUMNS_HELP = (
 
 
 def shake(
-    frame: str,
+    frame: options.FrameName,
     *,
-    record: Annotated[str, Parameter(help="Ground motion by name (see `pounding list`) or file.")],
+    record: Annotated[
+        options.RecordName, Parameter(help="Ground motion by name (see `pounding list`) or file.")
+    ],
     pga: options.Pga = None,
     state: options.State = None,
     time_factor: options.TimeFactor = None,

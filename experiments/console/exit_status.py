@@ -15,6 +15,7 @@ from rich.console import Console
 
 from pounding.errors import InputError
 from pounding.experiments.console import remarks
+from pounding.experiments.console.completion import Command
 from pounding.experiments.console.interruption import heeding
 from pounding.experiments.results.provenance import software_version
 
@@ -28,7 +29,7 @@ NUMBERS: dict[type | None, tuple[str, str]] = {
 
 def command(**named: Any) -> App:
     """Return a command without words yet; `run` says what it raises."""
-    return App(
+    return Command(
         version=software_version,
         # An unknown option or a value of the wrong kind is bad input like any other: one sentence, status 2.
         exit_on_error=False,

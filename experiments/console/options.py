@@ -10,6 +10,8 @@ from cyclopts import Parameter
 
 from pounding import bounds
 from pounding.bounds import Bound
+from pounding.experiments.console.completion import Frames, Laws
+from pounding.experiments.console.completion import Records as KnownRecords
 from pounding.experiments.rig.states import State as FrameState
 from pounding.frames.files import tried_file, tried_folder
 
@@ -43,6 +45,11 @@ def writable_file(_kind: object, path: Path | None) -> None:
         tried_file(path)
 
 
+# What the Tab key offers; any other name or file is taken too.
+_OPEN = Parameter(show_choices=False, metavar="NAME")
+FrameName = Annotated[Frames | str, _OPEN]
+RecordName = Annotated[KnownRecords | str, _OPEN]
+LawName = Annotated[Laws | str, _OPEN]
 Solver = Annotated[
     Literal["exudyn", "exact"],
     Parameter(

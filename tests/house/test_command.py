@@ -13,12 +13,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
+from pounding import frames
+from pounding.contact.laws import BUILT_IN
 from pounding.experiments.command import main
 from pounding.experiments.command.app import EXAMPLES, STUDIES, VERBS, VERBS_BY_PURPOSE, app, described
+from pounding.experiments.console import completion
 from pounding.experiments.console.exit_status import run_script
+from pounding.experiments.records import REFERENCES
+from pounding.experiments.records.packaged import PACKAGED
 
 
 @dataclass(frozen=True)
@@ -93,6 +99,14 @@ def test_what_only_tells_about_the_command_loads_no_heavy_library(words: list[st
     assert not loaded & HEAVY
 
 
+def test_the_tab_key_knows_every_frame_law_and_record_and_files_beside_them() -> None:
+    assert set(get_args(completion.Frames)) == set(frames.names())
+    assert get_args(completion.Laws) == (*BUILT_IN, "all")
+    assert get_args(completion.Records) == (*REFERENCES, *PACKAGED)
+    assert "-l record -r -F -a 'elcentro " in app.generate_completion(shell="fish")
+    assert ":{compadd -- 5A 5B 8 10 12 15A 15B; _files}" in app.generate_completion(shell="zsh")
+
+
 @pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
 def test_the_tab_key_completes_without_python(tmp_path: Path) -> None:
     script = tmp_path / "completion"
@@ -105,7 +119,15 @@ def test_the_tab_key_completes_without_python(tmp_path: Path) -> None:
         timeout=300,
     )
     assert done.returncode == 0, done.stderr
-    for typed, offered in (["po"], {"pound"}), (["pound", "15B", "5B", "--ga"], {"--gap"}):
+    offers: list[tuple[list[str], set[str]]] = [
+        (["po"], {"pound"}),
+        (["pound", "15B", "5B", "--ga"], {"--gap"}),
+        (["pound", "15"], {"15A", "15B"}),
+        (["pound", "15B", "5B", "--law", "hertz"], {"hertz", "hertz_damp"}),
+        (["gap", "15B", "5B", "--record", "ko"], {"kobe"}),
+    ]
+    assert "complete -o default -F _pounding" in script.read_text(encoding="utf-8")
+    for typed, offered in offers:
         line = f"source {script}; COMP_WORDS=(pounding {' '.join(typed)}); COMP_CWORD={len(typed)};"
         shell = [str(shutil.which("bash")), "--norc", "-c", f'{line} _pounding; echo "${{COMPREPLY[@]}}"']
         # Without a PATH no other program can be started.
