@@ -156,7 +156,7 @@ class _Place(NamedTuple):
     where: Where
 
     def answer(self, motion: Record, **options: Any) -> dict[str, Any]:
-        found = gap_answer(self.left, self.right, motion, self.where, **options)
+        found = gap_answer(self.left, self.right, motion, self.where, **options).as_dict()
         return found if self.gap_mm is None else found | {"gap_mm": self.gap_mm}
 
     def picture(self, motion: Record, answer: dict[str, Any]) -> Figure:

@@ -36,7 +36,7 @@ def gap_history(times_s: Real, left_m: Real, right_m: Real, result: Mapping[str,
         times_s: Instants (m,) [s].
         left_m: Displacement of the left floor (m,) [m].
         right_m: Displacement of the right floor (m,) [m].
-        result: Answer of `pounding.experiments.separation.gaps.gap.gap_answer`.
+        result: The fields of a `pounding.experiments.separation.gaps.answer.GapAnswer`.
     """
     figure = _figure(9.0, 5.0)
     upper, lower = figure.subplots(2, 1, sharex=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from pounding.experiments.rig.required_gap import (
     place_motions,
     required_gap,
 )
+from pounding.experiments.separation.gaps.answer import EdgeGap, FloorGap, GapAnswer, Spread
 from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.frames.floors import level_floors
@@ -77,7 +78,7 @@ def gap_answer(
     *,
     own_peak: bool = True,
     length_scale: float = THESIS.buildings_length,
-) -> dict[str, Any]:
+) -> GapAnswer:
     """Return the required gap of two frames and what stands beside it.
 
     Args:
@@ -88,14 +89,6 @@ def gap_answer(
         own_peak: Whether the record has its own peak: only then is there a published number to compare with.
         length_scale: Full-scale length over the frames' length, for the rules with a unit of their own.
 
-    Returns:
-        ``left``, ``right``, ``record``, ``pga_g``, ``floor``, ``required_gap_mm`` (largest closing motion),
-        ``time_s``, ``equation_4_1_mm``, ``reversed_mm`` (the frames on swapped sides, or the record with the
-        other sign), ``left_peak_mm``, ``right_peak_mm``, ``spread`` (``low_mm``, ``high_mm``, ``basis``),
-        ``floors`` (the required gap at every shared floor), ``y_m``, ``edges`` (the required gap at both ends of the shared
-        edge, for frames that turn), ``rules`` (``name``, ``gap_mm``, ``basis``,
-        ``in_range``, ``reason``), ``published`` (or None) and ``warnings``.
-
     Raises:
         ExperimentError: A floor that cannot meet the other frame.
         FrameError: A place off the floors, or off the middle of floors that do not turn.
@@ -104,35 +97,31 @@ def gap_answer(
     gap = gap_at(left, right, record, places, where.y_m)
     lower_floor = int(places[0] if is_left_lower(left, right) else places[1])
     floors = [
-        {
-            "floor": number,
-            "required_gap_mm": MM * found.closing_m,
-            "equation_4_1_mm": MM * found.equation_4_1_m,
-        }
+        FloorGap(number, MM * found.closing_m, MM * found.equation_4_1_m)
         for number, found in _shared(left, right, record, where.y_m)
     ]
     edges = _edges(left, right, record, places)
-    return {
-        "left": left.name,
-        "right": right.name,
-        "record": record.name,
-        "pga_g": record.pga_g,
-        "floor": lower_floor,
-        "on_columns": where.on_columns,
-        "y_m": where.y_m,
-        "required_gap_mm": MM * gap.closing_m,
-        "time_s": gap.time_s,
-        "equation_4_1_mm": MM * gap.equation_4_1_m,
-        "reversed_mm": MM * gap.opening_m,
-        "left_peak_mm": MM * gap.left_peak_m,
-        "right_peak_mm": MM * gap.right_peak_m,
-        "spread": spread(left, right, record, where),
-        "floors": floors,
-        "edges": edges,
-        "rules": [asdict(answer) for answer in rules_beside(left, right, gap, record.pga_g, length_scale)],
-        "published": published_gap(left.name, right.name, lower_floor, record.name) if own_peak else None,
-        "warnings": _warnings((left, right), record, floors, edges, lower_floor, MM * gap.closing_m),
-    }
+    return GapAnswer(
+        left=left.name,
+        right=right.name,
+        record=record.name,
+        pga_g=record.pga_g,
+        floor=lower_floor,
+        on_columns=where.on_columns,
+        y_m=where.y_m,
+        required_gap_mm=MM * gap.closing_m,
+        time_s=gap.time_s,
+        equation_4_1_mm=MM * gap.equation_4_1_m,
+        reversed_mm=MM * gap.opening_m,
+        left_peak_mm=MM * gap.left_peak_m,
+        right_peak_mm=MM * gap.right_peak_m,
+        spread=spread(left, right, record, where),
+        floors=floors,
+        edges=edges,
+        rules=rules_beside(left, right, gap, record.pga_g, length_scale),
+        published=published_gap(left.name, right.name, lower_floor, record.name) if own_peak else None,
+        warnings=_warnings((left, right), record, floors, edges, lower_floor, MM * gap.closing_m),
+    )
 
 
 def _shared(
@@ -145,7 +134,7 @@ def _shared(
 
 def _edges(
     left: ReducedFrame, right: ReducedFrame, record: Record, places: tuple[float, float]
-) -> list[dict[str, float]]:
+) -> list[EdgeGap]:
     """Return the required gap at both ends of the edge that two frames share; none for frames that do not turn.
 
     Between the ends the closing motion is straight, so that no place between them needs more than both.
@@ -161,7 +150,7 @@ def _edges(
             place_motions(frame, record, place_row(frame, floor, y_m if frame.turns else 0.0)[None, :])[:, 0]
             for frame, floor in zip((left, right), places, strict=True)
         )
-        found.append({"y_m": y_m, "required_gap_mm": MM * required_gap(one, other, step).closing_m})
+        found.append(EdgeGap(y_m, MM * required_gap(one, other, step).closing_m))
     return found
 
 
@@ -194,7 +183,7 @@ def spread(
     where: Where = AT_THE_ROOF,
     *,
     share: float = FREQUENCY_UNCERTAINTY,
-) -> dict[str, Any]:
+) -> Spread:
     """Return the least and the largest required gap when each frame's frequencies are off by a share either
     way.
 
@@ -206,7 +195,7 @@ def spread(
         share: Share of the frequencies, alike for all modes of a frame.
 
     Returns:
-        ``low_mm``, ``high_mm`` over the nine combinations, and ``basis`` in words.
+        The least and the largest over the nine combinations.
     """
     pair = where.floors(left, right)
     moved = [
@@ -218,11 +207,8 @@ def spread(
     ]
     step = record.step_s / fine_step(record.step_s)
     gaps = [MM * required_gap(a, b, step).closing_m for a in moved[0] for b in moved[1]]
-    return {
-        "low_mm": min(gaps),
-        "high_mm": max(gaps),
-        "basis": f"each frame's frequencies {100 * share:g} % lower, unchanged, and {100 * share:g} % higher",
-    }
+    basis = f"each frame's frequencies {100 * share:g} % lower, unchanged, and {100 * share:g} % higher"
+    return Spread(min(gaps), max(gaps), basis)
 
 
 def published_gap(left: str, right: str, floor: int, record: str) -> dict[str, Any] | None:
@@ -273,8 +259,8 @@ def _damping(ratio: float) -> float:
 def _warnings(
     pair: tuple[ReducedFrame, ReducedFrame],
     record: Record,
-    floors: list[dict[str, Any]],
-    edges: list[dict[str, float]],
+    floors: list[FloorGap],
+    edges: list[EdgeGap],
     floor: int,
     own_mm: float,
 ) -> list[str]:
@@ -285,15 +271,15 @@ def _warnings(
             f"{record.pga_g:.3g} g is above anything tested ({HIGHEST_TESTED_PGA_G} g): "
             f"{'the frames are' if len(linear) == 2 else f'{linear[0]} is'} linear here and would yield"
         )
-    governing = max(floors, key=lambda entry: entry["required_gap_mm"], default=None)
-    if governing is not None and governing["required_gap_mm"] > 1.02 * own_mm:
+    governing = max(floors, key=lambda entry: entry.required_gap_mm, default=None)
+    if governing is not None and governing.required_gap_mm > 1.02 * own_mm:
         found.append(
-            f"floor {governing['floor']} needs more than floor {floor}: {governing['required_gap_mm']:.3g} mm"
+            f"floor {governing.floor} needs more than floor {floor}: {governing.required_gap_mm:.3g} mm"
         )
-    widest = max(edges, key=lambda entry: entry["required_gap_mm"], default=None)
-    if widest is not None and widest["required_gap_mm"] > 1.02 * own_mm:
+    widest = max(edges, key=lambda entry: entry.required_gap_mm, default=None)
+    if widest is not None and widest.required_gap_mm > 1.02 * own_mm:
         found.append(
-            f"the floors turn, and at the end of their edge (y = {widest['y_m']:g} m) floor {floor} needs "
-            f"{widest['required_gap_mm']:.4g} mm"
+            f"the floors turn, and at the end of their edge (y = {widest.y_m:g} m) floor {floor} needs "
+            f"{widest.required_gap_mm:.4g} mm"
         )
     return found

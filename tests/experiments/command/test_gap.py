@@ -210,12 +210,12 @@ def test_a_floor_that_needs_more_is_named() -> None:
     tall, short = (frames.build(frames.load(name)) for name in ("10", "5B"))
     shaking = Record("noise", np.random.default_rng(1).normal(0.0, 1.5, 900), 0.004)
     found = gap_answer(tall, short, shaking, Where(2))
-    needed = {entry["floor"]: entry["required_gap_mm"] for entry in found["floors"]}
+    needed = {entry.floor: entry.required_gap_mm for entry in found.floors}
     assert list(needed) == [1, 2, 3, 4, 5]
-    assert needed[2] == found["required_gap_mm"]
+    assert needed[2] == found.required_gap_mm
     most = max(needed, key=needed.__getitem__)
     assert most > 2
-    assert found["warnings"] == [f"floor {most} needs more than floor 2: {needed[most]:.3g} mm"]
+    assert found.warnings == [f"floor {most} needs more than floor 2: {needed[most]:.3g} mm"]
 
 
 def capsys_after(capsys: pytest.CaptureFixture[str]) -> pytest.CaptureFixture[str]:

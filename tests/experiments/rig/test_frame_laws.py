@@ -91,7 +91,7 @@ def test_the_required_gap_of_a_frame_with_laws_is_that_of_its_run() -> None:
     ]
     assert gap.closing_m == pytest.approx(float((runs[0] - runs[1]).max()), rel=2e-3)
     about = spread(left, right, record)
-    assert about["low_mm"] <= 1e3 * gap.closing_m <= about["high_mm"]
+    assert about.low_mm <= 1e3 * gap.closing_m <= about.high_mm
     assert pair_gap(right, right, record).closing_m == 0.0
 
 

@@ -119,15 +119,15 @@ def test_the_drift_of_floors_that_turn_is_that_of_their_edges() -> None:
 def test_the_required_gap_is_told_for_both_ends_of_the_edge() -> None:
     left, right = stick(2.5), stick(1.6, TORSION)
     answer = gap_answer(left, right, shaking(), own_peak=False, length_scale=1.0)
-    ends = {one["y_m"]: one["required_gap_mm"] for one in answer["edges"]}
-    assert answer["required_gap_mm"] == pytest.approx(1e3 * pair_gap(left, right, shaking()).closing_m)
-    assert ends[-7.5] > 1.02 * answer["required_gap_mm"] > ends[7.5] * 1.02
-    (warning,) = (one for one in answer["warnings"] if "turn" in one)
+    ends = {one.y_m: one.required_gap_mm for one in answer.edges}
+    assert answer.required_gap_mm == pytest.approx(1e3 * pair_gap(left, right, shaking()).closing_m)
+    assert ends[-7.5] > 1.02 * answer.required_gap_mm > ends[7.5] * 1.02
+    (warning,) = (one for one in answer.warnings if "turn" in one)
     assert f"(y = -7.5 m) floor 2 needs {ends[-7.5]:.4g} mm" in warning
     turning = stick(2.5, {"frequency_ratio": 1.3}, planar=False)
     at_the_end = gap_answer(turning, right, shaking(), Where(y_m=-7.5), own_peak=False, length_scale=1.0)
-    assert at_the_end["required_gap_mm"] == pytest.approx(ends[-7.5], rel=1e-6)
-    assert at_the_end["spread"]["low_mm"] <= ends[-7.5] <= at_the_end["spread"]["high_mm"]
+    assert at_the_end.required_gap_mm == pytest.approx(ends[-7.5], rel=1e-6)
+    assert at_the_end.spread.low_mm <= ends[-7.5] <= at_the_end.spread.high_mm
 
 
 def test_fragility_and_measures_find_the_same_closing_off_the_middle() -> None:
