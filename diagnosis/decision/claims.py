@@ -41,6 +41,9 @@ class Place(Struct, frozen=True, kw_only=True):
     right: str | None = None
     test: str | UnsetType = UNSET
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.words()})"
+
     @property
     def place(self) -> Place:
         """Effect and place alone, without what else is said of it."""
@@ -84,6 +87,9 @@ class Parameter(Struct, frozen=True, kw_only=True):
     std: float | UnsetType | None = UNSET
     unit: str
 
+    def __repr__(self) -> str:
+        return f"Parameter({self.words()})"
+
     def words(self, digits: int = 3) -> str:
         """Return it in words: `friction force 12.1 ± 0.4 N`.
 
@@ -120,6 +126,9 @@ class Candidate(Place, frozen=True, kw_only=True):
 
     log_evidence: float
 
+    def __repr__(self) -> str:
+        return f"Candidate({self.words()}, log_evidence {self.log_evidence:.4g})"
+
 
 class Claim(Candidate, frozen=True, kw_only=True):
     """An effect that is said to be missing from the model.
@@ -131,6 +140,10 @@ class Claim(Candidate, frozen=True, kw_only=True):
 
     parameters: tuple[Parameter, ...]
     members: tuple[Place, ...] = field(name="class", default=())
+
+    def __repr__(self) -> str:
+        alike = f", one of a class of {len(self.members)}" if len(self.members) > 1 else ""
+        return f"Claim({self.sized()}, log_evidence {self.log_evidence:.4g}{alike})"
 
     def sized(self) -> str:
         """Return what, where and how large, in words."""

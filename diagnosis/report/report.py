@@ -52,6 +52,13 @@ class Misfit(Struct, frozen=True, kw_only=True):
         return (before - after) / (before - noise)
 
 
+def _from_to(misfit: Misfit) -> str:
+    """Return a misfit before and after, in words: `2.5 % -> 1.2 %`."""
+    return " -> ".join(
+        "unknown" if share is None else f"{100 * share:.3g} %" for share in (misfit.before, misfit.after)
+    )
+
+
 class HeldOutMisfit(Misfit, frozen=True, kw_only=True):
     """The same over the runs that were not used, whose names are in `run`."""
 
@@ -64,6 +71,12 @@ class Misfits(Struct, frozen=True, kw_only=True):
     training: Misfit | None
     held_out: HeldOutMisfit | None
     contact: ContactMisfit | UnsetType = UNSET
+
+    def __repr__(self) -> str:
+        kinds = {"training": self.training, "held out": self.held_out}
+        said = [f"{kind} {_from_to(misfit)}" for kind, misfit in kinds.items() if misfit is not None]
+        said += [] if self.contact is UNSET else ["held-out impacts too"]
+        return f"Misfits({', '.join(said) or 'none'})"
 
     @property
     def judged(self) -> Misfit | None:
@@ -226,6 +239,10 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     measured: float | UnsetType = UNSET
     resolution: float | UnsetType = UNSET
     corrected: float | UnsetType = UNSET
+
+    def __repr__(self) -> str:
+        std = "" if self.std is None else f" ± {self.std:.2g}"
+        return f"CalibratedParameter({self.parameter} of {self.where()}: {self.baseline:.4g} -> {self.calibrated:.4g}{std})"
 
     def where(self) -> str:
         """Return the place in words, for a table's cell."""
