@@ -51,7 +51,7 @@ def moment(run: Pounding) -> float:
 
 
 def film(run: Pounding, path: str | Path, *, progress: Callable[[float], None] | None = None) -> films.Film:
-    """Film the collision in slow motion, MP4 or GIF by the suffix.
+    """Film the collision in slow motion, MP4 or GIF by the suffix, always into a file, as `films.film` does.
 
     Args:
         run: The run.

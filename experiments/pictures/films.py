@@ -89,7 +89,7 @@ def film(
     processes: int | None = None,
     behind: Motion | None = None,
 ) -> Film:
-    """Film the frames on their table.
+    """Film the frames on their table. It always writes a file, because neither axes nor a plotter can hold a film.
 
     A film is never longer than `LONGEST_S`: of a longer span it shows the part in whose middle is the largest
     contact force or, with none, the largest roof displacement.
