@@ -78,7 +78,13 @@ class EveryStorey(LawEffect, FrameEffect):
         return storey.stiffness(model)
 
     def tapering(self, values: np.ndarray, model: Model, storey: StoreyEffect) -> np.ndarray:
-        """Return the SI parameters of the whole with the taper in them at one storey, shape (parameters - 1,)."""
+        """Return the SI parameters of the whole with the taper in them at one storey, shape (parameters - 1,).
+
+        Args:
+            values: SI parameters of the whole in the order of `quantities`, shape (parameters,).
+            model: The baseline model.
+            storey: The effect in that storey.
+        """
         place = np.linspace(-1.0, 1.0, self.storeys(model).floors)[int(storey.storey or 1) - 1]
         there = np.array(values[:-1], float)
         there[self.amplitude if self.tapered is None else self.tapered] *= np.exp(values[-1] * place)

@@ -111,7 +111,7 @@ class Histories(Likelihood):
             yield residual, np.hstack([nuisance, own])
 
     def columns(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Yield whitened innovations, and signatures of the nuisance parameters and of the effects, of each run.
+        """Yield whitened innovations (n,) and signatures (n, nuisance), (n, effects' coordinates) of each run.
 
         Args:
             theta: Nuisance parameters and effects in units of their priors, shape (parameters,).

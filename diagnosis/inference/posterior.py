@@ -231,7 +231,7 @@ class Posterior:
     def led_back(
         self, gram: np.ndarray, theta: np.ndarray, trial: np.ndarray, cost: float
     ) -> tuple[np.ndarray, float]:
-        """Return a step's end and its cost after corrections with the slopes of its beginning, the best there is.
+        """Return a step's end (parameters,) and its cost after corrections with the slopes of its beginning.
 
         Where parameters stand for one another, as mass and stiffness do on a shaken table, the valley of good fits is
         long, narrow and bent: a straight step leaves it, however short, and the chords of the residuals there lead back
