@@ -30,13 +30,12 @@ def decide(found: Findings) -> Decision:
     chosen = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
-        chosen = chosen if _adds_an_error(found, chosen, doubles[0]) else doubles[0]
+        chosen = doubles[0]
     objections, said = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
-    remainder = _something_left(found, chosen) or _bends(found, chosen)
-    excused = not objections and within_model_error(found)
-    if excused and (_common(chosen) or (remainder and not held)):
-        # No model of a real frame is better, and nothing that has a place of its own says why.
+    remainder = not objections and (_something_left(found, chosen) or _bends(found, chosen))
+    if remainder and within_model_error(found) and (not held or _common(chosen)):
+        # No model of a real frame is better, and nothing with a place of its own, or that explains it all, says why.
         return Decision("nothing_missing", found.null, (), said)
     if not held:
         return Decision("unknown_effect", chosen, (), said)
@@ -119,18 +118,6 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
     """
     misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
     return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
-
-
-def _adds_an_error(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether a pair of effects adds only what every real frame has, and takes no more by it than a model may leave.
-
-    It is no effect then, but part of what remains.
-    """
-    added = [effect for effect in double.effects if effect not in single.effects]
-    if found.reference or found.pair is not None or not all(effect.common for effect in added):
-        return False
-    taken = model_error(found, single) ** 2 - model_error(found, double) ** 2
-    return taken <= found.model.prior.model_error**2
 
 
 def _common(judged: Judged) -> bool:

@@ -12,7 +12,7 @@ import pytest
 
 from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.false_alarms import plain, thresholds
+from pounding.diagnosis.decision.false_alarms import plain
 from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
 from tests.diagnosis.pair_models import CONTACT, colliding, judged, model_of
@@ -79,7 +79,7 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     nothing: Any = None
     found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
     assert found.claimable() == judged_ones
-    assert plain(found, absorbing(thresholds(found)[0]), 0.21)
+    assert plain(found, absorbing(40.0), 0.21)
     pair, *_ = judged(colliding(CONTACT))
     found.pair = pair
     assert found.claimable() == [judged_ones[0], *judged_ones[2:]]
