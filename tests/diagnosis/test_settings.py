@@ -39,6 +39,8 @@ NO_THRESHOLDS = {
         "posterior.SHORTENED",
         "posterior.STRIDE",
         "posterior.PIECE",
+        "posterior.CORRECTIONS",
+        "constancy.PERIODS",
         "evidence.AT_ONCE",
         "contacts.REACH",
         "contacts.REGAINED",
@@ -79,6 +81,7 @@ NO_THRESHOLDS = {
     },
     "definitions and layouts": {
         "misfit.SLOW",
+        "constancy.CHANCE",
         "model_checks.MAINS_HZ",
         "numbers.NONE",
         "confidence.SIGNS",
