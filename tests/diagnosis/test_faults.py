@@ -171,8 +171,8 @@ def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path, monkeypatch: 
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "none could be held out" in page
     assert {path.name for path in tmp_path.iterdir()} == {
-        "report.json", "report.html", "before_after.png", "where.png", "residual_force.png", "evidence.png", "first_page.png",
-        "transmissibility.png", "on_the_frame.png", "before", "before.pvd",
+        "report.json", "report.html", "before_after.png", "where.png", "residual_force.png", "evidence.png",
+        "first_page.png", "transmissibility.png", "on_the_frame.png", "before", "before.pvd",
     }  # fmt: skip
     assert any("second run" in str(item) for item in [page])
     assert list(tables(report))
