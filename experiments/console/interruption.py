@@ -5,6 +5,7 @@ Only the standard library is imported here, so that the command heeds Ctrl-C whi
 
 from __future__ import annotations
 
+import _thread
 import signal
 import sys
 import threading
@@ -18,6 +19,10 @@ ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 SHELL = 128
 """A shell's exit status of a program that was ended by signal n is this plus n: 130 for Ctrl-C."""
+
+
+AGAIN_S = 0.02
+"""Time after which a signal comes again [s] that came where Python drops exceptions."""
 
 
 @contextmanager
@@ -36,7 +41,19 @@ def heeding() -> Iterator[None]:
         received.append(signal.Signals(number))
         raise KeyboardInterrupt
 
+    usual = sys.unraisablehook
+
+    def again(dropped: sys.UnraisableHookArgs) -> None:
+        if not (received and issubclass(dropped.exc_type, KeyboardInterrupt)):
+            usual(dropped)
+            return
+        # In a finaliser or the callback of a weak reference the exception would be printed and lost.
+        timer = threading.Timer(AGAIN_S, _thread.interrupt_main, [received[0]])
+        timer.daemon = True
+        timer.start()
+
     before = _install(heed)
+    sys.unraisablehook = again
     try:
         yield
     except BaseException as error:
@@ -48,6 +65,7 @@ def heeding() -> Iterator[None]:
         how_far = str(error) if isinstance(error, KeyboardInterrupt) else ""
         _leave((*received, signal.SIGINT)[0], how_far)
     finally:
+        sys.unraisablehook = usual
         for number, handler in before.items():
             signal.signal(number, handler)
 

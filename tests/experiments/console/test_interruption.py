@@ -115,3 +115,19 @@ def test_another_thread_leaves_signals_alone() -> None:
     thread.start()
     thread.join()
     assert found == [before]
+
+
+def test_in_a_finaliser_where_python_drops_exceptions() -> None:
+    """It would be printed with its traceback, and the command would go on."""
+    code = (
+        "import signal, time\n"
+        "from pounding.experiments.console.interruption import heeding\n"
+        "class Dying:\n"
+        "    def __del__(self):\n"
+        "        signal.raise_signal(signal.SIGINT)\n"
+        "with heeding():\n"
+        "    Dying()\n"
+        "    time.sleep(20.0)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "pounding: interrupted\n")
