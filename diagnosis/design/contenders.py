@@ -11,6 +11,10 @@ from pounding.diagnosis.settings import SETTINGS
 Explanation = TypeVar("Explanation")
 
 
+STRONG, DECISIVE = 3.0, 5.0
+"""ln Bayes factors above which evidence is called so (bounds of Kass and Raftery 1995)."""
+
+
 @dataclass(frozen=True)
 class Gain:
     """A further measurement in words, and the ln Bayes factor by which it is expected to tell two explanations apart."""
@@ -93,4 +97,4 @@ def sentences(gains: Sequence[Gain], names: tuple[str, str]) -> list[Advice]:
 
 def strength(ln_bayes: float) -> str:
     """Return what evidence of that ln Bayes factor is called: `decisive`, `strong` or `weak`."""
-    return "decisive" if ln_bayes > 5 else "strong" if ln_bayes > 3 else "weak"
+    return "decisive" if ln_bayes > DECISIVE else "strong" if ln_bayes > STRONG else "weak"

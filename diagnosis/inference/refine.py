@@ -25,7 +25,7 @@ class Fit:
 
     Attributes:
         effects: The effects. values: SI parameters of each.
-        std: Standard errors of those.
+        std: Standard errors of those, with what they vary between windows beyond chance (`inference.constancy`).
         filtered: The predictor with them.
         nuisance_std: Standard errors of the nuisance parameters in their own units, shape (nuisance,).
         covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).

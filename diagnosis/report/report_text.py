@@ -10,7 +10,7 @@ from msgspec import UnsetType
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.decision.claims import Claim
-from pounding.diagnosis.design.contenders import strength
+from pounding.diagnosis.design.contenders import DECISIVE, STRONG, strength
 from pounding.diagnosis.design.detectability import Detectability, Sized
 from pounding.diagnosis.model.nuisance import (
     BASE_STIFFNESS,
@@ -28,7 +28,7 @@ _STRUCK = (
 LN_BAYES = (
     "The ln Bayes factor of an effect is the natural logarithm of how many times likelier the measurements are with the "
     "effect in the model than with nothing missing, its size and the nuisance parameters averaged over their priors: "
-    "below 3 is weak, above 3 strong, above 5 decisive (bounds of Kass and Raftery 1995)."
+    f"below {STRONG:g} is weak, above {STRONG:g} strong, above {DECISIVE:g} decisive (bounds of Kass and Raftery 1995)."
 )
 
 

@@ -82,6 +82,8 @@ NO_THRESHOLDS = {
     "definitions and layouts": {
         "misfit.SLOW",
         "constancy.CHANCE",
+        "contenders.STRONG",
+        "contenders.DECISIVE",
         "model_checks.MAINS_HZ",
         "numbers.NONE",
         "confidence.SIGNS",
