@@ -35,8 +35,8 @@ class Judged:
         effects: Names of what is hidden.
         called: What the verdict says: an effect's name, ``nothing_missing`` or ``unknown_effect``.
         frames: Frames on the table.
-        signal_to_noise: Largest change of a channel by the weakest hidden effect over its noise; NaN without one.
-        signal_to_error: The same over noise and model error together; the same figure in a world without model error.
+        signal_to_noise: Largest change of a channel by the weakest hidden effect over its noise and the model's error
+            together; NaN without an effect.
         detected: Something was found missing.
         exact: Type and place of every hidden effect are right and nothing else is claimed; for nothing
             hidden that nothing was found, for an outsider that it was called unknown.
@@ -55,7 +55,6 @@ class Judged:
     called: str
     frames: tuple[str, ...]
     signal_to_noise: float
-    signal_to_error: float
     detected: bool
     exact: bool
     in_class: bool
@@ -94,7 +93,6 @@ def judge(truth: Mapping[str, Any], report: Report, seconds: float = np.nan) -> 
         claims[0].effect if claims else verdict,
         tuple(truth["frames"]),
         weakest,
-        weakest * _noise_of_both(truth),
         detected,
         exact,
         in_class,
@@ -121,15 +119,6 @@ def _named(truth: Mapping[str, Any], claims: Sequence[Claim]) -> Claim | None:
 
 def _classed(truth: Mapping[str, Any], claims: Sequence[Claim]) -> bool:
     return any(same(truth, member) for claim in claims for member in (claim, *claim.members))
-
-
-def _noise_of_both(truth: Mapping[str, Any]) -> float:
-    """Return the noise over noise and model error together, both over the motion; 1 without a model error."""
-    error = truth.get("model_error")
-    if error is None:
-        return 1.0
-    noise = float(np.median(list(truth["noise"].values())))
-    return noise / float(np.hypot(noise, error["misfit"]))
 
 
 def _closed(report: Report) -> float:

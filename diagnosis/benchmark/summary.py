@@ -72,7 +72,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
     named = [case for case in cases if case.kind not in ("nothing", OUTSIDE)]
     single = [case for case in named if case.kind == "single"]
     detected = [case for case in named if case.detected]
-    plain = [case for case in named if case.signal_to_error > PLAIN]
+    plain = [case for case in named if case.signal_to_noise > PLAIN]
     found = [case for case in cases if case.detected and case.kind != "nothing"]
     explained = [
         case.misfit_explained for case in named if case.detected and np.isfinite(case.misfit_explained)
@@ -86,11 +86,11 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "class_right_of_detected": share(detected, lambda case: case.in_class),
         "exact_of_detected_singles": share([c for c in single if c.detected], lambda case: case.exact),
         "exact_of_plain_singles": share(
-            [c for c in single if c.signal_to_error > PLAIN], lambda case: case.exact
+            [c for c in single if c.signal_to_noise > PLAIN], lambda case: case.exact
         ),
         "singles_detected": share(single, lambda case: case.detected),
         "plain_singles_detected": share(
-            [c for c in single if c.signal_to_error > PLAIN], lambda case: case.detected
+            [c for c in single if c.signal_to_noise > PLAIN], lambda case: case.detected
         ),
         "exact_of_plain_doubles": share([c for c in plain if c.kind == "double"], lambda case: case.exact),
         "doubles_exact": share([c for c in named if c.kind == "double"], lambda case: case.exact),
@@ -99,7 +99,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "outsiders_not_misnamed": share(outsiders, lambda case: case.called in (NOTHING, UNKNOWN)),
         "outsiders_misnamed": share(outsiders, lambda case: case.called not in (NOTHING, UNKNOWN)),
         "plain_outsiders_caught": share(
-            [c for c in outsiders if c.signal_to_error > PLAIN], lambda c: c.exact
+            [c for c in outsiders if c.signal_to_noise > PLAIN], lambda c: c.exact
         ),
         "misfit_explained_median": _median(explained),
         "misfit_closed_median": _median(
@@ -135,7 +135,7 @@ def _contacts(single: Sequence[Judged]) -> dict[str, Any]:
             [c for c in of_contacts if c.detected], lambda case: case.exact
         ),
         "exact_of_plain_frame_singles": share(
-            [c for c in of_frames if c.signal_to_error > PLAIN], lambda case: case.exact
+            [c for c in of_frames if c.signal_to_noise > PLAIN], lambda case: case.exact
         ),
     }
 
@@ -176,8 +176,8 @@ def misses(cases: Sequence[Judged]) -> list[dict[str, Any]]:
                 "frames": list(case.frames),
                 "effects": list(case.effects),
                 "called": case.called,
-                "signal_to_error": case.signal_to_error,
-                "small": bool(case.signal_to_error <= PLAIN),
+                "signal_to_noise": case.signal_to_noise,
+                "small": bool(case.signal_to_noise <= PLAIN),
             }
         )
     return sorted(told, key=lambda one: one["miss"])
@@ -203,7 +203,7 @@ def _detection(cases: Sequence[Judged]) -> list[dict[str, Any]]:
 
 def shown(case: Judged) -> bool:
     """Return whether a verdict is right as far as data can show: nothing missing too, where what is hidden is too small."""
-    return case.in_class or (case.called == NOTHING and case.signal_to_error < SHOWN)
+    return case.in_class or (case.called == NOTHING and case.signal_to_noise < SHOWN)
 
 
 def reliability(cases: Sequence[Judged]) -> list[dict[str, Any]]:

@@ -68,10 +68,10 @@ def _detection(result: Mapping[str, Any]) -> Table:
 
 def _misses(result: Mapping[str, Any]) -> Table:
     """Return every verdict that is not right, by kind."""
-    table = Table("miss", "frames", "hidden", "called", "signal to noise and error", title="Misses")
+    table = Table("miss", "frames", "hidden", "called", "signal-to-noise", title="Misses")
     table.title_justify = "left"
     for one in result["misses"]:
-        hidden, size = ", ".join(one["effects"]) or "nothing", one["signal_to_error"]
+        hidden, size = ", ".join(one["effects"]) or "nothing", one["signal_to_noise"]
         strength = "" if not one["effects"] else f"{size:.2g}"
         table.add_row(one["miss"], "-".join(one["frames"]), hidden, one["called"], strength)
     return table

@@ -23,7 +23,7 @@ class Shown:
     """The most that the search found in a null.
 
     Attributes:
-        ordinary: Largest ln Bayes factor of a single effect that absorbs no errors of models.
+        ordinary: Largest ln Bayes factor of a single effect that may be named, and that absorbs no errors of models.
         ordinary_effect: That effect and its place, in words.
         ordinary_size: Its signal-to-noise ratio in the channel where it shows most.
         absorbing, absorbing_effect, absorbing_size: The same of effects that absorb such errors.
@@ -60,14 +60,19 @@ def shown(found: Findings) -> Shown:
 
 
 def _most(found: Findings, absorbing: bool) -> tuple[float, str, float]:
-    """Return the largest ln Bayes factor of a kind of single effects, the effect in words, and its size.
+    """Return the largest ln Bayes factor of a kind of single effects that may be named, the effect in words, and its size.
 
-    Where none was refined it is the largest score, which is too small to be refined, and nothing is known of its size.
+    However likely, an effect that is smaller than a name needs raises no alarm. Where none was refined that is as large it
+    is the largest score of the others, which is too small to be refined, and nothing is known of its size.
     """
     refined = [one for one in found.judged if _is(one, absorbing)]
-    if refined:
-        return refined[0].ln_bayes, refined[0].label(), signal_to_noise(found, refined[0])
-    scored = [one for one in found.scores.ranked if one.effect.absorbing == absorbing]
+    for one in refined:
+        if (size := signal_to_noise(found, one)) >= SETTINGS.decision.size:
+            return one.ln_bayes, one.label(), size
+    known = {one.effects[0] for one in refined}
+    scored = [
+        one for one in found.scores.ranked if one.effect.absorbing == absorbing and one.effect not in known
+    ]
     if not scored:
         return 0.0, "", 0.0
     return min(scored[0].ln_bayes, SETTINGS.search.worth), scored[0].effect.label(), 0.0

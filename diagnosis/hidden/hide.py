@@ -133,12 +133,17 @@ def _put(
     # The same chance at every trial, so that only the size changes.
     chance = int(rng.integers(2**32))
 
+    def put(size: float, into: Setting = setting) -> tuple[Scenario, Parameters]:
+        return effect.put(into, sign * size, np.random.default_rng(chance))
+
+    made: dict[float, tuple[Scenario, Parameters]] = {}
+
     def sees(size: float) -> tuple[float, float]:
-        alone, _ = effect.put(setting, sign * size, np.random.default_rng(chance))
+        alone, _ = made[size] = put(size)
         with np.errstate(over="ignore", invalid="ignore"):
             if want.name in CONTACT or on_a_force_cell:
                 return _raw(rig, alone)
-            return eye.sees(rig.clean(replace(alone, touches=()), 0))
+            return eye.sees(rig.clean(replace(alone, touches=()) if alone.touches else alone, 0))
 
     if want.name in CONTACT:
         # Impacts are chaotic: what is seen does not follow from what is changed, so the change is drawn.
@@ -146,9 +151,8 @@ def _put(
         raw, left = sees(size)
     else:
         size, (raw, left) = _sized(sees, limit, target)
-    whole, parameters = effect.put(
-        replace(setting, scenario=scenario), sign * size, np.random.default_rng(chance)
-    )
+    first = scenario is rig.bare
+    whole, parameters = made[size] if first else put(size, replace(setting, scenario=scenario))
     return whole, {
         "effect": want.name,
         **vars(where),
@@ -161,15 +165,15 @@ def _put(
 
 def _eye(rig: Rig) -> Eye:
     """Return what looks at the strongest run; frames that can touch are looked at apart."""
-    noise = rig.log.noise_of(rig.channels, rig.clean(rig.apart, 0))
+    noise = rig.errors(rig.clean(rig.apart, 0))
     noise[noise == 0] = np.inf
     return Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), rig.apart, noise)
 
 
 def _raw(rig: Rig, scenario: Scenario) -> tuple[float, float]:
-    """Return how far a contact's effect stands above the noise, twice: no nuisance parameter is refitted."""
+    """Return how far a contact's effect stands above noise and model error, twice: no nuisance parameter is refitted."""
     bare, seen = rig.clean(rig.bare, 0), rig.clean(scenario, 0)
-    noise = rig.log.noise_of(rig.channels, bare)
+    noise = rig.errors(bare)
     largest = float(np.sqrt(np.mean(((seen - bare) / np.where(noise > 0, noise, np.inf)) ** 2, axis=0)).max())
     return largest, max(largest, LEAST)
 
@@ -248,7 +252,7 @@ def _truth(
     outside = any(effect["effect"] in rig.world.outside for effect in stated)
     kinds = {0: "nothing", 1: "single", 2: "double"}
     truth = {
-        "schema": 1,
+        "schema": 2,
         "seed": seed,
         "frames": list(rig.bare.frames),
         "kind": "outside" if outside else kinds.get(len(stated), "several"),

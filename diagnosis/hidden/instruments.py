@@ -105,6 +105,7 @@ def logger(
     pair: bool = False,
     noise: float | None = None,
     pair_rates_hz: tuple[float, ...] = PAIR_RATES_HZ,
+    fine_hz: float = FINE_HZ,
 ) -> Logger:
     """Draw rate, noise and sensors of a case.
 
@@ -114,6 +115,7 @@ def logger(
         pair: Whether two frames may touch.
         noise: Noise of every response channel over its root mean square [-]; drawn, channel by channel, when None.
         pair_rates_hz: Samples per second among which a pair's are drawn.
+        fine_hz: Least rate at which the truth of one frame is computed [Hz].
     """
     touching = any(channel.quantity == "contact_force" for channel in channels) or pair
     rate = float(rng.choice(pair_rates_hz if touching else RATES_HZ))
@@ -129,7 +131,7 @@ def logger(
         levels, table_noise = np.full(len(channels), noise), table_noise * noise / USUAL_NOISE
     return Logger(
         rate,
-        int(np.ceil((PAIR_FINE_HZ if touching else FINE_HZ) / rate)),
+        int(np.ceil((PAIR_FINE_HZ if touching else fine_hz) / rate)),
         levels,
         table_noise,
         common * np.array(own) * rng.normal(1.0, 0.03, len(channels)),

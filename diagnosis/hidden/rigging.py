@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -38,6 +38,7 @@ class Rig:
     shakings: tuple[Motion, ...]
     world: World
     model_error: Mapping[str, Any] | None = None
+    _last: list[tuple[Scenario, Happened]] = field(default_factory=list, repr=False, compare=False)
 
     @cached_property
     def apart(self) -> Scenario:
@@ -53,7 +54,12 @@ class Rig:
         """Return a run of a scenario."""
         if scenario is self.apart and not run:
             return self.free
-        return self.world.happen(scenario, self.shakings[run], run)
+        if run:
+            return self.world.happen(scenario, self.shakings[run], run)
+        # An effect whose size was found is recorded next.
+        if not self._last or self._last[0][0] is not scenario:
+            self._last[:] = [(scenario, self.world.happen(scenario, self.shakings[0], 0))]
+        return self._last[0][1]
 
     def clean(self, scenario: Scenario, run: int, *, coarsely: bool = False) -> np.ndarray:
         """Return what ideal sensors read in a run at the logger's rate, in SI, (samples, channels).
@@ -68,6 +74,20 @@ class Rig:
             shaking = _coarse(self.shakings[run], self.log)
             return observed(scenario, happen(scenario, shaking, run), self.channels)
         return observed(scenario, self.happened(scenario, run), self.channels)[:: self.log.finer]
+
+    def errors(self, bare: np.ndarray) -> np.ndarray:
+        """Return what hides an effect in each channel of the strongest run: its noise and the model's error, (channels,).
+
+        Args:
+            bare: What ideal sensors read without the effect, in SI, shape (samples, channels).
+        """
+        noise = self.log.noise_of(self.channels, bare)
+        if self.model_error is None:
+            return noise
+        moved = [not channel.is_table and channel.quantity != "contact_force" for channel in self.channels]
+        return np.asarray(
+            np.hypot(noise, np.where(moved, self.model_error["misfit"], 0.0) * bare.std(axis=0))
+        )
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
         """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""
@@ -115,7 +135,7 @@ def draw_rig(
     pair = len(frames) == 2
     channels = place(rng, frames)
     rates = world.pair_rates_hz or PAIR_RATES_HZ
-    log = logger(rng, channels, pair=pair, noise=noise, pair_rates_hz=rates)
+    log = logger(rng, channels, pair=pair, noise=noise, pair_rates_hz=rates, fine_hz=world.fine_hz)
     duration = duration_s or float(rng.uniform(*(PAIR_DURATION_S if pair else DURATION_S)))
     shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
     bare, error = set_up(rng, frames, channels, world.scenario), None

@@ -10,6 +10,7 @@ import numpy as np
 
 from pounding.diagnosis.case.case import Channel
 from pounding.diagnosis.hidden.beams import Beams
+from pounding.diagnosis.hidden.instruments import FINE_HZ
 from pounding.diagnosis.hidden.motions import Motion
 from pounding.diagnosis.hidden.scenario import Happened, Scenario
 from pounding.diagnosis.hidden.setting import Effect
@@ -50,6 +51,7 @@ class World:
         settle: Gives the frames a model error; None where `built` is all.
         require: Refuses where the world's simulator is not installed.
         pair_rates_hz: Samples per second of a pair; those of `instruments` when empty.
+        fine_hz: Least rate at which the truth of one frame is computed [Hz].
     """
 
     name: str
@@ -63,6 +65,7 @@ class World:
     settle: Settle | None = None
     require: Callable[[], None] | None = None
     pair_rates_hz: tuple[float, ...] = ()
+    fine_hz: float = FINE_HZ
 
     @property
     def effects(self) -> dict[str, Effect]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from typing import Any
 
-import numpy as np
 import pytest
 from msgspec import structs
 
@@ -56,21 +55,6 @@ def test_a_proof_runs_the_set_in_its_own_folder(monkeypatch: pytest.MonkeyPatch,
     prove(COMMIT, tmp_path, name="pairs")
     assert (asked["count"], asked["seed"], asked["pairs"]) == (40, seed_of(COMMIT, "pairs"), True)
     assert (asked["out"], asked["workers"], asked["engine"]) == (tmp_path / "pairs", 2, "opensees")
-
-
-def erring(misfit: float, noise: float = 0.01, **more: Any) -> dict[str, Any]:
-    """A truth of a world with model errors."""
-    return truth(FRICTION, **more) | {"model_error": {"misfit": misfit}, "noise": {"a1": noise, "a2": noise}}
-
-
-def test_a_model_error_counts_as_noise_for_the_size_of_an_effect() -> None:
-    plain = judge(truth(FRICTION), report("nothing_missing"))
-    assert plain.signal_to_error == plain.signal_to_noise == 3.0
-    drowned = judge(erring(0.01 * np.sqrt(8.0)), report("nothing_missing"))
-    assert drowned.signal_to_error == pytest.approx(1.0)
-    figures = summarise([plain, drowned])
-    assert figures["exact_of_plain"]["cases"] == 1
-    assert [one["small"] for one in figures["misses"]] == [False, True]
 
 
 def test_what_an_unknown_effect_closes_counts_and_what_is_named_wrong_does() -> None:

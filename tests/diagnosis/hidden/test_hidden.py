@@ -271,6 +271,17 @@ def test_visibility_is_drawn_in_its_range() -> None:
         assert truth["visibility"] == pytest.approx(truth["visibility_wanted"], rel=0.3)
 
 
+def test_a_model_error_hides_an_effect_as_noise_does() -> None:
+    rig = draw_rig(np.random.default_rng(1), ["5A"], "artificial", 2.0, world=OWN)
+    bare = rig.clean(rig.bare, 0)
+    noise, moved = rig.log.noise_of(rig.channels, bare), bare.std(axis=0)
+    both = replace(rig, model_error={"misfit": 0.03}).errors(bare)
+    responses = np.array([not channel.is_table for channel in rig.channels])
+    assert rig.errors(bare) == pytest.approx(noise)
+    assert both[responses] == pytest.approx(np.hypot(noise, 0.03 * moved)[responses])
+    assert both[~responses] == pytest.approx(noise[~responses])
+
+
 @pytest.mark.parametrize(
     ("effects", "options", "said"),
     [
