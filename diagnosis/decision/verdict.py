@@ -30,12 +30,13 @@ def decide(found: Findings) -> Decision:
     chosen = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
-        chosen = doubles[0]
+        chosen = chosen if _adds_an_error(found, chosen, doubles[0]) else doubles[0]
     objections, said = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
-    remainder = not objections and (_something_left(found, chosen) or _bends(found, chosen))
-    if remainder and within_model_error(found) and (not held or _common(chosen)):
-        # No model of a real frame is better, and nothing with a place of its own, or that explains it all, says why.
+    error = _common(chosen) and _as_an_error(found, found.null, chosen)
+    unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
+    if not objections and within_model_error(found) and (error or unknown):
+        # No model of a real frame is better, and nothing with a place of its own, or that stands out, says why.
         return Decision("nothing_missing", found.null, (), said)
     if not held:
         return Decision("unknown_effect", chosen, (), said)
@@ -118,6 +119,28 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
     """
     misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
     return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
+
+
+def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
+    """Return whether what effects take out of the motion is as small as the errors that every model of a frame has.
+
+    It is less than the case allows, and no more than a few times what they leave: the frame's other errors say how large
+    its errors are.
+    """
+    if found.reference or found.pair is not None:
+        return False
+    before, after = model_error(found, without), model_error(found, judged)
+    taken = np.sqrt(max(before**2 - after**2, 0.0))
+    return bool(taken <= min(found.model.prior.model_error, SETTINGS.decision.errors_alike * after))
+
+
+def _adds_an_error(found: Findings, single: Judged, double: Judged) -> bool:
+    """Return whether the second of two effects is only what every real frame has a little of, and is as little here.
+
+    A part that sways by itself, which is in no catalogue, is such a thing too.
+    """
+    added = [effect for effect in double.effects if effect not in single.effects]
+    return all(effect.common or effect.rival for effect in added) and _as_an_error(found, single, double)
 
 
 def _common(judged: Judged) -> bool:

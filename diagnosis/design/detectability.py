@@ -13,12 +13,12 @@ from pounding.diagnosis.decision.claims import Parameter, Place, fields, place_o
 from pounding.diagnosis.decision.conclusion import parameters
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import thresholds
-from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.effects.bases import Departure
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores
 from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.sight import Sight
 
 ROUNDS = 8
 LARGEST_STRIDE = 4.0

@@ -10,9 +10,9 @@ from msgspec import UNSET
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.false_alarms import p_value, remains
 from pounding.diagnosis.decision.verdict import model_error, remaining, within_model_error
-from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.first_frequencies import measured_frequency
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder

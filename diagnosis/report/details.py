@@ -13,9 +13,9 @@ from pounding.diagnosis.decision.false_alarms import alarms_of, thresholds
 from pounding.diagnosis.design.advice import advice
 from pounding.diagnosis.design.detectability import smallest
 from pounding.diagnosis.design.distinguishing_tests import distinctions
-from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import channel_misfits
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Made, Outputs

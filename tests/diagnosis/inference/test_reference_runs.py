@@ -10,7 +10,6 @@ import pytest
 
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.design.frame_advice import as_it_was, expected
-from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
@@ -19,6 +18,7 @@ from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.twin import simulate_engine

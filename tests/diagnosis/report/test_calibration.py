@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from pounding.diagnosis.design.sight import Sight
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.report import CalibratedParameter
