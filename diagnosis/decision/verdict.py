@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from pounding.diagnosis.decision.confidence import Features, features_of
@@ -12,6 +14,7 @@ from pounding.diagnosis.effects.whole_frame import EVERY, same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
 from pounding.diagnosis.inference.model_checks import strained, stray_tones
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -30,7 +33,7 @@ def decide(found: Findings) -> Decision:
     chosen = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
-        chosen = chosen if _adds_an_error(found, chosen, doubles[0]) else doubles[0]
+        chosen = _of_two(found, chosen, doubles[0])
     objections, said = _model_checks(found, chosen)
     held = _holds(found, chosen, objections)
     error = _common(chosen) and _as_an_error(found, found.null, chosen)
@@ -45,10 +48,21 @@ def decide(found: Findings) -> Decision:
         for other in single
         if len(chosen.effects) == 1
         and other is not chosen
+        and other.beside is chosen.beside
         and not other.effects[0].rival
         and (other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike or _one_motion(found, chosen, other))
     )
-    return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
+    return Decision(
+        "effect_class" if alike else "effect_named", chosen, alike, (*said, *_beside(found, chosen))
+    )
+
+
+def _beside(found: Findings, judged: Judged) -> tuple[str, ...]:
+    """Return a sentence on the error of a frame that is in the model beside an effect, nothing without one."""
+    if found.pair is not None or judged.beside is None:
+        return ()
+    error = judged.beside.label()
+    return (f"the model also has a little {error}, which is as small as its other errors and no effect",)
 
 
 def _listed(found: Findings, single: list[Judged]) -> Judged:
@@ -57,8 +71,13 @@ def _listed(found: Findings, single: list[Judged]) -> Judged:
     if not catalogue or catalogue[0] is single[0]:
         return single[0]
     near = catalogue[0].ln_bayes > single[0].ln_bayes - SETTINGS.decision.rival
-    left = [1.0 - explained(found, one, 1.0) for one in (catalogue[0], single[0])]
-    return catalogue[0] if near or left[1] > SETTINGS.decision.rival_left * left[0] else single[0]
+    return single[0] if not near and _clearly_more(found, catalogue[0], single[0]) else catalogue[0]
+
+
+def _clearly_more(found: Findings, judged: Judged, rival: Judged) -> bool:
+    """Return whether what is outside the catalogue leaves so much less than what is in it that it is needed."""
+    left = [1.0 - explained(found, one, 1.0) for one in (judged, rival)]
+    return left[1] <= SETTINGS.decision.rival_left * left[0]
 
 
 def _model_checks(found: Findings, judged: Judged) -> tuple[bool, tuple[str, ...]]:
@@ -124,23 +143,38 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
 def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     """Return whether what effects take out of the motion is as small as the errors that every model of a frame has.
 
-    It is less than the case allows, and no more than a few times what they leave: the frame's other errors say how large
-    its errors are.
+    It is less than the case allows, and no more than a few times the frame's other errors, which are the discrepancy beside
+    them and what they leave: these say how large an error of this model is.
     """
     if found.reference or found.pair is not None:
         return False
     before, after = model_error(found, without), model_error(found, judged)
     taken = np.sqrt(max(before**2 - after**2, 0.0))
-    return bool(taken <= min(found.model.prior.model_error, SETTINGS.decision.errors_alike * after))
+    if taken > found.model.prior.model_error:
+        return False
+    others = np.hypot(after, Sight.of(found, judged.fit.filtered).discrepancy())
+    return bool(taken <= SETTINGS.decision.errors_alike * others)
 
 
-def _adds_an_error(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether the second of two effects is only what every real frame has a little of, and is as little here.
+def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
+    """Return two effects, or the one of them that is more than what is wrong with every model.
 
-    A part that sways by itself, which is in no catalogue, is such a thing too.
+    What is outside the catalogue belongs to what remains, unless it explains clearly more. What all storeys share is an
+    error where it is as small as one: where it is the likelier of both, the effect is judged beside it.
     """
-    added = [effect for effect in double.effects if effect not in single.effects]
-    return all(effect.common or effect.rival for effect in added) and _as_an_error(found, single, double)
+    outside = any(effect.rival for effect in double.effects) and not single.effects[0].rival
+    if outside and _holds(found, single, False):
+        needed = _clearly_more(found, single, double) and not _as_an_error(found, single, double)
+        return double if needed else single
+    alone = {one.effects[0]: one for one in found.judged if len(one.effects) == 1}
+    for error, effect in (double.effects, double.effects[::-1]):
+        if not error.common or effect not in alone or not _as_an_error(found, alone[effect], double):
+            continue
+        if alone[effect] is single:
+            return single
+        if error in alone:
+            return replace(double, ln_bayes=double.ln_bayes - alone[error].ln_bayes, beside=alone[error])
+    return double
 
 
 def _common(judged: Judged) -> bool:
@@ -164,8 +198,10 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
         return False
     if not objections and not _something_left(found, judged):
         return True
-    needs = SETTINGS.decision
-    return explained(found, judged, 1.0) >= (needs.explained if objections else needs.larger_part)
+    if objections:
+        return explained(found, judged, 1.0) >= SETTINGS.decision.explained
+    part = SETTINGS.decision.larger_part
+    return explained(found, judged, 1.0) >= part or explained_beyond_errors(found, judged) >= part
 
 
 def _spread(judged: Judged) -> bool:
@@ -223,8 +259,14 @@ def signal_to_noise(found: Findings, judged: Judged, without: Judged | None = No
 
 
 def _moved(found: Findings, judged: Judged) -> np.ndarray:
-    """Return which channels effects can change, shape (channels,): those of their frames, all if one acts on no frame."""
+    """Return which channels effects can change, shape (channels,).
+
+    Those of sensors change their own, others all of their frames, and what acts on no frame all.
+    """
     model, frames = found.model, {effect.frame for effect in judged.effects}
+    own = [effect.channel for effect in judged.effects if effect.channel is not None]
+    if len(own) == len(judged.effects):
+        return np.isin(model.observed.names, own)
     if None in frames:
         return np.ones(len(model.observed.names), bool)
     return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
@@ -244,6 +286,26 @@ def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decisio
     explainable = np.nansum(np.maximum(before**2 - 1, 0.0))
     left = np.nansum(np.maximum(after**2 - nothing**2, 0.0))
     return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
+
+
+def explained_beyond_errors(found: Findings, judged: Judged) -> float:
+    """Return the share that effects explain of what is more than noise and the error that a model may have.
+
+    It is nothing where they take less out of every channel than such an error could. No effect has to explain the errors of
+    a model as well, which may be larger in all channels together than a fault of one sensor.
+    """
+    if found.reference or found.pair is not None:
+        return 0.0
+    which = 1 if found.held_out else 0
+    errors = found.model.prior.model_error / np.asarray(found.floor)[which]
+    before, after = (_over(found, one)[which] ** 2 for one in (found.null, judged))
+    known = _moved(found, judged) & (before - 1.0 > errors**2)
+    if not np.any((before - after > errors**2)[known]):
+        return 0.0
+    explainable, left = (
+        np.nansum(np.maximum(each - 1.0 - errors**2, 0.0)[_moved(found, judged)]) for each in (before, after)
+    )
+    return float(1 - np.sqrt(left / explainable))
 
 
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:

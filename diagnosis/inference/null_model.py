@@ -42,28 +42,28 @@ def null_again(found: Findings) -> Fit:
     return max([null, *tried], key=lambda fit: fit.log_posterior)
 
 
-def by_its_motion(model: Model, null: Fit) -> Fit:
-    """Return the null model with which the frame moves most like the measured one, if the likeliest one leaves much.
+def by_its_motion(model: Model, fit: Fit) -> Fit:
+    """Return a fit with which the frame moves most like the measured one, if the likeliest one leaves much.
 
     Latent forces and the filter that estimates them take what a model gets wrong, so that the likeliest parameters need
-    not be those with which it moves like the frame. Here it moves by itself, and what it leaves is its own error. Its
-    likelihood stays that of the likeliest one. Where contacts push frames, and with reference runs, it is that one.
+    not be those with which it moves like the frame. Here it moves by itself, and what it leaves is its own error. Effects
+    stay as they are, and so does the likelihood. Where contacts push frames, and with reference runs, it is the fit itself.
 
     Args:
         model: The baseline model.
-        null: The likeliest null model.
+        fit: The fit of the null model, or of effects.
     """
-    filtered = null.filtered
+    filtered = fit.filtered
     runs = filtered.runs
     before = fit_misfits(model, filtered, runs)
     known = all(model.acts(run) and not model.observed.runs[run].contact.size for run in runs)
     if not known or not (leaves_much(model, before, filtered, runs) or bent(model, filtered)):
-        return null
-    tolerant = run_filter(model, filtered.values, _own_error(model, filtered), runs)
+        return fit
+    tolerant = run_filter(model, filtered.values, _own_error(model, filtered), runs, filtered.effects)
     alone = calibrated_further(model, tolerant, SETTINGS.refinement.by_motion, Marquardt())
-    moved = run_filter(model, alone.values, filtered.noise, runs)
+    moved = run_filter(model, alone.values, filtered.noise, runs, filtered.effects)
     left = fit_misfits(model, moved, runs)
-    return replace(null, filtered=moved) if np.nanmedian(left) < np.nanmedian(before) else null
+    return replace(fit, filtered=moved) if np.nanmedian(left) < np.nanmedian(before) else fit
 
 
 def _own_error(model: Model, filtered: Filtered) -> list[Noise]:

@@ -232,6 +232,13 @@ def test_what_a_candidate_leaves_decides_between_named_and_unknown(data: str) ->
     assert unknown == sorted(unknown)
 
 
+def allow(monkeypatch: pytest.MonkeyPatch, model_error: float) -> None:
+    """Let the model of the bench leave that share of the motion."""
+    model, _ = bench()
+    prior = msgspec.structs.replace(model.prior, model_error=model_error)
+    monkeypatch.setattr(model, "prior", prior)
+
+
 @pytest.mark.parametrize(
     ("tried", "verdicts"),
     [
@@ -261,23 +268,60 @@ def test_what_models_of_real_frames_leave_is_no_effect_unless_that_has_a_place_o
     tried: Tried, verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The baseline model leaves 3.9 % of the motion beyond the noise, against less and more that it may leave."""
-    model, _ = bench()
     found = findings(Problem(4.0, (tried,), ""), DATA["quiet"])
     assert model_error(found) == pytest.approx(0.01 * np.sqrt(15.0))
     for allowed, verdict in zip((0.038, 0.039), verdicts, strict=True):
-        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        allow(monkeypatch, allowed)
         assert decide(found).verdict == verdict
 
 
 @pytest.mark.parametrize("second", [ALL, rival], ids=["in all storeys", "a rival"])
 @pytest.mark.parametrize(("left", "effects"), [(1.0, 2), (1.04, 2), (1.1, 1)])
 def test_what_every_frame_has_is_named_beside_an_effect_only_where_it_stands_out(
-    second: Any, left: float, effects: int
+    second: Any, left: float, effects: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The first leaves 1.7 % of the motion, the second nothing, 0.3 and 0.5 %."""
+    allow(monkeypatch, 0.05)
     tried = (Tried((MASS, second), 9000.0, left), Tried((MASS,), 4000.0, 2.0))
     found = findings(Problem(6.0, tried, ""), DATA["quiet"])
     assert len(decide(found).judged.effects) == effects
+
+
+def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_in_the_model(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    allow(monkeypatch, 0.05)
+    tried = (Tried((ALL, MASS), 9000.0, 1.1), Tried((ALL,), 4000.0, 3.0), Tried((MASS,), 1000.0, 2.0))
+    found = findings(Problem(6.0, tried, ""), DATA["quiet"])
+    decision = decide(found)
+    assert decision.verdict == "effect_named"
+    assert [effect.name for effect in decision.judged.effects] == ["added_mass"]
+    assert decision.judged.ln_bayes == pytest.approx(5000.0)
+    assert decision.judged.fit.effects == found.judged[0].fit.effects
+    assert "the model also has a little all cubic stiffness" in decision.model_checks[-1]
+
+
+@pytest.mark.parametrize(
+    ("allowed", "left", "verdict"),
+    [
+        (0.05, 1.0, "effect_named"),
+        (0.05, 12.0, "unknown_effect"),
+        (1e-6, 1.0, "effect_named"),
+        (0.3, 1.0, "nothing_missing"),
+    ],
+    ids=["all of it", "half of it", "no model error", "less than a model may leave"],
+)
+def test_a_sensor_need_not_explain_what_the_model_leaves_in_other_channels(
+    allowed: float, left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every channel has 6 % of model error over a noise of 1 %, and one reads 20 % too much."""
+    allow(monkeypatch, allowed)
+    gain = of("sensor_gain")
+    found = findings(Problem(6.0, (Tried((gain,), 9000.0, 6.0),), ""), DATA["quiet"])
+    channel = bench()[0].observed.names.index(gain().channel)
+    found.null.channel_misfit[:, channel] = 0.2
+    found.judged[0].channel_misfit[:, channel] = 0.01 * np.hypot(left, 6.0)
+    assert decide(found).verdict == verdict
 
 
 @pytest.mark.parametrize(
@@ -292,14 +336,13 @@ def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leav
     tried: tuple[Tried, ...], verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A part of a real frame that sways by itself is an error of its model; it is said, and it decides nothing."""
-    model, _ = bench()
     found = findings(Problem(4.0, tried, ""), DATA["quiet"])
     monkeypatch.setattr(
         "pounding.diagnosis.decision.verdict.stray_tones", lambda *given: ["a tone of 8.4 Hz"]
     )
     left = model_error(found, found.judged[0] if tried else found.null)
     for allowed, verdict in zip((0.99 * left, 1.01 * left), verdicts, strict=True):
-        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        allow(monkeypatch, allowed)
         decision = decide(found)
         assert decision.verdict == verdict
         assert decision.model_checks == ("a tone of 8.4 Hz",)
@@ -341,7 +384,7 @@ def test_an_effect_that_bends_a_frame_which_is_itself_without_it_is_not_another_
     found = findings(problem, data, other)
     found.null = judged(data, Tried((), 0.0, problem.null), usual)
     for allowed, verdict in ((0.038, "unknown_effect"), (0.04, "nothing_missing")):
-        monkeypatch.setattr(model, "prior", msgspec.structs.replace(model.prior, model_error=allowed))
+        allow(monkeypatch, allowed)
         decision = decide(found)
         assert decision.verdict == verdict
         assert bool(decision.model_checks) == (verdict == "unknown_effect")

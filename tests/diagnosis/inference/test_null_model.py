@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.findings import fit_misfits
 from pounding.diagnosis.inference.model_checks import strain
 from pounding.diagnosis.inference.null_model import by_its_motion
@@ -28,6 +29,19 @@ def test_a_frame_that_is_no_linear_one_is_moved_more_like_and_bent_less(name: st
     assert strain(model, moved.filtered)[0] < strain(model, likeliest.filtered)[0]
     assert moved.log_posterior == likeliest.log_posterior
     assert moved.filtered.noise == likeliest.filtered.noise
+
+
+def test_effects_stay_as_they_are_where_the_frame_is_moved_more_like() -> None:
+    model, null = PROBLEM["hysteresis"].model(), PROBLEM["hysteresis"].null()
+    cubic = next(one for one in candidates(model) if one.name == "cubic_stiffness" and one.storey == 1)
+    values = cubic.values(1e6, ())
+    likeliest = refine(model, null.filtered, (cubic,), (values,), thorough=False)
+    moved = by_its_motion(model, likeliest)
+    before, after = (np.median(fit_misfits(model, fit.filtered, (0,))) for fit in (likeliest, moved))
+    assert after < before
+    ((effect, kept),) = moved.filtered.effects
+    assert effect == cubic
+    assert kept == pytest.approx(likeliest.values[0])
 
 
 def test_a_null_model_that_leaves_noise_stays() -> None:
