@@ -10,7 +10,8 @@ from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
 from pounding.diagnosis.decision.impulses import impulses
-from pounding.diagnosis.effects.whole_frame import EVERY, same_motion
+from pounding.diagnosis.effects.every_storey import EVERY
+from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
 from pounding.diagnosis.inference.model_checks import strained, stray_tones

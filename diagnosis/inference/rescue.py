@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.effects.whole_frame import EveryStorey
+from pounding.diagnosis.effects.every_storey import EveryStorey
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
 from pounding.diagnosis.inference.findings import Findings, best, unexplained
 from pounding.diagnosis.inference.refine import Fit, refine

@@ -14,9 +14,9 @@ import pytest
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
+from pounding.diagnosis.effects.every_storey import AllCoulombFriction
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction, StoreyEffect
-from pounding.diagnosis.effects.whole_frame import AllCoulombFriction
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
 from pounding.diagnosis.inference.misfit import simulate

@@ -12,14 +12,13 @@ import pytest
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
-from pounding.diagnosis.effects.whole_frame import (
+from pounding.diagnosis.effects.every_storey import (
     EVERY,
-    AllAddedMass,
     AllCoulombFriction,
     AllCubicStiffness,
     AllHysteresis,
-    AllStiffnessChange,
 )
+from pounding.diagnosis.effects.whole_frame import AllAddedMass, AllStiffnessChange
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.misfit import simulate
