@@ -112,6 +112,11 @@ class Published(Data, frozen=True):
         return f"Published({self.source!r}, {self.free_vibration_hz} Hz, damping ratio {self.free_vibration_damping_ratio})"
 
 
+def _in_a_line(frame: PlateFrame | StickFrame) -> str:
+    kind, first = type(frame).__name__, frame.storey_heights_m[0]
+    return f"{kind}({frame.name!r}, {frame.storeys} storeys, first {first:g} m high)"
+
+
 class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     """A frame of floor plates on column strips.
 
@@ -161,8 +166,7 @@ class PlateFrame(Data, frozen=True, tag_field="kind", tag="plate"):
     storey_law: list[StatedLaw] = []
     scale: str | float | None = None
 
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.name!r}, {self.storeys} storeys, first {self.storey_heights_m[0]:g} m high)"
+    __repr__ = _in_a_line
 
     def __post_init__(self) -> None:
         checks.plate_frame(self)
@@ -382,8 +386,7 @@ class StickFrame(Data, frozen=True, tag_field="kind", tag="stick"):
     slab: Slab | None = None
     torsion: Torsion | None = None
 
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.name!r}, {self.storeys} storeys, first {self.storey_heights_m[0]:g} m high)"
+    __repr__ = _in_a_line
 
     def __post_init__(self) -> None:
         checks.stick_frame(self)
