@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from functools import cache
 from importlib import resources
@@ -16,6 +15,7 @@ from pounding import bounds
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.storey_laws import KINDS
+from pounding.spelling import did_you_mean, nearest
 from pounding.toml_text import meant, plainly, shown, tree_of
 
 ORDER = ["5A", "5B", "10", "15A", "15B", "8", "12"]
@@ -146,9 +146,8 @@ def _known_laws(laws: object, place: str) -> None:
 
 
 def _near(name: str, known: list[str]) -> str:
-    lowered = {candidate.lower(): candidate for candidate in known}
-    near = difflib.get_close_matches(name.lower().replace("-", "").strip(), lowered, 1, 0.5)
-    return f"; did you mean {lowered[near[0]]}?" if near else "."
+    question = did_you_mean(nearest(name.replace("-", ""), known, 0.5))
+    return f"; {question}" if question else "."
 
 
 @cache

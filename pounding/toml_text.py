@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import reprlib
 import tomllib
@@ -10,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from pounding.errors import InputError
+from pounding.spelling import did_you_mean, either, nearest
 
 
 def tree_of(content: bytes | str, where: str, error: type[InputError]) -> dict[str, Any]:
@@ -53,21 +53,19 @@ CLOSE, CLOSE_OF_THREE = 0.75, 0.6
 In a word of three letters a single error leaves two thirds."""
 
 
-def nearest(word: str, known: Sequence[str]) -> str | None:
-    """Return the known word that was meant, in whatever case it is written; None where none is close.
+def key_meant(word: str, known: Sequence[str]) -> list[str]:
+    """Return the known words of which one was meant, in whatever case it is written; none where none is close.
 
     Args:
         word: A word that is not known.
         known: The words that are.
     """
-    lowered = {one.lower(): one for one in known}
-    cutoff = CLOSE if len(word) > 3 else CLOSE_OF_THREE
-    close = difflib.get_close_matches(word.lower(), lowered, 1, cutoff=cutoff)
+    close = nearest(word, known, CLOSE if len(word) > 3 else CLOSE_OF_THREE)
     if close:
-        return lowered[close[0]]
+        return close
     parts = set(word.lower().split("_"))
     of_it = [one for one in known if parts <= set(one.lower().split("_"))]
-    return of_it[0] if len(of_it) == 1 else None
+    return of_it if len(of_it) == 1 else []
 
 
 def meant(key: str, known: Sequence[str]) -> str:
@@ -80,9 +78,8 @@ def meant(key: str, known: Sequence[str]) -> str:
     stem = re.sub(UNITS, "", key)
     same = [one for one in known if re.sub(UNITS, "", one) == stem]
     if same:
-        return f"; expected {same[0]} (mind the unit)"
-    near = nearest(key, known)
-    return f"; did you mean {near}?" if near else f"; known are {', '.join(known)}"
+        return f"; expected {either(same)} (mind the unit)"
+    return f"; {did_you_mean(key_meant(key, known)) or 'known are ' + ', '.join(known)}"
 
 
 KINDS = {

@@ -31,7 +31,8 @@ from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
 from pounding.frames.scale import LOWEST_STOREY_M, known_scale
 from pounding.scale import FULL_SCALE, Scale, scale_of
-from pounding.toml_text import nearest, shown
+from pounding.spelling import did_you_mean
+from pounding.toml_text import key_meant, shown
 from pounding.units import LENGTH, named
 
 if TYPE_CHECKING:
@@ -374,6 +375,6 @@ def suggest(word: str, known: list[str]) -> str:
     of_it = [item for item in known if word.lower() in item.lower().split("_")]
     if len(of_it) > 1:
         return f"; say which: {', '.join(of_it)}"
-    close = nearest(word, known)
-    near = f"; did you mean {close!r}? Allowed are" if close else "; use one of"
-    return f"{near} {', '.join(known)}"
+    question = did_you_mean(key_meant(word, known), repr)
+    near = f"{question} Allowed are" if question else "use one of"
+    return f"; {near} {', '.join(known)}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -11,6 +10,7 @@ import msgspec
 
 from pounding.experiments.configurations.definition import CHAPTERS, AnyExperiment
 from pounding.experiments.errors import ExperimentError
+from pounding.spelling import did_you_mean, nearest
 from pounding.toml_text import shown, tree_of
 
 FILES = tuple(f"chapter-{chapter}.toml" for chapter in CHAPTERS)
@@ -42,9 +42,8 @@ def find(name: str) -> AnyExperiment:
     known = experiments()
     if name in known:
         return known[name]
-    lowered = {one.lower(): one for one in known}
-    near = difflib.get_close_matches(name.strip().lower(), lowered, 1, 0.5)
-    meant = f"; did you mean {lowered[near[0]]}?" if near else ""
+    question = did_you_mean(nearest(name, known, 0.5))
+    meant = f"; {question}" if question else ""
     raise ExperimentError(
         f"experiment {shown(name)} is not known{meant} (`pounding experiment list` shows all {len(known)})"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ from pounding.experiments.records.packaged import PACKAGED, how_to_get, is_insta
 from pounding.experiments.records.reading import SUFFIXES, read
 from pounding.experiments.records.record import Record
 from pounding.experiments.records.reference import REFERENCES, verified
+from pounding.spelling import did_you_mean, nearest
 
 VARIABLE = "POUNDING_RECORDS"
 
@@ -153,6 +153,5 @@ def _missing(name: str, base: Path | None) -> str:
             f" time_s,acceleration_m_s2 and name the folder by --records or {VARIABLE}; {reference.obtain}"
         )
     known = list(dict.fromkeys([*REFERENCES, *PACKAGED, *(_files(base) if base else ())]))
-    near = difflib.get_close_matches(plain, known, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"known are {', '.join(known)}"
+    hint = did_you_mean(nearest(plain, known)) or f"known are {', '.join(known)}"
     return f"record '{name}' {where}: {hint}"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import difflib
-
 from pounding.experiments.errors import ExperimentError
+from pounding.spelling import did_you_mean, nearest
 from pounding.units import ACCELERATION, named, spellings
 
 
@@ -22,8 +21,8 @@ def to_metric(unit: str, where: str, advice: str = "") -> float:
     known = named(unit)
     if known in ACCELERATION:
         return ACCELERATION[known]
-    near = difflib.get_close_matches(unit.strip().lower(), spellings(ACCELERATION), n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
+    question = did_you_mean(nearest(unit, spellings(ACCELERATION)))
+    hint = f"; {question}" if question else ""
     raise ExperimentError(
         f"{where}: unit '{unit.strip()}' is not an acceleration known here ({', '.join(ACCELERATION)}){hint}{advice}"
     )

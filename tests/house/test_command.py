@@ -216,6 +216,7 @@ def test_list_as_json() -> None:
         (["shake", "5A", "--record", "elcentro-chopra", "--pga", "-1"], "peak"),
         (["pound", "15B", "5B", "--gap", "-3", "--record", "elcentro-chopra"], "gap"),
         (["study", "table-3-2"], "table-3-2"),
+        (["shake", "5X", "--record", "elcentro-chopra"], "'5X' is not known; did you mean 5A or 5B? Shipped"),
         (["modal", "5b"], "'5b' is not known; did you mean 5B? Shipped are 5A"),
         (["experiment", "alone-15b-elcentr"], "did you mean alone-15B-elcentro?"),
         (["experiment"], "name one experiment"),
