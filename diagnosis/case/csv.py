@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -17,6 +16,7 @@ from pounding.experiments import csv_table
 from pounding.experiments.measurements.quantities import BOUNDS
 from pounding.experiments.text_file import is_ended, read_text
 from pounding.frames.files import replacing
+from pounding.spelling import did_you_mean, nearest
 
 MIN_SAMPLES = 32
 """The filters that divide a misfit into bands need some twenty."""
@@ -107,7 +107,9 @@ def _values(
     found = grid(path.name, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
     bounds.STEP.check(found.step_s, f"{path.name}: the step of {TIME}", CaseError)
     bounds.DURATION.check(found.step_s * (found.samples - 1), f"{path.name}: the run's length", CaseError)
-    columns = [_column(path, header, channel.name) for channel in channels]
+    known = {channel.name for channel in channels}
+    others = [name for name in header[1:] if name not in known]
+    columns = [_column(path, header, channel.name, others) for channel in channels]
     values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
     _check_values(path, cells.lines, channels, values)
     return found, values
@@ -160,11 +162,12 @@ def _check_values(path: Path, lines: list[int], channels: Sequence[Channel], val
             bound.check(series[row] / channel.to_si, where, CaseError, per=channel.to_si, unit=channel.unit)
 
 
-def _column(path: Path, header: list[str], name: str) -> int:
+def _column(path: Path, header: list[str], name: str, others: Sequence[str]) -> int:
+    """Return the number of a channel's column; where it is not there, one of those of no channel may have been meant."""
     if name in header[1:]:
         return header.index(name)
-    close = difflib.get_close_matches(name, header[1:], n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
+    question = did_you_mean(nearest(name, others), repr)
+    hint = f"{question} " if question else ""
     raise CaseError(
         f"{path.name} line 1: no column for channel {name!r}; {hint}add the column (with empty cells "
         "if it was not recorded in this run) or remove the [[channel]]"

@@ -337,6 +337,16 @@ def test_wrong_run(folder: Path, line: int, new: str, said: str) -> None:
         read_case(folder)
 
 
+def test_a_column_of_another_channel_is_not_the_one_that_was_meant(folder: Path) -> None:
+    edit(folder / "case.toml", 'name = "table"', 'name = "d1"')
+    edit(folder / "run1.csv", "table,d2", "d1,dX")
+    with pytest.raises(CaseError, match="no column for channel 'd2'; did you mean 'dX'"):
+        read_case(folder)
+    edit(folder / "run1.csv", "dX", "other")
+    with pytest.raises(CaseError, match="no column for channel 'd2'; add the column"):
+        read_case(folder)
+
+
 @pytest.mark.parametrize(("content", "said"), [(b"", "is empty"), (b"time_s,table\n0,1\n", "has 1 samples")])
 def test_empty_run(folder: Path, content: bytes, said: str) -> None:
     (folder / "run1.csv").write_bytes(content)
