@@ -31,7 +31,8 @@ CAPTIONS = {
     "before_after.png": "A measured channel and the model before and after the effect is added to it, and both differences.",
     "transmissibility.png": "How the highest channel answers the table at each frequency: measured, and by the models.",
     "where.png": "The misfit of each channel [%], in all, by band of frequencies and by run.",
-    "residual_force.png": "The force [N] that a storey has beyond the calibrated model, against drift, drift rate and time.",
+    "residual_force.png": "The force [N] that a storey has beyond the calibrated model, against drift, drift rate and time; "
+    "drawn towards zero where the measurements say little of it.",
     "evidence.png": "How strongly the measurements speak for each effect that was tried (ln Bayes factor).",
     "force_over_drift.png": "The force [N] of the named storey over its drift [mm], measured and by the law that was found.",
     "on_the_frame.png": "The frame with the effect, in colour, and without it, as lines, at one moment; enlarged.",
