@@ -8,7 +8,7 @@ OUT    ?= results/demo
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow guard second-world lint types docs clean links
+.PHONY: demo test test-slow guard second-world shear-world lint types docs clean links
 
 demo: $(VENV)/installed
 	$(BIN)/pounding demo --out $(OUT)
@@ -27,6 +27,10 @@ guard: $(VENV)/installed
 # Not part of .ci/run either: it needs openseespy, which is no dependency (docs/diagnosis/hidden-cases.md).
 second-world: $(VENV)/installed
 	$(BIN)/python -m tests.second_world
+
+# Nor this: thirteen cases of half a minute and more. Some of them: make shear-world SHEAR="friction stop".
+shear-world: $(VENV)/installed
+	$(BIN)/python -m tests.shear_world $(SHEAR)
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
