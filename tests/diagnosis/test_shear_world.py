@@ -105,15 +105,11 @@ def test_an_elastoplastic_force_is_that_of_play_and_stop() -> None:
 
 def test_a_written_case_is_read_as_it_was_made(tmp_path: Path) -> None:
     case = replace(CASES["mass"], accelerometers=(1, 5))
-    one, other = tmp_path / "one", tmp_path / "other"
-    for folder in (one, other):
-        folder.mkdir()
-        assert make(folder, "mass", case, seed=1).truth == {"mass": (1.5,)}
-    assert (one / "run3.csv").read_bytes() == (other / "run3.csv").read_bytes()
-    read = read_case(one)
+    assert make(tmp_path, "mass", case, seed=1).truth == {"mass": (1.5,)}
+    read = read_case(tmp_path)
     assert [channel.name for channel in read.channels] == ["table", "a1", "a5", "d5"]
     assert [run.values.shape for run in read.runs] == [(4001, 4)] * 3
-    believed = frames.build(frames.load(str(one / "frame.toml")))
+    believed = frames.build(frames.load(str(tmp_path / "frame.toml")))
     assert 2 * np.pi * believed.frequencies_hz == pytest.approx(case.believed.modes()[0], rel=1e-6)
 
 
