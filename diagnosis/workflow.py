@@ -293,7 +293,7 @@ def _find(
     model = _as_before(model, effects, used, progress)
     found = search(model, effects, used, unseen, progress, start)
     found.pair = pair
-    found.false_alarms = stored(false_alarms)
+    found.false_alarms = stored(false_alarms, len(effects))
     unhide(found)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -18,14 +19,15 @@ FILE = Path(__file__).with_name("nulls.csv")
 
 
 @cache
-def stored(rate: float = SETTINGS.decision.false_alarms) -> FalseAlarms:
+def stored(rate: float = SETTINGS.decision.false_alarms, candidates: int = 1) -> FalseAlarms:
     """Return false alarms by the nulls that come with the package.
 
     Args:
         rate: Share of nulls that may raise one.
+        candidates: How many effects are tried.
     """
     rows, said = read_nulls(FILE)
-    return of_rows(rate, rows, f"{len(rows)} simulated nulls; {said}")
+    return replace(of_rows(rate, rows, f"{len(rows)} simulated nulls; {said}"), candidates=candidates)
 
 
 def read_nulls(path: Path) -> tuple[list[dict[str, str]], str]:
@@ -73,17 +75,25 @@ def thresholds(found: Findings, absorbing: bool = False) -> tuple[float, float]:
 
     Args:
         found: The findings.
-        absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`); in a pair it
-            needs more.
+        absorbing: Whether a little of it mends what every baseline frame has wrong (see `Effect.absorbing`); it needs more.
     """
     pair = found.pair
     if pair is None:
-        return alarms_of(found).needed, SETTINGS.decision.size
+        return alarms_of(found).needed, least_size(absorbing)
     needs = SETTINGS.pair_decision
     known = needs.unmeasured_factor if pair.blind else 1.0
     if absorbing:
         return _beside(found) * known * needs.absorbing_evidence, _beside(found) * needs.absorbing_size
     return known * needs.local_evidence, needs.local_size
+
+
+def least_size(absorbing: bool) -> float:
+    """Return the size that an effect of a single frame needs to be named, in units of a channel's noise.
+
+    Args:
+        absorbing: As in `thresholds`.
+    """
+    return SETTINGS.decision.absorbing_size if absorbing else SETTINGS.decision.size
 
 
 def _beside(found: Findings) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pounding.diagnosis.decision.false_alarms import least_size
 from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.model.model import Acting, Model
@@ -67,7 +68,7 @@ def _most(found: Findings, absorbing: bool) -> tuple[float, str, float]:
     """
     refined = [one for one in found.judged if _is(one, absorbing)]
     for one in refined:
-        if (size := signal_to_noise(found, one)) >= SETTINGS.decision.size:
+        if (size := signal_to_noise(found, one)) >= least_size(absorbing):
             return one.ln_bayes, one.label(), size
     known = {one.effects[0] for one in refined}
     scored = [

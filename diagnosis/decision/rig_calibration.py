@@ -196,12 +196,13 @@ def false_alarms(found: Findings, outcomes: Sequence[Outcome]) -> FalseAlarms | 
     nulls = [one.null for one in outcomes if one.null is not None]
     if len(nulls) < SETTINGS.calibration.least_nulls:
         return None
-    return of_nulls(
+    alarms = of_nulls(
         alarms_of(found).rate,
         [max(one.ordinary, one.absorbing) for one in nulls],
         [one.left for one in nulls],
         f"{len(nulls)} nulls simulated on this rig, under its records, with the discrepancy found",
     )
+    return replace(alarms, candidates=len(found.scores.ranked))
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:

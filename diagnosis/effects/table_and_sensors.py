@@ -100,6 +100,7 @@ class TableTilt(Effect):
 
     name = "table_tilt"
     linear = True
+    absorbing = True
     quantities = (Quantity("tilt", "rad s^2/m", symbol=r"\psi"),)
     described = Description(
         r"the table pitches by $\theta = \psi\,a_g$: floors move by $h\theta$, weights lean",

@@ -67,17 +67,24 @@ class FalseAlarms:
         evidence: Largest ln Bayes factor of a single effect.
         left: Misfit that remains over the noise floor.
         source: Where the nulls come from.
+        candidates: How many effects are tried.
     """
 
     rate: float
     evidence: Tail
     left: Tail
     source: str
+    candidates: int = 1
 
     @property
     def needed(self) -> float:
-        """The ln Bayes factor that an effect needs to be named."""
-        return max(self.evidence.exceeded_by(self.rate / 2), 0.0)
+        """The ln Bayes factor that an effect needs to be named.
+
+        It is more than nulls show, and enough where that something is missing is as likely beforehand as that nothing is,
+        and each candidate as likely as another.
+        """
+        alarms = self.rate / 2
+        return max(self.evidence.exceeded_by(alarms), float(np.log(self.candidates / alarms)))
 
     def too_much(self, left: float) -> bool:
         """Return whether a misfit is more than nulls leave.
