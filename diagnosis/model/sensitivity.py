@@ -183,6 +183,7 @@ def _filter(
     x = np.zeros((states, (TOGETHER + 1) * groups))
     shown = np.zeros((channels, (TOGETHER + 1) * groups))
     x[:, :groups] = state
+    pushed = np.zeros(terms)
     stop = begin + len(result)
     for first in range(begin, stop, TOGETHER):
         count = min(TOGETHER, stop - first)
@@ -193,10 +194,11 @@ def _filter(
             if turning:
                 for i in range(pairs):
                     real, imaginary = transition[0, i], transition[1, i]
+                    one, other = x[i, here:there], x[pairs + i, here:there]
+                    one_then, other_then = x[i, there : there + groups], x[pairs + i, there : there + groups]
                     for g in range(groups):
-                        x[i, there + g] = real * x[i, here + g] - imaginary * x[pairs + i, here + g]
-                    for g in range(groups):
-                        x[pairs + i, there + g] = imaginary * x[i, here + g] + real * x[pairs + i, here + g]
+                        one_then[g] = real * one[g] - imaginary * other[g]
+                        other_then[g] = imaginary * one[g] + real * other[g]
                 for i in range(pairs, motions):
                     for g in range(groups):
                         x[pairs + i, there + g] = transition[0, i] * x[pairs + i, here + g]
@@ -206,26 +208,26 @@ def _filter(
                     for s in range(states):
                         for g in range(groups):
                             x[i, there + g] += transition[i, s] * x[s, here + g]
+            size, end, next_end = series[k], at_end[k], at_end[k + 1]
             for i in range(states):
+                start, back, forth = inputs[0, i], inputs[1, i], inputs[2, i]
+                # All terms first, side by side in the processor: those that share a sum go into it one by one.
+                for j in range(terms):
+                    pushed[j] = start[j] * size[j] + back[j] * end[j] + forth[j] * next_end[j]
+                then = x[i, there : there + groups]
                 for g in range(groups):
-                    x[i, there + g] += (
-                        inputs[0, i, g] * series[k, g]
-                        + inputs[1, i, g] * at_end[k, g]
-                        + inputs[2, i, g] * at_end[k + 1, g]
-                    )
+                    then[g] += pushed[g]
                 for j in range(groups, terms):
-                    x[i, there + column[j]] += (
-                        inputs[0, i, j] * series[k, j]
-                        + inputs[1, i, j] * at_end[k, j]
-                        + inputs[2, i, j] * at_end[k + 1, j]
-                    )
+                    then[column[j]] += pushed[j]
         np.dot(output, x, shown)
         for b in range(count):
             k, here = first + b, b * groups
+            end = at_end[k]
             for c in range(channels):
+                seen, shows, kept = shown[c, here : here + groups], direct[c], result[k - begin, c]
                 for j in range(groups, terms):
-                    shown[c, here + column[j]] += direct[c, j] * at_end[k, j]
+                    seen[column[j]] += shows[j] * end[j]
                 for g in range(groups):
-                    result[k - begin, c, g] = shown[c, here + g] + direct[c, g] * at_end[k, g]
+                    kept[g] = seen[g] + shows[g] * end[g]
         x[:, :groups] = x[:, count * groups : (count + 1) * groups]
     state[:] = x[:, :groups]
