@@ -134,6 +134,10 @@ class Histories(Likelihood):
         kept = (self._columns, self._gram) if self._fresh else (None, None)
         return Histories(self.model, filtered, self.coordinates, *kept)
 
+    def fresh(self) -> Histories:
+        """Return the term with the nuisance parameters' signatures of its own filter, itself if it has no others."""
+        return self if self._fresh else Histories(self.model, self.filtered, self.coordinates)
+
     def normal_equations(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return information and slope of the data; what the nuisance parameters have among themselves is kept."""
         own = len(self.coordinates.scale)
@@ -164,10 +168,9 @@ class Histories(Likelihood):
             model, filtered = self.model, self.filtered
             both = zip(filtered.run_modes, motions(model, filtered), strict=True)
             groups = [nuisance_terms(model, modes, motion) for modes, motion in both]
-            self._columns = [
-                columns * self.coordinates.scale.astype(columns.dtype)
-                for columns in grouped_signatures(model, filtered, groups)
-            ]
+            self._columns = grouped_signatures(model, filtered, groups)
+            for columns in self._columns:
+                columns *= self.coordinates.scale.astype(columns.dtype)
         return self._columns
 
     def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:

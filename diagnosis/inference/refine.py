@@ -89,34 +89,36 @@ def refine(
         model, effects, values, usual if widths is None else widths, discrepancy=filtered.discrepancy
     )
     theta = _start(model, filtered, coordinates, nuisance)
-    current, theta = _descended(
-        model, _at(model, filtered, coordinates, theta), coordinates, theta, iterations
-    )
-    current, coordinates, theta = _rescaled(model, current, coordinates, theta)
+    start = Histories(model, _at(model, filtered, coordinates, theta), coordinates)
+    histories, theta = _rescaled(*_descended(start, theta, iterations))
     if not thorough:
-        return _finished(model, current, coordinates, theta)
+        return _finished(histories, theta)
+    # What the histories have worked out is much, and only good for these.
+    current, coordinates = histories.filtered, histories.coordinates
+    del start, histories
     while current.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
-        trial, moved = _descended(model, trial, coordinates, theta, iterations)
+        descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
+        trial = descended.filtered
         if trial.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
             break
         current, theta = trial, moved
-    current, theta = _quieted(model, current, coordinates, theta, iterations)
+    histories, theta = _quieted(Histories(model, current, coordinates), theta, iterations)
     # What has more freedom than the start cannot be less likely: where it is, a bad start was taken for noise.
-    gained = np.inf if current.log_likelihood < filtered.log_likelihood else 0.0
+    gained = np.inf if histories.filtered.log_likelihood < filtered.log_likelihood else 0.0
     while gained > SETTINGS.refinement.likelier:
-        before = current.log_likelihood
-        current, theta = _quieted(model, current, coordinates, theta, iterations)
-        gained = current.log_likelihood - before
+        before = histories.filtered.log_likelihood
+        histories, theta = _quieted(histories, theta, iterations)
+        gained = histories.filtered.log_likelihood - before
     for _ in range(SETTINGS.refinement.rescalings):
-        before = current.discrepancy
-        current, coordinates, theta = _rescaled(model, current, coordinates, theta)
-        if current.discrepancy == before:
+        before = histories.filtered.discrepancy
+        histories, theta = _rescaled(histories, theta)
+        if histories.filtered.discrepancy == before:
             break
-        current, theta = _descended(model, current, coordinates, theta, SETTINGS.refinement.last * iterations)
-    return _finished(model, current, coordinates, theta)
+        histories, theta = _descended(histories, theta, SETTINGS.refinement.last * iterations)
+    return _finished(histories, theta)
 
 
 def calibrated_further(
@@ -131,47 +133,40 @@ def calibrated_further(
         trials: Which steps are tried.
     """
     fixed = Coordinates.of(model, (), (), (), filtered.effects, filtered.discrepancy)
-    return _descended(model, filtered, fixed, fixed.theta(filtered.values), iterations, trials)[0]
+    start = Histories(model, filtered, fixed)
+    return _descended(start, fixed.theta(filtered.values), iterations, trials)[0].filtered
 
 
 def _descended(
-    model: Model,
-    filtered: Filtered,
-    coordinates: Coordinates,
-    theta: np.ndarray,
-    iterations: int,
-    trials: Trials = DAMPED,
-) -> tuple[Filtered, np.ndarray]:
-    posterior, theta = descend(
-        coordinates.posterior(_terms(model, filtered, coordinates)), theta, iterations, trials
-    )
+    start: Histories, theta: np.ndarray, iterations: int, trials: Trials = DAMPED
+) -> tuple[Histories, np.ndarray]:
+    posterior, theta = descend(start.coordinates.posterior(_terms(start)), theta, iterations, trials)
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
-    return histories.filtered, theta
+    return histories.fresh(), theta
 
 
-def _rescaled(
-    model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray
-) -> tuple[Filtered, Coordinates, np.ndarray]:
-    """Return the fit with the likeliest scale of the model discrepancy, its coordinates and theta in their units."""
+def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
+    """Return the fit with the likeliest scale of the model discrepancy, and theta in its units."""
+    model, filtered, coordinates = histories.model, histories.filtered, histories.coordinates
     if not model.discrepant.any():
-        return filtered, coordinates, theta
-    gram, slope = coordinates.posterior(_terms(model, filtered, coordinates)).normal_equations(theta)
+        return histories, theta
+    gram, slope = coordinates.posterior(_terms(histories)).normal_equations(theta)
     scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likeliest()
     if scale == filtered.discrepancy:
-        return filtered, coordinates, theta
+        return histories, theta
     moved = replace(coordinates, scale=model.spread(scale))
     box = box_of(len(model.std))
     own = np.clip(coordinates.nuisance(theta) / moved.scale, -box, box)
     theta = np.concatenate([own, theta[len(own) :]])
-    return _at(model, filtered.with_discrepancy(scale), moved, theta), moved, theta
+    return Histories(model, _at(model, filtered.with_discrepancy(scale), moved, theta), moved), theta
 
 
-def _terms(model: Model, filtered: Filtered, coordinates: Coordinates) -> list[Histories | NumbersTerm]:
+def _terms(histories: Histories) -> list[Histories | NumbersTerm]:
     """Return the runs' histories and the numbers that stand beside them, the histories first."""
-    numbers = Numbers(model, filtered.runs)
-    beside = [NumbersTerm(numbers, coordinates)] if len(numbers) else []
-    return [Histories(model, filtered, coordinates), *beside]
+    numbers = Numbers(histories.model, histories.filtered.runs)
+    beside = [NumbersTerm(numbers, histories.coordinates)] if len(numbers) else []
+    return [histories, *beside]
 
 
 def _start(
@@ -183,7 +178,7 @@ def _start(
 
     def cost(theta: np.ndarray) -> float:
         there = _at(model, filtered, coordinates, theta)
-        return coordinates.posterior(_terms(model, there, coordinates)).cost(theta)
+        return coordinates.posterior(_terms(Histories(model, there, coordinates))).cost(theta)
 
     return min(starts, key=cost)
 
@@ -194,12 +189,11 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
     )
 
 
-def _quieted(
-    model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray, iterations: int
-) -> tuple[Filtered, np.ndarray]:
+def _quieted(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
     """Return the fit after its noise was estimated, that of the table first, and the last descent with it."""
-    quiet = _quieter(model, _table_noise(model, filtered))
-    return _descended(model, quiet, coordinates, theta, SETTINGS.refinement.last * iterations)
+    model, coordinates = histories.model, histories.coordinates
+    quiet = Histories(model, _quieter(model, _table_noise(model, histories.filtered)), coordinates)
+    return _descended(quiet, theta, SETTINGS.refinement.last * iterations)
 
 
 def _quieter(model: Model, filtered: Filtered) -> Filtered:
@@ -239,8 +233,9 @@ def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
     return run_filter(model, one.values, noise, one.runs, one.effects)
 
 
-def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.ndarray) -> Fit:
-    terms = _terms(model, filtered, coordinates)
+def _finished(histories: Histories, theta: np.ndarray) -> Fit:
+    model, filtered, coordinates = histories.model, histories.filtered, histories.coordinates
+    terms = _terms(histories)
     posterior = coordinates.posterior(terms)
     gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
@@ -248,8 +243,6 @@ def _finished(model: Model, filtered: Filtered, coordinates: Coordinates, theta:
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
     scaled = np.linalg.inv(gram + np.eye(len(gram)))
     if coordinates.effects:
-        histories = terms[0]
-        assert isinstance(histories, Histories)
         scaled[range(own, len(scaled)), range(own, len(scaled))] += between_windows(
             histories, theta, gram[own:, own:]
         )
