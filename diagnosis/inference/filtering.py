@@ -144,7 +144,7 @@ def log_likelihood(
     for series, steady, run in zip(white, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
         total -= 0.5 * float(np.sum(series**2))
-        total -= float(np.sum(good.sum(axis=0) * np.log(np.diag(_factor(steady)))))
+        total -= float(np.sum(good.sum(axis=0) * np.log(np.diag(steady.factor))))
     return total
 
 
@@ -173,16 +173,12 @@ def whitened(series: np.ndarray, steady: SteadyFilter, good: np.ndarray | None =
         steady: The filter, with the covariance.
         good: Which samples were measured, shape (samples, channels); the others become zero.
     """
-    factor = np.linalg.inv(_factor(steady)).astype(series.dtype)
+    factor = steady.whitening.astype(series.dtype)
     if good is not None and not good.all():
         series = np.where(good if series.ndim == 2 else good[..., None], series, 0.0)
     if series.ndim == 2:
         return np.asarray(series @ factor.T)
     return np.asarray(np.matmul(factor, series))
-
-
-def _factor(steady: SteadyFilter) -> np.ndarray:
-    return np.asarray(np.linalg.cholesky(steady.covariance))
 
 
 def motions(model: Model, filtered: Filtered) -> list[Motion]:
@@ -278,7 +274,7 @@ def signature_pieces_of_run(
     steady = filtered.filters[number]
     good = np.isfinite(model.observed.runs[filtered.runs[number]].measured)
     channels = good.shape[1]
-    shown = np.linalg.inv(_factor(steady)) if good.all() else np.eye(channels)
+    shown = steady.whitening if good.all() else np.eye(channels)
     first = 0
     for each in signature_pieces(steady, columns, shown, piece):
         last = first + len(each)

@@ -7,6 +7,7 @@ predictions do not run out of phase with a lightly damped frame and a later line
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import expm, solve_discrete_are
@@ -75,6 +76,16 @@ class SteadyFilter:
     output: np.ndarray
     direct: np.ndarray
     updated: np.ndarray
+
+    @cached_property
+    def factor(self) -> np.ndarray:
+        """Lower Cholesky factor of the innovation covariance, shape (channels, channels)."""
+        return np.asarray(np.linalg.cholesky(self.covariance))
+
+    @cached_property
+    def whitening(self) -> np.ndarray:
+        """Matrix that divides the innovation covariance out, shape (channels, channels)."""
+        return np.linalg.inv(self.factor)
 
 
 def linear_system(

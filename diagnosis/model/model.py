@@ -17,6 +17,7 @@ from pounding.diagnosis.model.kalman import (
     linear_system,
 )
 from pounding.diagnosis.model.known_forces import KnownForces
+from pounding.diagnosis.model.last import Last
 from pounding.diagnosis.model.laws import placed_arrays
 from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
 from pounding.diagnosis.model.observations import Observations, RunData
@@ -80,8 +81,10 @@ class Model:
             for run in observed.runs
         ]
         self._faults = SensorFaults(observed.runs)
-        self._last_table: dict[int, tuple[tuple[float, float, int], np.ndarray]] = {}
-        self._last_plain: tuple[bytes, Assembly] | None = None
+        # Slopes and searches of effects leave the nuisance parameters alone, and most effects the modes.
+        self._plain: Last[Assembly] = Last()
+        self._modes: Last[Modes] = Last()
+        self._between: Last[np.ndarray] = Last()
         self._own: np.ndarray | None = None
 
     def spread(self, discrepancy: float) -> np.ndarray:
@@ -110,11 +113,7 @@ class Model:
             effects: Effects that act, each with its SI parameters, shape (parameters,).
         """
         key = np.asarray(values, float).tobytes()
-        last = self._last_plain
-        if last is None or last[0] != key:
-            # Slopes and searches of effects leave the nuisance parameters alone.
-            self._last_plain = last = key, self._without_effects(values)
-        assembly = last[1].copy()
+        assembly = self._plain.of(key, lambda: self._without_effects(values)).copy()
         for effect, numbers in (*self.always, *effects):
             effect.apply(assembly, np.asarray(numbers, float), self)
         return assembly
@@ -182,7 +181,10 @@ class Model:
 
     def plain_modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly's floors alone, frame by frame."""
-        mass, stiffness, log_damping = assembly.mass, assembly.stiffness, assembly.log_damping
+        each = assembly.mass, assembly.stiffness, assembly.log_damping
+        return self._modes.of(tuple(one.tobytes() for one in each), lambda: self._by_frame(*each))
+
+    def _by_frame(self, mass: np.ndarray, stiffness: np.ndarray, log_damping: np.ndarray) -> Modes:
         floors = len(mass)
         omegas, rows = [], []
         shapes = np.zeros((floors, floors))
@@ -345,11 +347,9 @@ class Model:
     def _table_between(self, assembly: Assembly, number: int, middle: np.ndarray) -> np.ndarray:
         """Return `table_at` at the midpoints of a run; what was asked for last is kept."""
         key = (assembly.table_delay_s, assembly.table_clock, middle.size)
-        last = self._last_table.get(number)
-        if last is None or last[0] != key:
-            plain = self.table_at(replace(assembly, table_gain=0.0), number, middle)
-            self._last_table[number] = last = key, plain
-        return np.asarray((1 + assembly.table_gain) * last[1])
+        plain = replace(assembly, table_gain=0.0)
+        between = self._between.of(key, lambda: self.table_at(plain, number, middle), number)
+        return np.asarray((1 + assembly.table_gain) * between)
 
     def contact_force(self, assembly: Assembly, number: int, column: int, times_s: np.ndarray) -> np.ndarray:
         """Return a contact force [N] of a run, scaled in each contact event as the assembly says, shape of `times_s`.

@@ -154,8 +154,14 @@ class Modes:
         Args:
             step_s: Length of the step [s].
         """
-        a11, a12, a21, a22 = (one[0] for one in self.swing(np.array([step_s])))
-        return np.stack([a11, a12, a21, a22, (1 - a11) / self.omega**2, a12])
+        if step_s not in self._steps:
+            a11, a12, a21, a22 = (one[0] for one in self.swing(np.array([step_s])))
+            self._steps[step_s] = np.stack([a11, a12, a21, a22, (1 - a11) / self.omega**2, a12])
+        return self._steps[step_s]
+
+    @cached_property
+    def _steps(self) -> dict[float, np.ndarray]:
+        return {}
 
 
 @dataclass(frozen=True)
