@@ -19,6 +19,7 @@ from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.sight import Sight
+from pounding.diagnosis.model.side_by_side import side_by_side
 
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
@@ -76,8 +77,10 @@ def smallest(case: Case, found: Findings, decision: Decision, sight: Sight) -> l
         sight: What changes of that model do to the channels.
     """
     kinds: dict[str, list[Smallest | None]] = {}
-    for one, scores in _scores(found, decision):
-        kinds.setdefault(one.effect.name, []).append(_least(found, one, scores, sight))
+    about = _scores(found, decision)
+    least = side_by_side(lambda one: _least(found, *one, sight), about)
+    for (one, _), size in zip(about, least, strict=True):
+        kinds.setdefault(one.effect.name, []).append(size)
     return [_entry(case, found, name, places) for name, places in kinds.items()]
 
 

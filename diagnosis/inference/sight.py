@@ -14,6 +14,7 @@ from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import levelled, simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
+from pounding.diagnosis.model.side_by_side import side_by_side
 
 PROBE = 0.1
 """Prior standard deviations by which a nuisance parameter is moved to see what it does to the channels."""
@@ -114,10 +115,10 @@ def _columns(found: Findings, filtered: Filtered, run: int) -> tuple[np.ndarray,
     noise = np.nan_to_num(found.floor[0], nan=np.inf) * np.where(rms > 0, rms, np.inf)
     noise = noise * np.sqrt(model.observed.slower)
     output = simulate(model, filtered.values, filtered.effects, [run])[0]
-    columns = []
-    for number, std in enumerate(model.spread(filtered.discrepancy)):
-        moved = filtered.values.copy()
-        moved[number] += PROBE * std
-        changed = simulate(model, moved, filtered.effects, [run])[0]
-        columns.append(((changed - output) / noise).ravel() / PROBE)
+
+    def column(probe: np.ndarray) -> np.ndarray:
+        changed = simulate(model, filtered.values + probe, filtered.effects, [run])[0]
+        return np.asarray(((changed - output) / noise).ravel() / PROBE)
+
+    columns = side_by_side(column, list(PROBE * np.diag(model.spread(filtered.discrepancy))))
     return output, noise, np.array(columns).T
