@@ -65,9 +65,11 @@ def figures(
 
 
 def _png(figure: Figure, dpi: int = 100) -> bytes:
-    FigureCanvasAgg(figure)
+    figure.set_dpi(dpi)
+    canvas = FigureCanvasAgg(figure)
     store = io.BytesIO()
-    figure.savefig(store, format="png", dpi=dpi)
+    # `savefig` would draw a figure that has a layout twice.
+    canvas.print_png(store)  # type: ignore[no-untyped-call]
     return store.getvalue()
 
 
