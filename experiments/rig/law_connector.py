@@ -13,7 +13,7 @@ import numpy as np
 from exudyn import itemInterface as items
 from numpy.typing import NDArray
 
-from pounding.calling import MEMORY, called
+from pounding.calling import MEMORY, called_at
 from pounding.experiments.rig.storeys import StoreyLaw
 
 Series = Callable[[float], float]
@@ -33,8 +33,11 @@ class LawConnector:
 
     def __init__(self, mbs: Any, body: Any, ground: int, law: StoreyLaw, rate: Series | None = None) -> None:
         self._law, self._rate = law, rate
-        self._parameters = np.ascontiguousarray(law.parameters)
-        self._state, self._new = np.array(law.memory), np.zeros(MEMORY)
+        self._parameters = np.ascontiguousarray(law.parameters, float)
+        self._state, self._new = np.array(law.memory, float), np.zeros(MEMORY)
+        # The engine asks many times a step, and numbers reach compiled code sooner than arrays.
+        self._places = tuple(int(one.ctypes.data) for one in (self._parameters, self._state, self._new))
+        self._looking, self._address = False, law.address
         self._item = mbs.AddObject(
             items.ObjectConnectorCoordinateSpringDamper(
                 markerNumbers=ends(body, ground, law.row), stiffness=1.0, springForceUserFunction=self._force
@@ -42,15 +45,21 @@ class LawConnector:
         )
 
     def _force(self, _mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-        faster = 0.0 if self._rate is None else self._rate(t)
-        address = self._law.address
-        return float(called(address, self._parameters, self._state, d, v + faster, t, self._new))
+        if self._looking:
+            return 0.0
+        if self._rate is not None:
+            v += self._rate(t)
+        parameters, state, new = self._places
+        return called_at(self._address, parameters, state, d, v, t, new)
 
     def latch(self, mbs: Any) -> None:
         """Remember the motion up to now, which is where a step begins."""
         if self._law.remembers:
             kind = exudyn.OutputVariableType
+            # The engine works out the force as well, which nobody needs here.
+            self._looking = True
             d, v = (float(mbs.GetObjectOutput(self._item, one)) for one in (kind.Displacement, kind.Velocity))
+            self._looking = False
             self._force(mbs, mbs.systemData.GetTime(), self._item, d, v)
             self._state[:] = self._new
 
