@@ -74,7 +74,7 @@ def faults_of_run(path: Path, names: Sequence[str], channels: Sequence[Channel])
         _check_header(path, header)
     except CaseError as error:
         return [str(error)]
-    tries: list[Callable[[], object]] = [partial(_column, path, header, name) for name in names]
+    tries: list[Callable[[], object]] = [partial(_column, path, header, name, names) for name in names]
     if len(header) < 2 or any(len(row) != len(header) for row in cells.rows):
         tries.append(partial(_values, path, header, cells, ()))
     else:
@@ -107,9 +107,8 @@ def _values(
     found = grid(path.name, cells.lines, numbers[:, 0], [row[0] for row in cells.rows])
     bounds.STEP.check(found.step_s, f"{path.name}: the step of {TIME}", CaseError)
     bounds.DURATION.check(found.step_s * (found.samples - 1), f"{path.name}: the run's length", CaseError)
-    known = {channel.name for channel in channels}
-    others = [name for name in header[1:] if name not in known]
-    columns = [_column(path, header, channel.name, others) for channel in channels]
+    names = [channel.name for channel in channels]
+    columns = [_column(path, header, name, names) for name in names]
     values = numbers[:, columns] * np.array([channel.to_si for channel in channels])
     _check_values(path, cells.lines, channels, values)
     return found, values
@@ -162,11 +161,11 @@ def _check_values(path: Path, lines: list[int], channels: Sequence[Channel], val
             bound.check(series[row] / channel.to_si, where, CaseError, per=channel.to_si, unit=channel.unit)
 
 
-def _column(path: Path, header: list[str], name: str, others: Sequence[str]) -> int:
-    """Return the number of a channel's column; where it is not there, one of those of no channel may have been meant."""
+def _column(path: Path, header: list[str], name: str, names: Sequence[str]) -> int:
+    """Return the number of a channel's column; where it is not there, one that is no other channel's may have been meant."""
     if name in header[1:]:
         return header.index(name)
-    question = did_you_mean(nearest(name, others), repr)
+    question = did_you_mean(nearest(name, [one for one in header[1:] if one not in names]), repr)
     hint = f"{question} " if question else ""
     raise CaseError(
         f"{path.name} line 1: no column for channel {name!r}; {hint}add the column (with empty cells "
