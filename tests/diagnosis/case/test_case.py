@@ -338,11 +338,11 @@ def test_wrong_run(folder: Path, line: int, new: str, said: str) -> None:
 
 
 def test_a_column_of_another_channel_is_not_the_one_that_was_meant(folder: Path) -> None:
-    edit(folder / "case.toml", 'name = "table"', 'name = "d1"')
-    edit(folder / "run1.csv", "table,d2", "d1,dX")
-    with pytest.raises(CaseError, match="no column for channel 'd2'; did you mean 'dX'"):
+    edit(folder / "case.toml", 'name = "table"', 'name = "d2_a"')
+    edit(folder / "run1.csv", "table,d2", "d2_a,d_2")
+    with pytest.raises(CaseError, match="no column for channel 'd2'; did you mean 'd_2'"):
         read_case(folder)
-    edit(folder / "run1.csv", "dX", "other")
+    edit(folder / "run1.csv", "d_2", "other")
     with pytest.raises(CaseError, match="no column for channel 'd2'; add the column"):
         read_case(folder)
 

@@ -111,7 +111,7 @@ def test_gap_takes_the_states_and_says_so(capsys: pytest.CaptureFixture[str]) ->
         ("gap 15B mine.toml --record elcentro-chopra --state sweep", "'mine.toml' has no state"),
         ("gap 15A 5B --record elcentro-chopra --state strong-motion", "15A beside 5B has no strong-motion"),
         ("pound 10 10 --gap 3 --record elcentro-chopra --state strong-motion", "no such test"),
-        ("pound 15C 10 --gap 3 --record elcentro-chopra --state sweep", "did you mean 15B"),
+        ("pound 15C 10 --gap 3 --record elcentro-chopra --state sweep", "did you mean 15A or 15B"),
         ("modal 15B --state sweep --joints rigid", "rigid joints have none"),
         ("experiment push-5A --state strong-motion", "'push-5A' has no ground motion"),
     ],

@@ -125,7 +125,7 @@ def test_verb_shows_tables(capsys):
 
 @pytest.mark.parametrize(
     ("words", "sentence"),
-    [(["15C"], "did you mean 15B"), (["5A", "--damping", "2"], "0.5 % is 0.005"),
+    [(["15C"], "did you mean 15A or 15B"), (["5A", "--damping", "2"], "0.5 % is 0.005"),
      (["5A", "--state", "guess"], "Choose from")],
 )  # fmt: skip
 def test_verb_refuses_bad_input_in_one_sentence(capsys, words, sentence):
