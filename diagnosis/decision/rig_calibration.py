@@ -202,7 +202,7 @@ def false_alarms(found: Findings, outcomes: Sequence[Outcome]) -> FalseAlarms | 
         [one.left for one in nulls],
         f"{len(nulls)} nulls simulated on this rig, under its records, with the discrepancy found",
     )
-    return replace(alarms, candidates=len(found.scores.ranked))
+    return replace(alarms, candidates=alarms_of(found).candidates)
 
 
 def simulated(found: Findings, truth: Judged, rng: np.random.Generator) -> Model:

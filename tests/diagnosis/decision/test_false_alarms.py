@@ -12,7 +12,6 @@ import pytest
 from pounding.diagnosis.decision.confidence import Features
 from pounding.diagnosis.decision.false_alarms import (
     FILE,
-    alarms_of,
     of_nulls,
     p_value,
     remains,
@@ -100,13 +99,13 @@ def outcome(number: int, null: Shown | None) -> Outcome:
 
 
 def test_a_rig_s_own_nulls_count_where_there_are_enough() -> None:
-    null = Shown(3.0, "table tilt", 0.1, 1.0, "p delta, 5A", 0.1, 0.0, 0.0, 1.01, 1.0)
+    null = Shown(30.0, "table tilt", 0.1, 1.0, "p delta, 5A", 0.1, 0.0, 0.0, 1.01, 1.0)
     least = SETTINGS.calibration.least_nulls
     others = [outcome(100, None)]
     assert false_alarms(alone(), [outcome(i, null) for i in range(least - 1)] + others) is None
-    strict = replace(alone(), false_alarms=stored(0.01))
+    strict = replace(alone(), false_alarms=stored(0.01, 70))
     known = false_alarms(strict, [outcome(i, null) for i in range(least)] + others)
     assert known is not None
-    assert known.rate == alarms_of(strict).rate == 0.01
-    assert known.needed == 3.0
+    assert (known.rate, known.candidates) == (0.01, 70)
+    assert known.needed == 30.0
     assert known.source.startswith(f"{least} nulls simulated on this rig")

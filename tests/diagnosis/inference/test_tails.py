@@ -60,4 +60,11 @@ def test_names_and_remainders_raise_half_of_the_false_alarms_each() -> None:
     assert not alarms.too_much(limit - 1e-6)
     assert alarms.too_much(limit + 1e-6)
     nothing = tail(-RNG.exponential(1.0, 100) - 50.0)
-    assert FalseAlarms(0.05, nothing, left, "").needed == 0.0
+    assert FalseAlarms(0.05, nothing, left, "").needed == pytest.approx(np.log(40))
+
+
+def test_more_candidates_ask_for_more_where_nulls_show_little() -> None:
+    """With one half for nothing beforehand and the other for 80 effects alike, one must be 3200 times as likely."""
+    nothing, loud = tail(-RNG.exponential(1.0, 100)), tail(RNG.exponential(5.0, 100))
+    assert FalseAlarms(0.05, nothing, nothing, "", 80).needed == pytest.approx(np.log(3200))
+    assert FalseAlarms(0.05, loud, nothing, "", 80).needed == loud.exceeded_by(0.025) > np.log(3200)
