@@ -134,7 +134,7 @@ def features_of(found: Findings, decision: Decision, signal_to_noise: float, exp
     Args:
         found: What the search found.
         decision: The verdict.
-        signal_to_noise: Of the effects in question (see `pounding.diagnosis.decision.verdict.signal_to_noise`).
+        signal_to_noise: Of the effects in question (see `pounding.diagnosis.decision.measures.signal_to_noise`).
         explained: Share of the explainable misfit that they explain.
     """
     best = decision.judged

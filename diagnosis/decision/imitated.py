@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pounding.diagnosis.decision.false_alarms import thresholds
-from pounding.diagnosis.decision.verdict import signal_to_noise
+from pounding.diagnosis.decision.measures import signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, best
 from pounding.diagnosis.inference.null_model import no_more_discrepant
 

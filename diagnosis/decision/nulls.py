@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pounding.diagnosis.decision.false_alarms import least_size
-from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
+from pounding.diagnosis.decision.measures import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square

@@ -9,7 +9,7 @@ from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.false_alarms import p_value, remains
-from pounding.diagnosis.decision.verdict import model_error, remaining, within_model_error
+from pounding.diagnosis.decision.measures import model_error, remaining, within_model_error
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.sight import Sight

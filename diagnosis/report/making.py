@@ -13,7 +13,7 @@ from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.false_alarms import remains
-from pounding.diagnosis.decision.verdict import before
+from pounding.diagnosis.decision.measures import before
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, Judged

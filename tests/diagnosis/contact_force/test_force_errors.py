@@ -17,7 +17,7 @@ from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import prepare
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.verdict import remaining
+from pounding.diagnosis.decision.measures import remaining
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden

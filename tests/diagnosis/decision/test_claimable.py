@@ -13,7 +13,7 @@ import pytest
 from pounding.diagnosis.decision.confidence import PAIR_NOTHING, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain
-from pounding.diagnosis.decision.verdict import remaining, signal_to_noise
+from pounding.diagnosis.decision.measures import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
 from tests.diagnosis.pair_models import CONTACT, colliding, judged, model_of
 

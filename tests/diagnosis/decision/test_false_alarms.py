@@ -18,9 +18,10 @@ from pounding.diagnosis.decision.false_alarms import (
     stored,
     thresholds,
 )
+from pounding.diagnosis.decision.measures import remaining
 from pounding.diagnosis.decision.nulls import Shown
 from pounding.diagnosis.decision.rig_calibration import Outcome, false_alarms
-from pounding.diagnosis.decision.verdict import decide, remaining
+from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.settings import SETTINGS

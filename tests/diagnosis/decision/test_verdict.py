@@ -14,7 +14,7 @@ import pytest
 
 from pounding.diagnosis import Decision, Findings, decide
 from pounding.diagnosis.decision.false_alarms import of_nulls
-from pounding.diagnosis.decision.verdict import explained, model_error, remaining, signal_to_noise
+from pounding.diagnosis.decision.measures import explained, model_error, remaining, signal_to_noise
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered, run_filter

@@ -1,0 +1,139 @@
+"""How large what effects do and leave is: over the noise, over the motion, and as a share of what can be explained."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
+from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
+from pounding.diagnosis.settings import SETTINGS
+
+
+def before(found: Findings, judged: Judged) -> float:
+    """Return the misfit over the noise floor of the reference runs, as `remaining` does of the others; 1 without any."""
+    if not found.reference:
+        return 1.0
+    filtered = judged.fit.filtered
+    misfits = fit_misfits(found.model, filtered, found.reference)
+    over = over_floor(found.model, misfits, floors(found.model, filtered, found.reference))
+    return _of_frame_with_most(found, over[np.newaxis], 1.0)
+
+
+def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
+    """Return whether effects, or the calibrated baseline model alone, leave no more than any real frame's model may leave.
+
+    Where runs of the frame as it was before are there, the frame at hand is known, and nothing may be left. Frames that
+    touch have thresholds of their own, and what their forces leave is no error of a frame.
+    """
+    if found.reference or found.pair is not None:
+        return False
+    return model_error(found, judged) <= found.model.prior.model_error
+
+
+def model_error(found: Findings, judged: Judged | None = None) -> float:
+    """Return what effects, or the calibrated baseline model alone, leave beyond the noise over the motion.
+
+    It is that of the frame where it is most: median over its channels, mean over the runs.
+    """
+    misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
+    return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
+
+
+def forces_from_motion(found: Findings) -> bool:
+    """Return whether two frames touch and no cell measured their forces, so that these are what the motion asks for."""
+    return found.pair is not None and found.pair.blind
+
+
+def remaining(found: Findings, judged: Judged) -> float:
+    """Return the misfit over the noise floor of the frame that has most: median over its channels, mean over the runs.
+
+    Training and held-out runs count alike. Where a pair's forces are those that the motion asks for, only the held-out
+    floor knows how uncertain they are.
+    """
+    over_floors = over_noise(found, judged)
+    if forces_from_motion(found) and np.isfinite(over_floors[1]).any():
+        over_floors = over_floors[1:]
+    return _of_frame_with_most(found, over_floors, 1.0)
+
+
+def _of_frame_with_most(found: Findings, measures: np.ndarray, unknown: float) -> float:
+    """Return a measure of channels (runs, channels) for the frame that has most: median over channels, mean over runs.
+
+    `unknown` is returned where no channel has it.
+    """
+    each = by_frame(found.model, measures)
+    known = np.isfinite(each).any(axis=0)
+    return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else unknown
+
+
+def over_noise(found: Findings, judged: Judged) -> np.ndarray:
+    """Return misfits over the noise floor of each channel, training and held-out runs, (2, channels)."""
+    return over_floor(found.model, judged.channel_misfit, found.floor)
+
+
+def signal_to_noise(found: Findings, judged: Judged, without: Judged | None = None) -> float:
+    """Return how much effects take out of the channel where they show most, in units of that channel's noise.
+
+    Contact forces being known, what acts on one frame moves that one alone: what else takes out of the channels of the
+    other, such as another optimum of its parameters, does not count.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+        without: What they are compared with; when None what they are judged beside, or the null model.
+    """
+    before, after = over_noise(found, without or judged.beside or found.null), over_noise(found, judged)
+    taken = np.sqrt(np.maximum(before**2 - after**2, 0.0))[:, moved_channels(found, judged)]
+    known = taken[:, np.isfinite(taken).any(axis=0)]
+    return float(np.nanmean(known, axis=0).max(initial=0.0))
+
+
+def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
+    """Return which channels effects can change, shape (channels,).
+
+    Those of sensors change their own, others all of their frames, and what acts on no frame all.
+    """
+    model, frames = found.model, {effect.frame for effect in judged.effects}
+    own = [effect.channel for effect in judged.effects if effect.channel is not None]
+    if len(own) == len(judged.effects):
+        return np.isin(model.observed.names, own)
+    if None in frames:
+        return np.ones(len(model.observed.names), bool)
+    return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
+
+
+def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decision.confident_left) -> float:
+    """Return the share of the explainable misfit that effects explain, on the held-out runs if there are any.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+        nothing: Misfit over noise floor of a channel that counts as wholly explained.
+    """
+    which = 1 if found.held_out else 0
+    before, after = over_noise(found, found.null)[which], over_noise(found, judged)[which]
+    # Over all channels together, by power: a channel that never saw the effect should not decide.
+    explainable = np.nansum(np.maximum(before**2 - 1, 0.0))
+    left = np.nansum(np.maximum(after**2 - nothing**2, 0.0))
+    return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
+
+
+def explained_beyond_errors(found: Findings, judged: Judged) -> float:
+    """Return the share that effects explain of what is more than noise and the error that a model may have.
+
+    It is nothing where they take less out of every channel than such an error could. No effect has to explain the errors of
+    a model as well, which may be larger in all channels together than a fault of one sensor.
+    """
+    if found.reference or found.pair is not None:
+        return 0.0
+    which = 1 if found.held_out else 0
+    errors = found.model.prior.model_error / np.asarray(found.floor)[which]
+    before, after = (over_noise(found, one)[which] ** 2 for one in (found.null, judged))
+    known = moved_channels(found, judged) & (before - 1.0 > errors**2)
+    if not np.any((before - after > errors**2)[known]):
+        return 0.0
+    explainable, left = (
+        np.nansum(np.maximum(each - 1.0 - errors**2, 0.0)[moved_channels(found, judged)])
+        for each in (before, after)
+    )
+    return float(1 - np.sqrt(left / explainable))
