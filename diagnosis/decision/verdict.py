@@ -98,7 +98,7 @@ def _model_checks(found: Findings, judged: Judged) -> tuple[bool, tuple[str, ...
     """
     # What speaks against the model in a reference run was there before, and is no answer to what changed since.
     filtered = judged.fit.filtered.since(found.model)
-    against = [] if _bends(found, judged) else strained(found.model, filtered)
+    against = [] if _bends(found, judged) else _another_frame(found, judged)
     # A contact's push that was missed is no blow.
     pushed = None if forces_from_motion(found) else impulses(found.model, filtered)
     if pushed is not None:
@@ -112,8 +112,18 @@ def _bends(found: Findings, judged: Judged) -> bool:
     """Return whether effects alone make another frame of one that is itself, within its model's error, without them."""
     if not judged.effects or not within_model_error(found):
         return False
-    another, itself = (bool(strained(found.model, one.fit.filtered)) for one in (judged, found.null))
+    another, itself = (bool(_another_frame(found, one)) for one in (judged, found.null))
     return another and not itself
+
+
+def _another_frame(found: Findings, judged: Judged) -> list[str]:
+    """Return a sentence if effects, or the baseline model alone, make another frame of the one that case.toml names.
+
+    What a model gets wrong bends its stiffness and mass where little noise lets them follow it. Where it leaves much, those
+    count that were calibrated with its error as noise.
+    """
+    fit = judged.fit
+    return strained(found.model, fit.alone or fit.filtered)
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:
@@ -169,7 +179,7 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     They must explain the larger part of what can be explained on runs that they were not fitted to, and more where
     something else is known to act as well.
     """
-    if any(effect.rival for effect in judged.effects) or strained(found.model, judged.fit.filtered):
+    if any(effect.rival for effect in judged.effects) or _another_frame(found, judged):
         return False
     if _spread(judged):
         return False
@@ -213,8 +223,8 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     """
     if any(effect.rival for effect in double.effects) or double.ln_bayes <= single.ln_bayes:
         return False
-    alone, both = (strained(found.model, one.fit.filtered) for one in (single, double))
-    return bool(alone) and not both
+    alone, both = (bool(_another_frame(found, one)) for one in (single, double))
+    return alone and not both
 
 
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:

@@ -62,8 +62,8 @@ def by_its_motion(model: Model, fit: Fit) -> Fit:
     tolerant = run_filter(model, filtered.values, _own_error(model, filtered), runs, filtered.effects)
     alone = calibrated_further(model, tolerant, SETTINGS.refinement.by_motion, Marquardt())
     moved = run_filter(model, alone.values, filtered.noise, runs, filtered.effects)
-    left = fit_misfits(model, moved, runs)
-    return replace(fit, filtered=moved) if np.nanmedian(left) < np.nanmedian(before) else fit
+    nearer = np.nanmedian(fit_misfits(model, moved, runs)) < np.nanmedian(before)
+    return replace(fit, filtered=moved if nearer else filtered, alone=moved)
 
 
 def _own_error(model: Model, filtered: Filtered) -> list[Noise]:

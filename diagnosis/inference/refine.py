@@ -31,6 +31,8 @@ class Fit:
         covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).
         log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
+        alone: The predictor calibrated as a simulation, with the error that a model may have as noise; None where the
+            likeliest parameters leave and bend little.
     """
 
     effects: tuple[Effect, ...]
@@ -41,6 +43,7 @@ class Fit:
     filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
+    alone: Filtered | None = None
 
     def stated(self, model: Model) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame."""

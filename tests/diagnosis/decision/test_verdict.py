@@ -171,7 +171,7 @@ DATA = {
 def judged(data: Data, tried: Tried, filtered: Filtered) -> Judged:
     effects = tuple(one() for one in tried.effects)
     values = [np.ones(len(one.quantities)) for one in effects]
-    fit: Any = SimpleNamespace(effects=effects, values=values, std=values, filtered=filtered)
+    fit: Any = SimpleNamespace(effects=effects, values=values, std=values, filtered=filtered, alone=None)
     misfits = data.misfits(tried.over)
     return Judged(fit, tried.ln_bayes, (tried.over * data.noise,) * 2, misfits)
 
@@ -346,6 +346,21 @@ def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leav
         decision = decide(found)
         assert decision.verdict == verdict
         assert decision.model_checks == ("a tone of 8.4 Hz",)
+
+
+@pytest.mark.parametrize(
+    ("alone", "verdict"), [(None, "unknown_effect"), (0.0, "effect_named"), (9.0, "unknown_effect")]
+)
+def test_an_effect_makes_another_frame_where_it_does_so_with_the_model_s_error_as_noise(
+    alone: float | None, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The likeliest stiffness and mass are nine standard deviations off."""
+    model, usual = bench()
+    tried = Tried((CUBIC,), 5000.0, 1.0)
+    found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
+    calm = None if alone is None else replace(usual, values=alone * model.std)
+    monkeypatch.setattr(found.judged[0].fit, "alone", calm)
+    assert decide(found).verdict == verdict
 
 
 @pytest.mark.parametrize("data", DATA)
