@@ -117,7 +117,8 @@ class Effect:
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
     common: ClassVar[bool] = False
-    """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric."""
+    """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
+    that sways by itself."""
 
     def place(self) -> dict[str, Any]:
         """Return effect and place as in the report."""

@@ -24,6 +24,7 @@ class Appendage(FrameEffect):
 
     name = "appendage"
     absorbing = True
+    common = True
     where = "floor"
     rival = True
     quantities = (
