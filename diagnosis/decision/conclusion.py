@@ -21,6 +21,7 @@ from pounding.diagnosis.decision.claims import (
 )
 from pounding.diagnosis.decision.confidence import Basis, basis, confidence
 from pounding.diagnosis.decision.decision import Decision, Verdict
+from pounding.diagnosis.decision.measures import less_certain
 from pounding.diagnosis.decision.verdict import features
 from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
 from pounding.diagnosis.inference.findings import Findings
@@ -87,13 +88,13 @@ def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...
         return ()
     judged = decision.judged
     shown = []
-    sizes_of = judged.fit.stated(found.model)
+    sizes_of, wider = judged.fit.stated(found.model), less_certain(found, judged)
     for effect, (values, std) in zip(judged.fit.effects, sizes_of, strict=True):
         if effect.rival or effect not in judged.effects:
             continue
         for place in places_of(effect):
             members = [place, *(place_of(other.effects[0]) for other in decision.alike)]
-            sizes = parameters(case, found, effect, values, std)
+            sizes = parameters(case, found, effect, values, wider * std)
             shown.append(claim(place, sizes, judged.ln_bayes, members))
     return tuple(shown)
 

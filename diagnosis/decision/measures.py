@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pounding.diagnosis.decision.false_alarms import alarms_of
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
 from pounding.diagnosis.settings import SETTINGS
@@ -100,6 +101,25 @@ def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
     if None in frames:
         return np.ones(len(model.observed.names), bool)
     return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
+
+
+def less_certain(found: Findings, judged: Judged) -> float:
+    """Return by which factor standard errors are larger because the model with effects leaves more than noise.
+
+    The likelihood takes what remains for noise, which is new in every sample. What a model gets wrong it gets wrong for a
+    whole swing of the first mode, whose samples say as little as one. Only what is more than most nulls leave counts; frames
+    that touch have their own errors of forces.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+    """
+    if found.pair is not None:
+        return 1.0
+    chance = alarms_of(found).left.exceeded_by(SETTINGS.decision.tail)
+    beyond = max(remaining(found, judged) ** 2 - chance**2, 0.0)
+    swing = 1.0 / (found.model.structure.lowest_hz * found.model.observed.runs[0].step_s)
+    return float(np.sqrt(1.0 + beyond * swing))
 
 
 def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decision.confident_left) -> float:

@@ -14,7 +14,13 @@ import pytest
 
 from pounding.diagnosis import Decision, Findings, decide
 from pounding.diagnosis.decision.false_alarms import of_nulls
-from pounding.diagnosis.decision.measures import explained, model_error, remaining, signal_to_noise
+from pounding.diagnosis.decision.measures import (
+    explained,
+    less_certain,
+    model_error,
+    remaining,
+    signal_to_noise,
+)
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
@@ -361,6 +367,15 @@ def test_an_effect_makes_another_frame_where_it_does_so_with_the_model_s_error_a
     calm = None if alone is None else replace(usual, values=alone * model.std)
     monkeypatch.setattr(found.judged[0].fit, "alone", calm)
     assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize("data", DATA)
+def test_what_remains_makes_sizes_less_certain_as_one_sample_a_swing(data: str) -> None:
+    found, _ = decided(PROBLEMS["one effect explains everything"], DATA[data])
+    model, best = found.model, found.judged[0]
+    assert less_certain(found, best) == 1.0
+    swing = 1 / (model.structure.lowest_hz * model.observed.runs[0].step_s)
+    assert less_certain(found, found.null) == pytest.approx(np.sqrt(1 + (4.0**2 - 1.15**2) * swing))
 
 
 @pytest.mark.parametrize("data", DATA)
