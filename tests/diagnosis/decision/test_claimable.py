@@ -20,9 +20,9 @@ from tests.diagnosis.pair_models import CONTACT, colliding, judged, model_of
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
     """Return something like an effect, and its parameters."""
-    return SimpleNamespace(**({"name": name, "storey": None, "floor": None, "absorbing": False} | where)), [
-        value
-    ]
+    return SimpleNamespace(
+        **({"name": name, "storey": None, "floor": None, "channel": None, "absorbing": False} | where)
+    ), [value]
 
 
 def together(ln_bayes: float, *several: tuple[Any, list[float]]) -> Judged:
