@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -15,6 +14,7 @@ from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.effects import ASKED_FOR, CATALOGUE
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.setting import Effect
+from pounding.spelling import did_you_mean, nearest
 
 EFFECTS: dict[str, Effect] = {**CATALOGUE, **ASKED_FOR, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""
@@ -49,8 +49,7 @@ def wanted(word: str, here: Mapping[str, Effect] = EFFECTS, engine: str = "own")
             raise CaseError(
                 f"{name} cannot be hidden by the engine {engine}; use another effect or another engine"
             )
-        close = difflib.get_close_matches(name, here, n=1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known are {', '.join((NOTHING, *here))}"
+        hint = did_you_mean(nearest(name, here), repr) or f"known are {', '.join((NOTHING, *here))}"
         raise CaseError(f"no effect {name!r} can be hidden; {hint}")
     return Wanted(name, place or None)
 

@@ -107,7 +107,7 @@ class Thresholds(Threshold, frozen=True, kw_only=True):
         absorbing: What these effects need.
         false_alarms: Share of the cases without an effect in which one is named or something is said to remain; unset for a
             pair.
-        nulls: The simulated cases without an effect by which this is met.
+        nulls: The simulated cases without an effect that say how much is needed; many candidates may ask for more evidence.
     """
 
     absorbing: Threshold

@@ -21,6 +21,6 @@ SECOND = World(
     require,
     # What a contact of a thousandth of a second is told by.
     pair_rates_hz=(4000.0,),
-    # Twice as many steps change no channel by 1 % of its motion (`python -m tests.second_world convergence`).
-    fine_hz=1800.0,
+    # Twice as many steps change no channel by 2 % of its motion (`python -m tests.second_world convergence`).
+    fine_hz=3000.0,
 )

@@ -45,6 +45,7 @@ MAY_USE = {
     "pounding.experiments.errors",
     "pounding.experiments.records",
     "pounding.scale",
+    "pounding.spelling",
 }
 """Frames as data, ground motions, whole files, and the format's reading, writing and units; nothing that knows an effect."""
 
