@@ -88,13 +88,13 @@ def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...
         return ()
     judged = decision.judged
     shown = []
-    sizes_of, wider = judged.fit.stated(found.model), less_certain(found, judged)
+    sizes_of = judged.fit.stated(found.model, less_certain(found, judged))
     for effect, (values, std) in zip(judged.fit.effects, sizes_of, strict=True):
         if effect.rival or effect not in judged.effects:
             continue
         for place in places_of(effect):
             members = [place, *(place_of(other.effects[0]) for other in decision.alike)]
-            sizes = parameters(case, found, effect, values, wider * std)
+            sizes = parameters(case, found, effect, values, std)
             shown.append(claim(place, sizes, judged.ln_bayes, members))
     return tuple(shown)
 

@@ -104,7 +104,7 @@ def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
 
 
 def less_certain(found: Findings, judged: Judged) -> float:
-    """Return by which factor standard errors are larger because the model with effects leaves more than noise.
+    """Return by which factor the likelihood's standard errors are larger because the model leaves more than noise.
 
     The likelihood takes what remains for noise, which is new in every sample. What a model gets wrong it gets wrong for a
     whole swing of the first mode, whose samples say as little as one. Only what is more than most nulls leave counts; frames

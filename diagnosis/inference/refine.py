@@ -26,6 +26,7 @@ class Fit:
     Attributes:
         effects: The effects. values: SI parameters of each.
         std: Standard errors of those, with what they vary between windows beyond chance (`inference.constancy`).
+        between: That variation alone, of the same shapes.
         filtered: The predictor with them.
         nuisance_std: Standard errors of the nuisance parameters in their own units, shape (nuisance,).
         covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).
@@ -38,6 +39,7 @@ class Fit:
     effects: tuple[Effect, ...]
     values: tuple[np.ndarray, ...]
     std: tuple[np.ndarray, ...]
+    between: tuple[np.ndarray, ...]
     nuisance_std: np.ndarray
     covariance: np.ndarray
     filtered: Filtered
@@ -45,11 +47,19 @@ class Fit:
     columns: tuple[np.ndarray, ...]
     alone: Filtered | None = None
 
-    def stated(self, model: Model) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame."""
+    def stated(self, model: Model, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.
+
+        Args:
+            model: The baseline model.
+            wider: What the standard errors of the likelihood are multiplied by; what varies between windows is not.
+        """
         found, first = [], len(self.nuisance_std)
-        for effect, values, std in zip(self.effects, self.values, self.std, strict=True):
+        for effect, values, std, between in zip(
+            self.effects, self.values, self.std, self.between, strict=True
+        ):
             beside = effect.relative_to(model)
+            std = _wider(std, between, wider)
             whole = 1.0 + float(self.filtered.values[beside].sum())
             if beside:
                 # The quotient's error to first order: both come from the same data. What of the model discrepancy is of
@@ -57,11 +67,17 @@ class Fit:
                 share, which = values[0] / whole, [first, *beside]
                 slope = np.array([1.0, *[-share] * len(beside)]) / whole
                 square = slope @ self.covariance[np.ix_(which, which)] @ slope
-                error = np.hypot(np.sqrt(square), share * self.filtered.discrepancy)
+                known = _wider(np.sqrt(square), between[0] / whole, wider)
+                error = np.hypot(known, share * self.filtered.discrepancy)
                 values, std = np.r_[share, values[1:]], np.r_[error, std[1:]]
             found.append((values, std))
             first += len(values)
         return found
+
+
+def _wider(std: np.ndarray, between: np.ndarray, wider: float) -> np.ndarray:
+    """Return standard errors of which the part that is not between windows is so many times as large."""
+    return np.asarray(np.sqrt(between**2 + wider**2 * np.maximum(std**2 - between**2, 0.0)))
 
 
 def refine(
@@ -244,17 +260,17 @@ def _finished(histories: Histories, theta: np.ndarray) -> Fit:
     own = len(model.std)
     any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
-    scaled = np.linalg.inv(gram + np.eye(len(gram)))
+    scaled, between = np.linalg.inv(gram + np.eye(len(gram))), np.zeros(len(gram) - own)
     if coordinates.effects:
-        scaled[range(own, len(scaled)), range(own, len(scaled))] += between_windows(
-            histories, theta, gram[own:, own:]
-        )
+        between = between_windows(histories, theta, gram[own:, own:])
+        scaled[range(own, len(scaled)), range(own, len(scaled))] += between
     covariance = scaled * np.outer(size, size)
     known = np.sqrt(np.diag(covariance))
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(theta),
         std=coordinates.split(known[own:]),
+        between=coordinates.split(np.sqrt(between) * np.abs(size[own:])),
         nuisance_std=known[:own],
         covariance=covariance,
         filtered=filtered,

@@ -99,6 +99,10 @@ def test_the_taper_of_a_law_is_found_and_said() -> None:
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
     fit = refine(model, filtered, (effect,), (np.array([2.5e-4, 0.4, 8.0, 0.0, 0.0]),))
     assert fit.values[0][[0, 1, 4]] == pytest.approx(truth[[0, 1, 4]], rel=0.05)
+    ((values, usual),), ((_, wider),) = fit.stated(model), fit.stated(model, 3.0)
+    assert values == pytest.approx(fit.values[0])
+    assert usual == pytest.approx(fit.std[0])
+    assert wider**2 == pytest.approx(9 * usual**2 - 8 * fit.between[0] ** 2)
 
 
 def test_what_all_storeys_share_every_real_frame_has_a_little_of() -> None:
