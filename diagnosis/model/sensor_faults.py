@@ -76,7 +76,7 @@ class SensorFaults:
         return np.asarray((measured - assembly.channel_offset) / (1 + assembly.channel_gain))
 
     def _retimed(self, number: int, channel: int, delay_s: float, clock: float) -> np.ndarray:
-        key = (number, channel, round(delay_s, 8), round(clock, 9))
+        key = (number, channel, delay_s, clock)
         moved = self._shifted.get(key)
         if moved is None:
             run = self._runs[number]
