@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,29 @@ from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion
 
 
+class Kept:
+    """A prediction that may be put away, and is made again when it is asked for: a long run's is large.
+
+    Args:
+        make: Makes it; always the same.
+    """
+
+    def __init__(self, make: Callable[[], Prediction]) -> None:
+        self._make = make
+        self._made: Prediction | None = None
+
+    def __call__(self) -> Prediction:
+        """Return the prediction."""
+        made = self._made
+        if made is None:
+            self._made = made = self._make()
+        return made
+
+    def put_away(self) -> None:
+        """Keep it no longer."""
+        self._made = None
+
+
 @dataclass(frozen=True)
 class Filtered:
     """A calibrated predictor: parameter values, effects in it, noise of each run, its filters, and what they leave.
@@ -28,7 +52,7 @@ class Filtered:
         modes: Modes with these. run_modes: Modes of each run, those of a reference run without them.
         noise: Noise of each training run.
         filters: Steady filter of each training run.
-        prediction: Innovations and states of each training run.
+        kept: Innovations and states of each training run, which `prediction` returns.
         log_likelihood: Log likelihood of the innovations.
         runs: Numbers of the runs used.
     """
@@ -39,9 +63,14 @@ class Filtered:
     run_modes: tuple[Modes, ...]
     noise: tuple[Noise, ...]
     filters: tuple[SteadyFilter, ...]
-    prediction: Prediction
+    kept: Kept
     log_likelihood: float
     runs: tuple[int, ...]
+
+    @property
+    def prediction(self) -> Prediction:
+        """Innovations and states of each training run."""
+        return self.kept()
 
     @property
     def discrepancy(self) -> float:
@@ -58,20 +87,23 @@ class Filtered:
 
     def since(self, model: Model) -> Filtered:
         """Return the same without what is of reference runs but the likelihood, which is of all."""
-        kept = [number for number, run in enumerate(self.runs) if model.acts(run)]
-        whole = self.prediction
+        since = [number for number, run in enumerate(self.runs) if model.acts(run)]
+        if len(since) == len(self.runs):
+            return self
 
         def of(series: Sequence[Any]) -> list[Any]:
-            return [series[number] for number in kept]
+            return [series[number] for number in since]
+
+        def later() -> Prediction:
+            whole = self.prediction
+            return Prediction(of(whole.innovations), of(whole.before), of(whole.after), of(whole.outputs))
 
         return replace(
             self,
             run_modes=tuple(of(self.run_modes)),
             noise=tuple(of(self.noise)),
             filters=tuple(of(self.filters)),
-            prediction=Prediction(
-                of(whole.innovations), of(whole.before), of(whole.after), of(whole.outputs)
-            ),
+            kept=Kept(later),
             runs=tuple(of(self.runs)),
         )
 
@@ -94,7 +126,11 @@ def run_filter(
     """
     run_modes = tuple(modes for _, modes in model.systems(values, effects, runs))
     filters = design(model, run_modes, noise, runs)
-    prediction = model.predict(values, [f.gain for f in filters], effects, runs)
+    kept = Kept(
+        partial(
+            model.predict, np.array(values, float), [f.gain for f in filters], tuple(effects), tuple(runs)
+        )
+    )
     return Filtered(
         values=np.array(values, float),
         effects=tuple(effects),
@@ -102,8 +138,8 @@ def run_filter(
         run_modes=run_modes,
         noise=tuple(noise),
         filters=filters,
-        prediction=prediction,
-        log_likelihood=log_likelihood(model, prediction.innovations, filters, runs),
+        kept=kept,
+        log_likelihood=log_likelihood(model, kept().innovations, filters, runs),
         runs=tuple(runs),
     )
 

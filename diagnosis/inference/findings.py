@@ -153,6 +153,7 @@ def judge(model: Model, fit: Fit, null: Fit, training: tuple[int, ...], held_out
         training, held_out: Numbers of the runs.
     """
     each = [fit_misfits(model, fit.filtered, runs) for runs in (training, held_out)]
+    fit.put_away()
     return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
 

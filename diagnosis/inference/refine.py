@@ -47,6 +47,12 @@ class Fit:
     columns: tuple[np.ndarray, ...]
     alone: Filtered | None = None
 
+    def put_away(self) -> None:
+        """Keep the predictions no longer; they are made again where they are asked for."""
+        for one in (self.filtered, self.alone):
+            if one is not None:
+                one.kept.put_away()
+
     def stated(self, model: Model, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.
 
