@@ -89,6 +89,25 @@ def signal_to_noise(found: Findings, judged: Judged, without: Judged | None = No
     return float(np.nanmean(known, axis=0).max(initial=0.0))
 
 
+def stands_out(found: Findings, judged: Judged) -> bool:
+    """Return whether effects take more out of the channel where they show most than they leave there beyond the noise.
+
+    What remains is an error of the model, and what is smaller than the errors that stand beside it is one of them. What most
+    nulls leave is no error. Reference runs have the same errors, and frames that touch have thresholds of their own.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+    """
+    if found.reference or found.pair is not None:
+        return True
+    chance = alarms_of(found).left.exceeded_by(SETTINGS.decision.tail)
+    before, after = (over_noise(found, one) ** 2 for one in (judged.beside or found.null, judged))
+    beyond = ((before - after) - np.maximum(after - chance**2, 0.0))[:, moved_channels(found, judged)]
+    known = beyond[:, np.isfinite(beyond).any(axis=0)]
+    return bool(np.nanmean(known, axis=0).max(initial=-np.inf) > 0.0)
+
+
 def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels effects can change, shape (channels,).
 

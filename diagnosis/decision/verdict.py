@@ -19,6 +19,7 @@ from pounding.diagnosis.decision.measures import (
     over_noise,
     remaining,
     signal_to_noise,
+    stands_out,
     within_model_error,
 )
 from pounding.diagnosis.effects.every_storey import EVERY
@@ -46,15 +47,27 @@ def decide(found: Findings) -> Decision:
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
         chosen = _of_two(found, chosen, doubles[0])
     objections, said = _model_checks(found, chosen)
-    held = _holds(found, chosen, objections)
+    held, drowned = _holds(found, chosen, objections), not stands_out(found, chosen)
+    if not objections and _within_errors(found, chosen, drowned, held):
+        return Decision("nothing_missing", found.null, (), said)
+    if drowned or not held:
+        return Decision("unknown_effect", chosen, (), said)
+    alike = _alike(found, chosen, single)
+    said = (*said, *_beside(found, chosen))
+    return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
+
+
+def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:
+    """Return whether no model of a real frame is better, and nothing that stands out from its errors says why."""
     error = _common(chosen) and _as_an_error(found, found.null, chosen)
     unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
-    if not objections and within_model_error(found) and (error or unknown):
-        # No model of a real frame is better, and nothing with a place of its own, or that stands out, says why.
-        return Decision("nothing_missing", found.null, (), said)
-    if not held:
-        return Decision("unknown_effect", chosen, (), said)
-    alike = tuple(
+    # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
+    return within_model_error(found, chosen.beside) and (error or unknown or drowned)
+
+
+def _alike(found: Findings, chosen: Judged, single: list[Judged]) -> tuple[Judged, ...]:
+    """Return the other single effects that this data cannot part from the chosen one."""
+    return tuple(
         other
         for other in single
         if len(chosen.effects) == 1
@@ -62,9 +75,6 @@ def decide(found: Findings) -> Decision:
         and other.beside is chosen.beside
         and not other.effects[0].rival
         and (other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike or _one_motion(found, chosen, other))
-    )
-    return Decision(
-        "effect_class" if alike else "effect_named", chosen, alike, (*said, *_beside(found, chosen))
     )
 
 
