@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import (
+    AT_ONCE,
     Filtered,
     motions,
     signature_pieces_of_run,
@@ -22,9 +23,6 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.terms import nuisance_terms
-
-AT_ONCE = 512
-"""Samples whose signatures are in memory while candidates are scored."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,9 @@ from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion
 
+AT_ONCE = 512
+"""Samples whose signatures are worked out at a time: those of all terms of a long run fill the memory."""
+
 
 class Kept:
     """A prediction that may be put away, and is made again when it is asked for: a long run's is large.
@@ -291,8 +294,10 @@ def run_signatures(
         number: Number of the run among those of the filtered model.
         columns: For each column the terms whose signatures are summed.
     """
-    samples = len(filtered.prediction.innovations[number])
-    return next(signature_pieces_of_run(model, filtered, number, columns, samples))[1]
+    whole = np.empty((filtered.prediction.innovations[number].size, len(columns)), np.float32)
+    for rows, signatures in signature_pieces_of_run(model, filtered, number, columns, AT_ONCE):
+        whole[rows] = signatures
+    return whole
 
 
 def signature_pieces_of_run(

@@ -132,6 +132,8 @@ class Histories(Likelihood):
             return None
         # The nuisance parameters' signatures are good for one step more.
         kept = (self._columns, self._gram) if self._fresh else (None, None)
+        # Here they are needed no more, and those of two filters are much memory; who asks makes them again.
+        self._columns = self._gram = self._effects = None
         return Histories(self.model, filtered, self.coordinates, *kept)
 
     def fresh(self) -> Histories:

@@ -15,6 +15,7 @@ from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, mat
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
 from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Trials, descend
+from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
@@ -272,6 +273,7 @@ def _finished(histories: Histories, theta: np.ndarray) -> Fit:
         scaled[range(own, len(scaled)), range(own, len(scaled))] += between
     covariance = scaled * np.outer(size, size)
     known = np.sqrt(np.diag(covariance))
+    give_back()
     return Fit(
         effects=coordinates.effects,
         values=coordinates.values(theta),

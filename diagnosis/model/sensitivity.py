@@ -74,8 +74,7 @@ def signature_pieces(
         force[modes, j] = term.table
         if term.output is not None:
             output[:, j] = term.output
-    series = np.stack([term.series for term in terms], axis=1)
-    at_end = np.stack([term.series if term.end is None else term.end for term in terms], axis=1)
+    ends = [term.series if term.end is None else term.end for term in terms]
     seen = np.array([not term.inertial for term in terms], float)
     direct = steady.direct @ force[:modes] * seen + output
     closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
@@ -93,9 +92,14 @@ def signature_pieces(
         np.ascontiguousarray(one) for one in (transition, seen, pushed, shown @ direct)
     )
     state = np.zeros((len(closed), len(groups)))
-    for first in range(0, len(series), piece):
-        result = np.zeros((min(piece, len(series) - first), channels, len(groups)), np.float32)
-        _filter(transition, seen, pushed, past, series, at_end, column, first, state, result, own is not None)
+    samples = len(ends[0])
+    for first in range(0, samples, piece):
+        # The sample after the last one shown says what the step to it ends with.
+        rows = slice(first, first + piece + 1)
+        series = np.stack([term.series[rows] for term in terms], axis=1)
+        at_end = np.stack([end[rows] for end in ends], axis=1)
+        result = np.zeros((min(piece, samples - first), channels, len(groups)), np.float32)
+        _filter(transition, seen, pushed, past, series, at_end, column, state, result, own is not None)
         yield result
 
 
@@ -154,7 +158,6 @@ def _filter(
     series: np.ndarray,
     at_end: np.ndarray,
     column: np.ndarray,
-    begin: int,
     state: np.ndarray,
     result: np.ndarray,
     turning: bool,
@@ -168,10 +171,9 @@ def _filter(
         inputs: What a unit of each term adds to the states by its start, by its end before the step and by that after it,
             shape (3, states, terms).
         direct: What it adds to what is shown, shape (channels, terms).
-        series, at_end: Size of each term, shape (samples, terms).
+        series, at_end: Size of each term, shape (samples, terms), at those shown and, where there is one, at the next.
         column: Group of each term, shape (terms,); the first terms are those of one group after the other.
-        begin: The first sample that is shown.
-        state: States at that sample, which become those after the last one shown, shape (states, groups).
+        state: States at the first sample, which become those after the last one shown, shape (states, groups).
         result: Filled with what is shown, shape (samples shown, channels, groups).
         turning: Whether the states are those of `_OwnMotions`.
     """
@@ -184,8 +186,8 @@ def _filter(
     shown = np.zeros((channels, (TOGETHER + 1) * groups))
     x[:, :groups] = state
     pushed = np.zeros(terms)
-    stop = begin + len(result)
-    for first in range(begin, stop, TOGETHER):
+    stop = len(result)
+    for first in range(0, stop, TOGETHER):
         count = min(TOGETHER, stop - first)
         for b in range(count):
             k, here, there = first + b, b * groups, (b + 1) * groups
@@ -224,7 +226,7 @@ def _filter(
             k, here = first + b, b * groups
             end = at_end[k]
             for c in range(channels):
-                seen, shows, kept = shown[c, here : here + groups], direct[c], result[k - begin, c]
+                seen, shows, kept = shown[c, here : here + groups], direct[c], result[k, c]
                 for j in range(groups, terms):
                     seen[column[j]] += shows[j] * end[j]
                 for g in range(groups):
