@@ -129,11 +129,14 @@ def _bends(found: Findings, judged: Judged) -> bool:
 def _another_frame(found: Findings, judged: Judged) -> list[str]:
     """Return a sentence if effects, or the baseline model alone, make another frame of the one that case.toml names.
 
-    What a model gets wrong bends its stiffness and mass where little noise lets them follow it. Where it leaves much, those
-    count that were calibrated with its error as noise.
+    What a model gets wrong bends its stiffness and mass where little noise lets them follow it: the frame nearest to the
+    baseline model is asked for that moves alike within the model's error. With reference runs the frame at hand is known.
     """
-    fit = judged.fit
-    return strained(found.model, fit.alone or fit.filtered)
+    filtered = judged.fit.filtered
+    said = strained(found.model, filtered.values)
+    if not said or found.reference:
+        return said
+    return strained(found.model, Sight.of(found, filtered).nearest(len(found.training)))
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:

@@ -104,6 +104,22 @@ def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarr
         return np.asarray(np.sqrt(((misfits / floor) ** 2 + slower - 1) / slower))
 
 
+def own_error(model: Model, filtered: Filtered, number: int) -> np.ndarray:
+    """Return the error that a model may have in each channel of a run in SI, as noise that is new in every sample.
+
+    What a model gets wrong it gets wrong for a whole swing of the first mode: the samples of one count as one.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run.
+    """
+    run = model.observed.runs[number]
+    period_s = 2.0 * np.pi / filtered.modes.omega.min()
+    motion = np.nan_to_num(model.observed.rms(run))
+    return np.asarray(model.prior.model_error * motion * np.sqrt(period_s / run.step_s))
+
+
 def by_frame(model: Model, over: np.ndarray) -> np.ndarray:
     """Return the median of misfits over the noise floor (..., channels) over the channels of each frame, (..., frames).
 

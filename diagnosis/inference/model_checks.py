@@ -18,20 +18,30 @@ MAINS_HZ = (50.0, 60.0)
 """Mains frequencies."""
 
 
-def strain(model: Model, filtered: Filtered) -> tuple[float, int]:
-    """Return the sum of squares of the frames' nuisance parameters over their priors, and how many they are."""
+def strain(model: Model, values: np.ndarray) -> tuple[float, int]:
+    """Return the sum of squares of the frames' nuisance parameters over their priors, and how many they are.
+
+    Args:
+        model: The baseline model.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+    """
     ours = np.array([parameter.kind in STRUCTURE for parameter in model.parameters])
-    return float(np.sum((filtered.values / model.std)[ours] ** 2)), int(ours.sum())
+    return float(np.sum((values / model.std)[ours] ** 2)), int(ours.sum())
 
 
 def bent(model: Model, filtered: Filtered) -> bool:
     """Return whether the frames' nuisance parameters are so far from the baseline model that one should start anew."""
-    return bool(chi2.sf(*strain(model, filtered)) < SETTINGS.checks.bent)
+    return bool(chi2.sf(*strain(model, filtered.values)) < SETTINGS.checks.bent)
 
 
-def strained(model: Model, filtered: Filtered) -> list[str]:
-    """Return a sentence if stiffness and mass of a fitted model are those of another frame, nothing if not."""
-    squares, count = strain(model, filtered)
+def strained(model: Model, values: np.ndarray) -> list[str]:
+    """Return a sentence if stiffness and mass are those of another frame, nothing if not.
+
+    Args:
+        model: The baseline model.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+    """
+    squares, count = strain(model, values)
     if chi2.sf(squares, count) > SETTINGS.checks.strained:
         return []
     return [

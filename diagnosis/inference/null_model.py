@@ -10,6 +10,7 @@ import numpy as np
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best, fit_misfits, judge, leaves_much
+from pounding.diagnosis.inference.misfit import own_error
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
 from pounding.diagnosis.inference.refine import Fit, calibrated_further, refine
@@ -59,33 +60,23 @@ def by_its_motion(model: Model, fit: Fit) -> Fit:
     known = all(model.acts(run) and not model.observed.runs[run].contact.size for run in runs)
     if not known or not (leaves_much(model, before, filtered, runs) or bent(model, filtered)):
         return fit
-    tolerant = run_filter(model, filtered.values, _own_error(model, filtered), runs, filtered.effects)
+    tolerant = run_filter(model, filtered.values, _tolerant(model, filtered), runs, filtered.effects)
     alone = calibrated_further(model, tolerant, SETTINGS.refinement.by_motion, Marquardt())
     moved = run_filter(model, alone.values, filtered.noise, runs, filtered.effects)
     nearer = np.nanmedian(fit_misfits(model, moved, runs)) < np.nanmedian(before)
-    return replace(fit, filtered=moved if nearer else filtered, alone=moved)
+    return replace(fit, filtered=moved) if nearer else fit
 
 
-def _own_error(model: Model, filtered: Filtered) -> list[Noise]:
-    """Return noise that has the model's error in it and no latent forces.
-
-    What a model gets wrong it gets wrong for a whole swing: the samples of one count as one.
-    """
-    period_s = 2.0 * np.pi / filtered.modes.omega.min()
-    noise = []
-    for one, number in zip(filtered.noise, filtered.runs, strict=True):
-        run = model.observed.runs[number]
-        error = (
-            model.prior.model_error * np.nan_to_num(model.observed.rms(run)) * np.sqrt(period_s / run.step_s)
+def _tolerant(model: Model, filtered: Filtered) -> list[Noise]:
+    """Return noise that has the model's error in it and no latent forces."""
+    return [
+        replace(
+            one,
+            latent=np.full_like(one.latent, SETTINGS.refinement.least_latent_n),
+            channel=np.hypot(one.channel, own_error(model, filtered, number)),
         )
-        noise.append(
-            replace(
-                one,
-                latent=np.full_like(one.latent, SETTINGS.refinement.least_latent_n),
-                channel=np.hypot(one.channel, error),
-            )
-        )
-    return noise
+        for one, number in zip(filtered.noise, filtered.runs, strict=True)
+    ]
 
 
 def no_more_discrepant(found: Findings, judged: Judged) -> Judged:

@@ -33,8 +33,6 @@ class Fit:
         covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).
         log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
-        alone: The predictor calibrated as a simulation, with the error that a model may have as noise; None where the
-            likeliest parameters leave and bend little.
     """
 
     effects: tuple[Effect, ...]
@@ -46,13 +44,10 @@ class Fit:
     filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
-    alone: Filtered | None = None
 
     def put_away(self) -> None:
-        """Keep the predictions no longer; they are made again where they are asked for."""
-        for one in (self.filtered, self.alone):
-            if one is not None:
-                one.kept.put_away()
+        """Keep the prediction no longer; it is made again where it is asked for."""
+        self.filtered.kept.put_away()
 
     def stated(self, model: Model, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.

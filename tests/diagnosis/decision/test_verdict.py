@@ -25,6 +25,7 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Judged
+from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
@@ -177,7 +178,7 @@ DATA = {
 def judged(data: Data, tried: Tried, filtered: Filtered) -> Judged:
     effects = tuple(one() for one in tried.effects)
     values = [np.ones(len(one.quantities)) for one in effects]
-    fit: Any = SimpleNamespace(effects=effects, values=values, std=values, filtered=filtered, alone=None)
+    fit: Any = SimpleNamespace(effects=effects, values=values, std=values, filtered=filtered)
     misfits = data.misfits(tried.over)
     return Judged(fit, tried.ln_bayes, (tried.over * data.noise,) * 2, misfits)
 
@@ -365,18 +366,15 @@ def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leav
         assert decision.model_checks == ("a tone of 8.4 Hz",)
 
 
-@pytest.mark.parametrize(
-    ("alone", "verdict"), [(None, "unknown_effect"), (0.0, "effect_named"), (9.0, "unknown_effect")]
-)
-def test_an_effect_makes_another_frame_where_it_does_so_with_the_model_s_error_as_noise(
-    alone: float | None, verdict: str, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("nearest", "verdict"), [(0.0, "effect_named"), (9.0, "unknown_effect")])
+def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
+    nearest: float, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The likeliest stiffness and mass are nine standard deviations off."""
     model, usual = bench()
     tried = Tried((CUBIC,), 5000.0, 1.0)
     found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
-    calm = None if alone is None else replace(usual, values=alone * model.std)
-    monkeypatch.setattr(found.judged[0].fit, "alone", calm)
+    monkeypatch.setattr(Sight, "nearest", lambda sight, runs: nearest * sight.model.std)
     assert decide(found).verdict == verdict
 
 
