@@ -22,6 +22,7 @@ from pounding.diagnosis.decision.measures import (
     stands_out,
     within_model_error,
 )
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -59,7 +60,8 @@ def decide(found: Findings) -> Decision:
 
 def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:
     """Return whether no model of a real frame is better, and nothing that stands out from its errors says why."""
-    error = _common(chosen) and _as_an_error(found, found.null, chosen)
+    common = _common(found, chosen) == chosen.effects
+    error = common and _as_an_error(found, found.null, chosen)
     unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
     # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
     return within_model_error(found, chosen.beside) and (error or unknown or drowned)
@@ -172,7 +174,11 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
         return double if needed else single
     alone = {one.effects[0]: one for one in found.judged if len(one.effects) == 1}
     for error, effect in (double.effects, double.effects[::-1]):
-        if not error.common or effect not in alone or not _as_an_error(found, alone[effect], double):
+        if (
+            error not in _common(found, double)
+            or effect not in alone
+            or not _as_an_error(found, alone[effect], double)
+        ):
             continue
         if alone[effect] is single:
             return single
@@ -181,9 +187,14 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
     return double
 
 
-def _common(judged: Judged) -> bool:
-    """Return whether effects are only such as every real frame has a little of."""
-    return all(effect.common for effect in judged.effects)
+def _common(found: Findings, judged: Judged) -> tuple[Effect, ...]:
+    """Return those of the effects that every real frame has a little of."""
+    each = zip(judged.fit.effects, judged.fit.values, strict=True)
+    return tuple(
+        effect
+        for effect, values in each
+        if effect in judged.effects and effect.is_common(values, found.sizes)
+    )
 
 
 def _holds(found: Findings, judged: Judged, objections: bool) -> bool:

@@ -120,6 +120,16 @@ class Effect:
     """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
     that sways by itself."""
 
+    def is_common(self, values: np.ndarray, scales: Scales) -> bool:
+        """Return whether every real frame has a little of it and no model, with these parameters.
+
+        Args:
+            values: Its SI parameters, shape (parameters,).
+            scales: Typical sizes of the case's motion.
+        """
+        del values, scales
+        return self.common
+
     def place(self) -> dict[str, Any]:
         """Return effect and place as in the report."""
         tested = {} if self.test is None else {"test": self.test}

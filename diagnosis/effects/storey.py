@@ -40,6 +40,8 @@ POWER_SPREAD = 0.3
 POWER_RANGE = (-0.8, 2.0)
 """Prior standard deviation of what the power of a damper has beyond the first, and how far it may go: from nearly dry
 friction to the cube."""
+AT_REST = 0.1
+"""A stop whose gap is a smaller share of the largest drift touches at rest, and is none."""
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
 """Prior standard deviations of a stop's loss
@@ -341,6 +343,11 @@ class Bumper(StoreyEffect):
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the storey's stiffness."""
         return self.stiffness(model)
+
+    def is_common(self, values: np.ndarray, scales: Scales) -> bool:
+        """Return whether it touches at rest: a storey that is a little stiffer one way, as one with bowed columns is."""
+        ends = abs(scales.highest[self.index]), abs(scales.lowest[self.index])
+        return bool(abs(values[0]) < AT_REST * max(ends))
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return gaps [m] on both sides."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -109,6 +111,14 @@ def test_what_all_storeys_share_every_real_frame_has_a_little_of() -> None:
     """And a plan is never quite symmetric, and parts sway; what else has a place is no error of models (`Effect.common`)."""
     shared = {kind.name for kind in kinds() if kind.where == EVERY}
     assert {kind.name for kind in kinds() if kind.common} == {*shared, "torsional_eccentricity", "appendage"}
+
+
+def test_a_stop_that_touches_at_rest_is_a_storey_that_is_stiffer_one_way() -> None:
+    stop = next(kind for kind in kinds() if kind.name == "bumper")(index=1, frame="bench", storey=2)
+    moved: Any = SimpleNamespace(highest=np.array([0.0, 3e-3]), lowest=np.array([0.0, -5e-3]))
+    gaps = (0.0, 4e-4, -4e-4, 6e-4, -6e-4)
+    found = [stop.is_common(np.array([gap, 1e4, 0.0, 0.0]), moved) for gap in gaps]
+    assert found == [True, True, True, False, False]
 
 
 def test_a_frame_of_one_storey_has_none_of_them() -> None:
