@@ -105,7 +105,7 @@ def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarr
 
 
 def own_error(model: Model, filtered: Filtered, number: int) -> np.ndarray:
-    """Return the error that a model may have in each channel of a run in SI, as noise that is new in every sample.
+    """Return the error that a model may have in a run in SI as noise that is new in every sample, shape (channels,).
 
     What a model gets wrong it gets wrong for a whole swing of the first mode: the samples of one count as one.
 

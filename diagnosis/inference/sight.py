@@ -91,7 +91,7 @@ class Sight:
         return float(np.sqrt(np.sum(left**2) / np.sum((self.output / self.noise) ** 2)))
 
     def nearest(self, runs: int) -> np.ndarray:
-        """Return the nuisance parameters nearest to the baseline model that move the frame alike, in their own units.
+        """Return the nuisance parameters nearest to the baseline that move the frame alike, in their units, (nuisance,).
 
         Alike is what differs by no more than the error that a model may have: what a model gets wrong bends its stiffness
         and mass where little noise lets them follow it, and says nothing of the frame.
