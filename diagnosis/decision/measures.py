@@ -23,10 +23,10 @@ def before(found: Findings, judged: Judged) -> float:
 def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
     """Return whether effects, or the calibrated baseline model alone, leave no more than any real frame's model may leave.
 
-    Where runs of the frame as it was before are there, the frame at hand is known, and nothing may be left. Frames that
-    touch have thresholds of their own, and what their forces leave is no error of a frame.
+    Where runs of the frame as it was before are there, the frame at hand is known, and nothing may be left. Nor may it where
+    frames touch and no cell measured their forces: what such forces leave is no error of a frame.
     """
-    if found.reference or found.pair is not None:
+    if found.reference or forces_from_motion(found):
         return False
     return model_error(found, judged) <= found.model.prior.model_error
 

@@ -152,7 +152,7 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     It is less than the case allows, and no more than a few times the frame's other errors, which are the discrepancy beside
     them and what they leave: these say how large an error of this model is.
     """
-    if found.reference or found.pair is not None:
+    if found.reference or forces_from_motion(found):
         return False
     before, after = model_error(found, without), model_error(found, judged)
     taken = np.sqrt(max(before**2 - after**2, 0.0))
