@@ -93,13 +93,15 @@ def stands_out(found: Findings, judged: Judged) -> bool:
     """Return whether effects take more out of the channel where they show most than they leave there beyond the noise.
 
     What remains is an error of the model, and what is smaller than the errors that stand beside it is one of them. What most
-    nulls leave is no error. Reference runs have the same errors, and frames that touch have thresholds of their own.
+    nulls leave is no error. Reference runs have the same errors, frames that touch have thresholds of their own, and what is
+    wrong with a sensor is no error of a frame's model.
 
     Args:
         found: The findings.
         judged: The effects.
     """
-    if found.reference or found.pair is not None:
+    sensors = all(effect.channel is not None for effect in judged.effects)
+    if sensors or found.reference or found.pair is not None:
         return True
     chance = alarms_of(found).left.exceeded_by(SETTINGS.decision.tail)
     before, after = (over_noise(found, one) ** 2 for one in (judged.beside or found.null, judged))

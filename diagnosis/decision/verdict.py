@@ -132,11 +132,12 @@ def _another_frame(found: Findings, judged: Judged) -> list[str]:
     """Return a sentence if effects, or the baseline model alone, make another frame of the one that case.toml names.
 
     What a model gets wrong bends its stiffness and mass where little noise lets them follow it: the frame nearest to the
-    baseline model is asked for that moves alike within the model's error. With reference runs the frame at hand is known.
+    baseline model is asked for that moves alike within the model's error. With reference runs the frame at hand is known,
+    and where no more than noise remains there is no error that could bend it.
     """
     filtered = judged.fit.filtered
     said = strained(found.model, filtered.values)
-    if not said or found.reference:
+    if not said or found.reference or not _something_left(found, judged):
         return said
     return strained(found.model, Sight.of(found, filtered).nearest(len(found.training)))
 

@@ -41,7 +41,7 @@ NO_THRESHOLDS = {
         "posterior.PIECE",
         "posterior.CORRECTIONS",
         "constancy.PERIODS",
-        "evidence.AT_ONCE",
+        "filtering.AT_ONCE",
         "contacts.REACH",
         "contacts.REGAINED",
         "striking.STEP_S",

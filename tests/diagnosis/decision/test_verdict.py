@@ -372,7 +372,7 @@ def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
 ) -> None:
     """The likeliest stiffness and mass are nine standard deviations off."""
     model, usual = bench()
-    tried = Tried((CUBIC,), 5000.0, 1.0)
+    tried = Tried((CUBIC,), 5000.0, 2.0)
     found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
     monkeypatch.setattr(Sight, "nearest", lambda sight, runs: nearest * sight.model.std)
     assert decide(found).verdict == verdict
