@@ -21,7 +21,7 @@ PARAMETER_ERROR = 0.15
     ("effects", "frame", "seed"),
     [
         ((), "5B", 9601),
-        (("cubic_stiffness",), "5A", 9602),
+        pytest.param(("cubic_stiffness",), "5A", 9602, marks=pytest.mark.guard),
         (("coulomb_friction",), "5B", 9603),
         pytest.param(("table_tilt",), "5A", 9604, marks=pytest.mark.guard),
         pytest.param(("hidden_appendage",), "5B", 9605, marks=pytest.mark.guard),

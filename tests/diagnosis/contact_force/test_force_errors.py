@@ -136,6 +136,7 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_calibration_is_not_held_back_by_what_wrong_forces_needed(tmp_path: Path) -> None:
     """Frames that were calibrated on forces a few per cent off left 2.7 times the noise, and the gain was no effect."""
     write_hidden(hide(("sensor_gain",), ("10", "5B"), seed=1302814148), tmp_path / "case")

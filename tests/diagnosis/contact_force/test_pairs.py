@@ -83,17 +83,25 @@ def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
     assert concluded.verdict == "nothing_missing"
 
 
+GAP = (replace(CONTACT, gap_m=0.0048), "gap_offset", "offset", 0.8, 0.05)
+DAMPING = (replace(CONTACT, restitution=0.45), "contact_damping", "restitution", 0.45, 0.05)
+STIFFNESS = (replace(CONTACT, stiffness=5e6), "contact_stiffness", "stiffness", 5e6, 1e6)
+SELDOM = (pytest.mark.slow, pytest.mark.guard)
+
+
 @pytest.mark.parametrize(
-    ("true", "effect", "parameter", "wanted", "within"),
+    ("measured", "true", "effect", "parameter", "wanted", "within"),
     [
-        (replace(CONTACT, gap_m=0.0048), "gap_offset", "offset", 0.8, 0.05),
-        (replace(CONTACT, restitution=0.45), "contact_damping", "restitution", 0.45, 0.05),
-        (replace(CONTACT, stiffness=5e6), "contact_stiffness", "stiffness", 5e6, 1e6),
+        (True, *GAP),
+        (True, *DAMPING),
+        pytest.param(True, *STIFFNESS, marks=SELDOM),
+        (False, *GAP),
+        pytest.param(False, *DAMPING, marks=SELDOM),
+        (False, *STIFFNESS),
     ],
 )
-@pytest.mark.parametrize("measured", [True, False], ids=["force cell", "no force cell"])
 def test_what_is_different_in_a_contact_is_named(
-    true: Contact, effect: str, parameter: str, wanted: float, within: float, measured: bool
+    measured: bool, true: Contact, effect: str, parameter: str, wanted: float, within: float
 ) -> None:
     case = colliding(true, measured=measured, runs=2 if measured else 3)
     pair, found, concluded = judged(case)
