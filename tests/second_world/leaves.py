@@ -1,4 +1,4 @@
-"""How much of a null's motion the diagnosis leaves beyond the noise, against what the best linear frame leaves.
+"""How much of a null's motion the diagnosis leaves beyond the noise, against what the calibrated frame leaves.
 
 `python -m tests.second_world.leaves SEED [SKIP]` (needs openseespy) hides nothing in eight frames with model errors of
 several sizes and little noise, calibrates the baseline model to each as the diagnosis does, and prints a line a case:
@@ -63,7 +63,7 @@ def main() -> None:
     """Print a line a case."""
     seed = int(sys.argv[1])
     skip = int(sys.argv[2]) if len(sys.argv) > 2 else 0
-    print("frame  noise  asked  linear_frame  likeliest  by_its_motion  over_linear  seconds", flush=True)
+    print("frame  noise  asked  calibrated  likeliest  by_its_motion  over_calibrated  seconds", flush=True)
     for number, (name, noise, error) in list(enumerate(SET))[skip:]:
         start = time.process_time()
         hidden = hide(
@@ -80,8 +80,8 @@ def main() -> None:
             write_hidden(hidden, Path(folder, "case"))
             likeliest, moved = left(read_case(Path(folder, "case")), noise)
         seconds = time.process_time() - start
-        linear = hidden.truth["model_error"]["misfit"]
-        sizes = f"{linear:12.4f} {likeliest:12.4f} {moved:13.4f} {moved / linear:12.2f}"
+        stated = hidden.truth["model_error"]["misfit"]
+        sizes = f"{stated:12.4f} {likeliest:12.4f} {moved:13.4f} {moved / stated:12.2f}"
         print(f"{name:5s} {noise:6.3f} {error:6.3f} {sizes} {seconds:8.0f}", flush=True)
 
 

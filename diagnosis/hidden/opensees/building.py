@@ -8,18 +8,19 @@ from typing import Any
 
 import numpy as np
 
+from pounding.diagnosis.case.case import Channel, Prior
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.modes import frequencies_hz
 from pounding.diagnosis.hidden.opensees.flaws import drawn_flaws
 from pounding.diagnosis.hidden.opensees.plane_frame import PlaneFrame, plane_frame, tuned
-from pounding.diagnosis.hidden.opensees.remainder import Seen, beyond_linear
+from pounding.diagnosis.hidden.opensees.remainder import Believed, Seen, beyond_calibration
 from pounding.diagnosis.hidden.opensees.shaking import PlaneScenario, happen
 from pounding.diagnosis.hidden.reference import typical
-from pounding.diagnosis.hidden.scenario import Scenario, observed
+from pounding.diagnosis.hidden.scenario import Happened, Scenario, observed
 from pounding.diagnosis.hidden.world import Sight
 
 MODEL_ERROR = (0.005, 0.05)
-"""Range from which the model error is drawn, log-uniform: misfit over the motion that no linear frame takes away."""
+"""Range from which the model error is drawn, log-uniform: misfit over the motion that a calibration leaves."""
 
 RAYLEIGH_SHARE = 0.5
 """Share of the frames with Rayleigh's damping; the others have one ratio for each lateral mode."""
@@ -35,6 +36,17 @@ LINEAR = (0.3, 1.0)
 
 LARGEST_SCALE = 20.0
 TRIALS = 8
+DERIVATIVES = {
+    "relative_displacement": 0,
+    "absolute_displacement": 0,
+    "relative_velocity": 1,
+    "absolute_acceleration": 2,
+}
+"""What sensors see of a floor's motion relative to the table: how often it is derived."""
+
+STIFFENED = 0.01
+"""Change of a storey's columns by which its part of a frame's stiffness is found (relative)."""
+
 NEAR = 0.1
 """Misfit found over misfit wanted at which the search ends (logarithm)."""
 
@@ -100,9 +112,8 @@ def settle(
 ) -> tuple[Scenario, Mapping[str, Any]]:
     """Give the frames a model error: errors that a calibration takes, and flaws that it cannot, as large as wanted.
 
-    The misfit is what the best linear frame leaves of the strongest and the weakest run (`beyond_linear`), in the median
-    over the channels. It knows nothing of the diagnosis: all that a calibration of stiffness, mass, damping and modes
-    could do is in the linear frame.
+    The misfit is what the frame without them leaves of the strongest and the weakest run when its stiffness, mass and
+    damping are calibrated (`beyond_calibration`), in the median over the channels.
 
     Args:
         rng: Draws the errors and, where none is wanted, their size.
@@ -133,7 +144,8 @@ def settle(
             scenario = one.on(scenario, name, usual[name], scale)
         return scenario
 
-    scale, found = search(lambda scale: _misfit(flawed(scale), sight), target)
+    known = {name: believed(_plane(bare, name)) for name in bare.frames}
+    scale, found = search(lambda scale: _misfit(flawed(scale), sight, known), target)
     return flawed(scale), {
         "wanted": target,
         "misfit": found,
@@ -156,27 +168,48 @@ def _plane(scenario: Scenario, name: str) -> PlaneFrame:
     return frame
 
 
-def _misfit(scenario: PlaneScenario, sight: Sight) -> float:
+def _misfit(scenario: PlaneScenario, sight: Sight, believed: Mapping[str, Believed]) -> float:
     """Return the misfit over the motion, in the median over the channels; infinite where it runs away."""
     happened = [happen(scenario, motion, 0) for motion in sight.motions]
     left: list[float] = []
-    for name, frame in scenario.frames.items():
-        columns = [at for at, channel in enumerate(sight.channels) if channel.frame == name]
-        runs = [
-            Seen(
-                one.motion.step_s,
-                one.table,
-                one.motion.displacement,
-                observed(scenario, one, sight.channels)[:, columns],
-            )
-            for one in happened
-        ]
+    for name in scenario.frames:
+        channels = tuple(channel for channel in sight.channels if channel.frame == name)
+        runs = [_seen(scenario, one, name, channels) for one in happened]
         if not all(np.isfinite(run.channels).all() for run in runs):
             return np.inf
-        left += beyond_linear(
-            runs, frequencies_hz(frame, frame.storeys), frame.ratios[: frame.storeys]
-        ).tolist()
+        left += beyond_calibration(runs, believed[name], Prior()).tolist()
     return float(np.median(left))
+
+
+def _seen(scenario: PlaneScenario, happened: Happened, name: str, channels: tuple[Channel, ...]) -> Seen:
+    still = np.zeros_like(happened.displacement)
+    rigid = replace(happened, displacement=still, velocity=still, acceleration=still + happened.table)
+    return Seen(
+        happened.motion.step_s,
+        happened.table,
+        observed(scenario, happened, channels),
+        observed(scenario, rigid, channels),
+        np.array([int(channel.floor or 0) - 1 for channel in channels]),
+        np.array([DERIVATIVES[channel.quantity] for channel in channels]),
+    )
+
+
+def believed(frame: PlaneFrame) -> Believed:
+    """Return a frame as a calibration knows it: a mass at each floor, and the stiffness that each storey's columns give."""
+
+    def stiffness(one: PlaneFrame) -> np.ndarray:
+        matrices = one.matrices()
+        return np.asarray(
+            np.linalg.inv(matrices.floors @ np.linalg.solve(matrices.stiffness, matrices.floors.T))
+        )
+
+    here = stiffness(frame)
+    storeys = [
+        (stiffness(replace(frame, bending=frame.bending * (1 + STIFFENED * one))) - here) / STIFFENED
+        for one in np.eye(frame.storeys)
+    ]
+    mass = frame.floor_mass + frame.column_mass * np.append(np.ones(frame.storeys - 1), 0.5)
+    return Believed(mass, here, np.array(storeys), frame.ratios[: frame.storeys])
 
 
 def _damping(frame: PlaneFrame) -> dict[str, Any]:

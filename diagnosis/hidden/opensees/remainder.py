@@ -1,103 +1,229 @@
-"""What no linear frame gives of a motion: the yardstick of a model error that no calibration takes away."""
+"""What a linear frame leaves of a motion when it is calibrated to it: the yardstick of a model error."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.optimize import least_squares
-from scipy.signal import bilinear, lfilter
+from scipy.signal import lfilter
+
+from pounding.diagnosis.case.case import Prior
 
 FREE_MODES = 5
-"""Lowest modes whose frequencies and damping ratios are fitted; those above keep theirs."""
+"""Lowest modes whose damping ratios are calibrated one by one; those above have theirs changed as the last of them."""
 
-WEIGHTS = np.array([0.01, 0.2])
-"""Size of a usual step of a frequency and of a damping ratio (logarithms)."""
+STEPS = 20
+SHIFTS = np.array([0.0, 0.5, -0.25, -0.5, -1.0, -1.5, -2.0, -3.0])
+"""Where the calibration may start: the whole frame's stiffness shifted, in standard deviations of its prior."""
 
-STEPS = 12
-SHIFTS = np.array([0.0, 1.0, -0.5, -1.0, -2.0, -3.0, -4.0, -6.0])
-"""Where the fit may start: all frequencies shifted alike, in the sizes above; what slips is softer in the mean."""
+TRIED = 3
+"""From how many of them, those that fit best, it descends."""
 
 ENOUGH_HZ = 400.0
 """Rate at which a motion is compared [Hz]: a table moves up to 60 Hz."""
 
+SEEN = 0.01
+"""Over the motion: what of a sample counts as one standard deviation beside the priors."""
+
+NUDGE = 1e-5
+"""Change of a mode's frequency and damping ratio by which its slopes are found (relative)."""
+
 
 @dataclass(frozen=True)
 class Seen:
-    """A run as its sensors see it, without noise.
+    """A run as its sensors on one frame see it, without noise.
 
     Attributes:
         step_s: Time between samples [s].
         table: Acceleration of the table [m/s^2], shape (samples,).
-        table_moved: Its displacement [m], shape (samples,).
-        channels: What the sensors on one frame read, in SI, shape (samples, channels).
+        channels: What the sensors read, in SI, shape (samples, channels).
+        fixed: What they would read if the frame were rigid, shape (samples, channels).
+        floors: Floor of each sensor, from 0, shape (channels,).
+        derivatives: What each sees of the floor's motion relative to the table: 0 for displacement, 1 for velocity, 2 for
+            acceleration, shape (channels,).
     """
 
     step_s: float
     table: np.ndarray
-    table_moved: np.ndarray
     channels: np.ndarray
+    fixed: np.ndarray
+    floors: np.ndarray
+    derivatives: np.ndarray
 
 
-def beyond_linear(runs: Sequence[Seen], hz: np.ndarray, ratios: np.ndarray) -> np.ndarray:
-    """Return the misfit over the motion that the best linear frame leaves, root mean square, shape (channels,).
+@dataclass(frozen=True)
+class Believed:
+    """A linear frame as it is before its calibration.
 
-    The linear frame has as many modes as are given. The frequency and damping of the lowest are free, and so are the
-    share and phase of every mode in every channel, the same in all runs: more than any stiffness, mass or damping
-    matrix of it could do.
+    Attributes:
+        mass: Of each floor [kg], shape (storeys,).
+        stiffness: Of the floors along x [N/m], shape (storeys, storeys).
+        storeys: The part of it that each storey's columns give [N/m], shape (storeys, storeys, storeys).
+        ratios: Damping ratio of each mode, shape (storeys,).
+    """
+
+    mass: np.ndarray
+    stiffness: np.ndarray
+    storeys: np.ndarray
+    ratios: np.ndarray
+
+
+def beyond_calibration(runs: Sequence[Seen], believed: Believed, prior: Prior) -> np.ndarray:
+    """Return the misfit over the motion that the calibrated frame leaves, root mean square, shape (channels,).
+
+    Free are each storey's stiffness and that of the whole frame, each floor's mass, the damping of the lowest modes and the
+    table's gain, the same in all runs.
 
     Args:
         runs: The runs, each of which counts alike.
-        hz: Natural frequencies where the fit starts [Hz], shape (modes,).
-        ratios: Damping ratios there, shape (modes,).
+        believed: The frame.
+        prior: How well its parameters are known.
     """
-    free = min(FREE_MODES, len(hz))
-    thin = max(int(1 / (runs[0].step_s * ENOUGH_HZ)), 1)
-    sizes = [float(np.sqrt(np.mean(run.table**2))) for run in runs]
-    wanted = np.vstack([run.channels[::thin] / size for run, size in zip(runs, sizes, strict=True)])
-    motion = np.sqrt(np.mean((wanted - wanted.mean(axis=0)) ** 2, axis=0))
-    wanted = wanted / motion
-
-    # A step of the fit moves one mode, and most modes never move.
-    @lru_cache(maxsize=2 * len(runs) * len(hz))
-    def mode(run: int, at_hz: float, ratio: float) -> np.ndarray:
-        return np.asarray(_mode(runs[run], at_hz, ratio)[::thin] / sizes[run])
-
-    fixed = [_table(run)[::thin] / size for run, size in zip(runs, sizes, strict=True)]
-
-    def left(moved: np.ndarray) -> np.ndarray:
-        steps = np.zeros((2, len(hz)))
-        steps[:, :free] = moved.reshape(2, free) * WEIGHTS[:, None]
-        at = (np.exp(steps) * np.array([hz, ratios])).T.tolist()
-        columns = [
-            np.column_stack([table, *(mode(run, *one) for one in at)]) for run, table in enumerate(fixed)
-        ]
-        basis, _ = np.linalg.qr(_scaled(np.vstack(columns)))
-        return np.asarray(wanted - basis @ (basis.T @ wanted))
-
+    calibration = Calibration(runs, believed, prior)
     # With light damping a frequency that is off by more than that is out of step, and no descent leads back.
-    starts = [np.repeat([shift, 0.0], free) for shift in SHIFTS]
-    start = min(starts, key=lambda moved: float(np.sum(left(moved) ** 2)))
-    fit = least_squares(lambda moved: left(moved).ravel(), start, diff_step=1e-3, x_scale=1.0, max_nfev=STEPS)
-    return np.asarray(np.sqrt(np.mean(left(fit.x) ** 2, axis=0)))
+    starts = np.zeros((len(SHIFTS), len(calibration.sizes)))
+    starts[:, len(believed.mass)] = SHIFTS
+    likeliest = sorted(starts, key=lambda start: float(np.sum(calibration.rows(start) ** 2)))
+    fits = [
+        least_squares(calibration.rows, start, calibration.slopes, method="lm", max_nfev=STEPS)
+        for start in likeliest[:TRIED]
+    ]
+    best = min(fits, key=lambda fit: float(fit.cost))
+    return np.asarray(np.sqrt(np.mean(calibration.left(best.x) ** 2, axis=0)))
 
 
-def _table(run: Seen) -> np.ndarray:
-    """Return what a sensor reads of the table itself, shape (samples, 3)."""
-    return np.column_stack([run.table, run.table_moved, np.ones_like(run.table)])
+class Calibration:
+    """What a calibration leaves, and how that changes with its parameters.
+
+    These are logarithms of factors over their priors: of the storeys, the frame, the masses, the damping and the gain.
+
+    Attributes:
+        sizes: Standard deviations of the priors (logarithms), shape (parameters,).
+    """
+
+    def __init__(self, runs: Sequence[Seen], believed: Believed, prior: Prior) -> None:
+        self.runs, self.believed = runs, believed
+        count = len(believed.mass)
+        free = min(FREE_MODES, count)
+        self.sizes = np.concatenate(
+            [
+                np.full(count, prior.storey_stiffness),
+                [prior.frame_stiffness],
+                np.full(count, prior.floor_mass),
+                np.full(free, prior.damping_ratio),
+                [prior.table_gain],
+            ]
+        )
+        self.thin = max(int(1 / (runs[0].step_s * ENOUGH_HZ)), 1)
+        self.loud = [float(np.sqrt(np.mean(run.table**2))) for run in runs]
+        moving = self._joined([run.channels - run.fixed for run in runs])
+        self.motion = np.sqrt(
+            np.mean(self._centred(self._joined([run.channels for run in runs])) ** 2, axis=0)
+        )
+        self.wanted = self._centred(moving) / self.motion
+
+    def _joined(self, each: Sequence[np.ndarray]) -> np.ndarray:
+        return np.vstack([one[:: self.thin] / size for one, size in zip(each, self.loud, strict=True)])
+
+    @staticmethod
+    def _centred(values: np.ndarray) -> np.ndarray:
+        return np.asarray(values - values.mean(axis=0))
+
+    def left(self, steps: np.ndarray) -> np.ndarray:
+        """Return what is left over the motion, shape (samples, channels), of parameters (parameters,)."""
+        frame = _Frame(self.believed, np.exp(steps * self.sizes))
+        seen = [frame.seen(run, frame.modes(run)) for run in self.runs]
+        return np.asarray(self.wanted - self._centred(self._joined(seen)) / self.motion)
+
+    def rows(self, steps: np.ndarray) -> np.ndarray:
+        """Return what is squared and summed, shape (rows,), of parameters (parameters,)."""
+        return np.concatenate([self.left(steps).ravel() / SEEN, steps])
+
+    def slopes(self, steps: np.ndarray) -> np.ndarray:
+        """Return the rows' derivatives, shape (rows, parameters), by parameters (parameters,)."""
+        frame = _Frame(self.believed, np.exp(steps * self.sizes))
+        each = [frame.slopes(run) for run in self.runs]
+        columns = [
+            self._centred(self._joined(seen)) / self.motion * -size / SEEN
+            for size, *seen in zip(self.sizes, *each, strict=True)
+        ]
+        return np.vstack([np.array([one.ravel() for one in columns]).T, np.eye(len(steps))])
 
 
-def _mode(run: Seen, hz: float, ratio: float) -> np.ndarray:
-    """Return how a mode moves and how fast, shape (samples, 2)."""
-    circular = 2 * np.pi * hz
-    below = [1.0, 2 * ratio * circular, circular**2]
-    # The bilinear transform is Newmark's average acceleration.
-    return np.column_stack(
-        [lfilter(*bilinear(above, below, 1 / run.step_s), run.table) for above in ([-1.0], [-1.0, 0.0])]
-    )
+class _Frame:
+    """A frame with its parameters changed by factors, in its modes."""
+
+    def __init__(self, believed: Believed, factors: np.ndarray) -> None:
+        count = len(believed.mass)
+        storeys, self.masses = factors[:count], believed.mass * factors[count + 1 : 2 * count + 1]
+        self.storeys = factors[count] * storeys[:, None, None] * believed.storeys
+        rest = believed.stiffness - believed.storeys.sum(axis=0)
+        self.stiffness = factors[count] * rest + self.storeys.sum(axis=0)
+        self.squared, self.shapes = eigh(self.stiffness, np.diag(self.masses))
+        self.omega = np.sqrt(np.maximum(self.squared, np.finfo(float).eps * self.squared[-1]))
+        self.free = len(factors) - 2 * count - 2
+        self.owner = np.minimum(np.arange(count), self.free - 1)
+        self.ratios = believed.ratios * factors[2 * count + 1 : -1][self.owner]
+        self.gamma = self.shapes.T @ self.masses
+        self.gain = float(factors[-1])
+
+    def modes(self, run: Seen, circular: float = 1.0, damping: float = 1.0) -> np.ndarray:
+        """Return how each mode answers to the table, its frequency and damping changed by factors, (modes, 3, samples)."""
+        return np.array(
+            [
+                _mode(run.step_s, self.gain * run.table, circular * omega, damping * ratio)
+                for omega, ratio in zip(self.omega, self.ratios, strict=True)
+            ]
+        )
+
+    def seen(self, run: Seen, modes: np.ndarray, shares: np.ndarray | None = None) -> np.ndarray:
+        """Return what sensors see of modes with such shares in the floors (storeys, modes), shape (samples, channels)."""
+        shares = self.shapes * self.gamma if shares is None else shares
+        return np.column_stack(
+            [
+                shares[floor] @ modes[:, derivative]
+                for floor, derivative in zip(run.floors, run.derivatives, strict=True)
+            ]
+        )
+
+    def slopes(self, run: Seen) -> list[np.ndarray]:
+        """Return how what is seen changes with the logarithm of each factor, each of shape (samples, channels)."""
+        here = self.modes(run)
+        faster = (self.modes(run, circular=1 + NUDGE) - here) / NUDGE
+        damped = (self.modes(run, damping=1 + NUDGE) - here) / NUDGE
+        shares = self.shapes * self.gamma
+        still = np.zeros_like(self.stiffness)
+        changes = [(one, still) for one in (*self.storeys, self.stiffness)]
+        changes += [(still, np.diag(self.masses * one)) for one in np.eye(len(self.masses))]
+        found = []
+        for stiffness, mass in changes:
+            omega, shapes = self._perturbed(stiffness, mass)
+            gamma = shapes.T @ self.masses + self.shapes.T @ mass.diagonal()
+            moved = shapes * self.gamma + self.shapes * gamma
+            found.append(self.seen(run, here, moved) + self.seen(run, faster, shares * omega))
+        found += [self.seen(run, damped, shares * (self.owner == mode)) for mode in range(self.free)]
+        return [*found, self.seen(run, here)]
+
+    def _perturbed(self, stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return changes of the frequencies (relative, (modes,)) and of the shapes with stiffness and mass."""
+        coupled = self.shapes.T @ stiffness @ self.shapes
+        carried = self.shapes.T @ mass @ self.shapes
+        pulled = coupled - carried * self.squared
+        apart = self.squared - self.squared[:, None]
+        np.fill_diagonal(apart, np.inf)
+        mixed = pulled / apart
+        np.fill_diagonal(mixed, -0.5 * carried.diagonal())
+        return pulled.diagonal() / (2 * self.omega**2), self.shapes @ mixed
 
 
-def _scaled(columns: np.ndarray) -> np.ndarray:
-    return np.asarray(columns / np.sqrt(np.mean(columns**2, axis=0)))
+def _mode(step_s: float, drive: np.ndarray, circular: float, ratio: float) -> np.ndarray:
+    """Return how a mode moves: coordinate, its rate and its acceleration, shape (3, samples)."""
+    # Newmark's average acceleration is the bilinear transform s = (z - 1) / (z + 1) * 2 / step.
+    per_s = 2 / step_s
+    plus, across, minus = np.array([1.0, 2.0, 1.0]), np.array([1.0, 0.0, -1.0]), np.array([1.0, -2.0, 1.0])
+    below = per_s**2 * minus + 2 * ratio * circular * per_s * across + circular**2 * plus
+    moved, rate = (lfilter(-above, below, drive) for above in (plus, per_s * across))
+    return np.array([moved, rate, -drive - 2 * ratio * circular * rate - circular**2 * moved])
