@@ -127,9 +127,9 @@ def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
 def less_certain(found: Findings, judged: Judged) -> float:
     """Return by which factor the likelihood's standard errors are larger because the model leaves more than noise.
 
-    The likelihood takes what remains for noise, which is new in every sample. What a model gets wrong it gets wrong for a
-    whole swing of the first mode, whose samples say as little as one. Only what is more than most nulls leave counts; frames
-    that touch have their own errors of forces.
+    The likelihood takes what remains for noise, which is new in every sample. What a model gets wrong stays as it is for
+    about a radian of the first mode's swing, as a motion below that frequency does, and the samples of a radian say as
+    little as one. Only what is more than most nulls leave counts; frames that touch have their own errors of forces.
 
     Args:
         found: The findings.
@@ -139,8 +139,8 @@ def less_certain(found: Findings, judged: Judged) -> float:
         return 1.0
     chance = alarms_of(found).left.exceeded_by(SETTINGS.decision.tail)
     beyond = max(remaining(found, judged) ** 2 - chance**2, 0.0)
-    swing = 1.0 / (found.model.structure.lowest_hz * found.model.observed.runs[0].step_s)
-    return float(np.sqrt(1.0 + beyond * swing))
+    radian = 1.0 / (2.0 * np.pi * found.model.structure.lowest_hz * found.model.observed.runs[0].step_s)
+    return float(np.sqrt(1.0 + beyond * radian))
 
 
 def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decision.confident_left) -> float:
