@@ -140,7 +140,7 @@ def draw_rig(
     shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
     bare, error = set_up(rng, frames, channels, world.scenario), None
     if world.settle is not None:
-        seen = Sight(channels, tuple(_coarse(shakings[run], log) for run in (0, -1)))
+        seen = Sight(channels, tuple(_coarse(shaking, log) for shaking in shakings))
         bare, error = world.settle(rng, bare, seen, model_error)
     if not pair:
         return Rig(bare, (), channels, log, shakings, world, error)

@@ -20,7 +20,7 @@ Happen = Callable[[Scenario, Motion, int], Happened]
 
 @dataclass(frozen=True)
 class Sight:
-    """What is looked at to see how large a model error is: channels, and the strongest and weakest motion at their rate."""
+    """What is looked at to see how large a model error is: channels, and motions at their rate, the last held out."""
 
     channels: tuple[Channel, ...]
     motions: tuple[Motion, ...]

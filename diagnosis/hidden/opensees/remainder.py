@@ -72,17 +72,19 @@ class Believed:
 
 
 def beyond_calibration(runs: Sequence[Seen], believed: Believed, prior: Prior) -> np.ndarray:
-    """Return the misfit over the motion that the calibrated frame leaves, root mean square, shape (channels,).
+    """Return the misfit over the motion that the calibrated frame leaves, root mean square, shape (2, channels).
+
+    The first is that of the runs to which it is calibrated, the second that of the last run, which is held out.
 
     Free are each storey's stiffness and that of the whole frame, each floor's mass, the damping of the lowest modes and the
     table's gain, the same in all runs.
 
     Args:
-        runs: The runs, each of which counts alike.
+        runs: The runs, two or more, each of which counts alike.
         believed: The frame.
         prior: How well its parameters are known.
     """
-    calibration = Calibration(runs, believed, prior)
+    calibration, held_out = (Calibration(some, believed, prior) for some in (runs[:-1], runs[-1:]))
     # With light damping a frequency that is off by more than that is out of step, and no descent leads back.
     starts = np.zeros((len(SHIFTS), len(calibration.sizes)))
     starts[:, len(believed.mass)] = SHIFTS
@@ -92,13 +94,18 @@ def beyond_calibration(runs: Sequence[Seen], believed: Believed, prior: Prior) -
         for start in likeliest[:TRIED]
     ]
     best = min(fits, key=lambda fit: float(fit.cost))
-    return np.asarray(np.sqrt(np.mean(calibration.left(best.x) ** 2, axis=0)))
+    return np.array([np.sqrt(np.mean(some.left(best.x) ** 2, axis=0)) for some in (calibration, held_out)])
 
 
 class Calibration:
     """What a calibration leaves, and how that changes with its parameters.
 
     These are logarithms of factors over their priors: of the storeys, the frame, the masses, the damping and the gain.
+
+    Args:
+        runs: The runs.
+        believed: The frame.
+        prior: How well its parameters are known.
 
     Attributes:
         sizes: Standard deviations of the priors (logarithms), shape (parameters,).

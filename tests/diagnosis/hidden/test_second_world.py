@@ -185,14 +185,14 @@ def shaken(peak: float, cubic: float = 0.0, swaying: float = 0.0) -> Seen:
 
 def test_a_calibrated_frame_leaves_nothing_of_a_frame_within_its_priors() -> None:
     one_softer = believed(SPRINGS * [1.06, 0.97], MASS * [1.01, 0.99], ratio=0.03)
-    left = beyond_calibration([shaken(3.0), shaken(1.0)], one_softer, Prior())
-    assert left.shape == (4,)
+    left = beyond_calibration([shaken(3.0), shaken(2.0), shaken(1.0)], one_softer, Prior())
+    assert left.shape == (2, 4)
     assert left.max() < 0.001
 
 
 def test_a_frame_that_is_much_softer_is_found_again() -> None:
     """Out of step after a few swings: a descent from the believed stiffness leaves most of the motion."""
-    left = beyond_calibration([shaken(3.0), shaken(1.0)], believed(1.2 * SPRINGS), Prior())
+    left = beyond_calibration([shaken(3.0), shaken(2.0), shaken(1.0)], believed(1.2 * SPRINGS), Prior())
     assert left.max() < 0.001
 
 
