@@ -25,7 +25,7 @@ from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.settings import SETTINGS
-from tests.diagnosis.decision.test_verdict import CUBIC, DATA, Problem, Tried, findings
+from tests.diagnosis.decision.problems import CUBIC, DATA, Problem, Tried, findings
 
 
 def alone() -> Findings:

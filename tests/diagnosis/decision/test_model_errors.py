@@ -1,0 +1,209 @@
+"""What is an error of the model of a real frame, and what stands out from its errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis import decide
+from pounding.diagnosis.decision.measures import (
+    model_error,
+)
+from pounding.diagnosis.decision.verdict import error_of_frame
+from pounding.diagnosis.inference.sight import Sight
+from tests.diagnosis.decision.problems import (
+    ALL,
+    CUBIC,
+    DATA,
+    MASS,
+    Problem,
+    Tried,
+    allow,
+    bench,
+    findings,
+    of,
+    rival,
+)
+
+
+@pytest.mark.parametrize(
+    ("tried", "verdicts"),
+    [
+        (Tried((CUBIC,), 5000.0, 1.0), ("effect_named", "effect_named")),
+        (Tried((CUBIC,), 5000.0, 1.5), ("effect_named", "effect_named")),
+        (Tried((ALL,), 5000.0, 1.0), ("effect_named", "effect_named")),
+        (Tried((ALL,), 5000.0, 1.2), ("effect_named", "effect_named")),
+        (Tried((ALL,), 5000.0, 1.3), ("effect_named", "nothing_missing")),
+        (Tried((CUBIC,), 5000.0, 3.5), ("unknown_effect", "nothing_missing")),
+        (Tried((rival,), 5000.0, 1.0), ("unknown_effect", "unknown_effect")),
+        (Tried((rival,), 5000.0, 1.5), ("unknown_effect", "nothing_missing")),
+        (Tried((CUBIC,), 5.0, 3.9), ("unknown_effect", "nothing_missing")),
+    ],
+    ids=[
+        "all",
+        "the larger part",
+        "all, in all storeys",
+        "much, in all storeys",
+        "less, in all storeys",
+        "the smaller part",
+        "all, a rival",
+        "the larger part, a rival",
+        "little evidence",
+    ],
+)
+def test_what_models_of_real_frames_leave_is_no_effect_unless_that_has_a_place_or_stands_out(
+    tried: Tried, verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The baseline model leaves 3.9 % of the motion beyond the noise, against less and more that it may leave."""
+    found = findings(Problem(4.0, (tried,), ""), DATA["quiet"])
+    assert model_error(found) == pytest.approx(0.01 * np.sqrt(15.0))
+    for allowed, verdict in zip((0.038, 0.039), verdicts, strict=True):
+        allow(monkeypatch, allowed)
+        assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize("second", [ALL, rival], ids=["in all storeys", "a rival"])
+@pytest.mark.parametrize(("left", "effects"), [(1.0, 2), (1.04, 2), (1.1, 1)])
+def test_what_every_frame_has_is_named_beside_an_effect_only_where_it_stands_out(
+    second: Any, left: float, effects: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first leaves 1.7 % of the motion, the second nothing, 0.3 and 0.5 %."""
+    allow(monkeypatch, 0.05)
+    tried = (Tried((MASS, second), 9000.0, left), Tried((MASS,), 4000.0, 2.0))
+    found = findings(Problem(6.0, tried, ""), DATA["quiet"])
+    assert len(decide(found).judged.effects) == effects
+
+
+def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_in_the_model(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    allow(monkeypatch, 0.05)
+    tried = (Tried((ALL, MASS), 9000.0, 1.1), Tried((ALL,), 4000.0, 3.0), Tried((MASS,), 1000.0, 2.0))
+    found = findings(Problem(6.0, tried, ""), DATA["quiet"])
+    decision = decide(found)
+    assert decision.verdict == "effect_named"
+    assert [effect.name for effect in decision.judged.effects] == ["added_mass"]
+    assert decision.judged.ln_bayes == pytest.approx(5000.0)
+    assert decision.judged.fit.effects == found.judged[0].fit.effects
+    assert "the model also has a little all cubic stiffness" in decision.model_checks[-1]
+
+
+@pytest.mark.parametrize(
+    ("tried", "error"),
+    [
+        ((Tried((ALL,), 4000.0, 3.0), Tried((MASS,), 1000.0, 3.5)), (0,)),
+        ((Tried((ALL,), 4000.0, 1.0), Tried((MASS,), 1000.0, 3.5)), ()),
+        ((Tried((CUBIC,), 4000.0, 3.0), Tried((ALL,), 1000.0, 3.5)), ()),
+        ((Tried((MASS, ALL), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0), Tried((ALL,), 900.0, 3.5)), (2,)),
+        ((Tried((MASS, ALL), 9000.0, 1.1), Tried((MASS,), 4000.0, 3.0), Tried((ALL,), 900.0, 3.5)), ()),
+        ((Tried((MASS, ALL), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0)), ()),
+        ((Tried((ALL,), 5.0, 3.0),), ()),
+    ],
+    ids=[
+        "leads",
+        "stands out",
+        "behind an effect",
+        "beside an effect",
+        "stands out beside an effect",
+        "never alone",
+        "little evidence",
+    ],
+)
+def test_an_error_of_the_frame_is_what_it_has_a_little_of_and_leads_or_is_second(
+    tried: tuple[Tried, ...], error: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    allow(monkeypatch, 0.05)
+    found = findings(Problem(4.0, tried, ""), DATA["quiet"])
+    expected = [one for number, one in enumerate(found.judged) if number in error]
+    assert error_of_frame(found) is (expected[0] if expected else None)
+
+
+def test_what_is_found_beside_an_error_of_the_frame_is_about_a_null_model_that_has_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    allow(monkeypatch, 0.05)
+    tried = (Tried((ALL, MASS), 9000.0, 1.1), Tried((ALL,), 4000.0, 3.0), Tried((MASS,), 1000.0, 2.0))
+    found = findings(Problem(6.0, tried, ""), DATA["quiet"])
+    error = found.judged[1]
+    beside = replace(found.judged[0], ln_bayes=5000.0, beside=error)
+    about = replace(found, null=replace(error, ln_bayes=0.0, beside=error), judged=[beside])
+    assert about.null.effects == ()
+    decision = decide(about)
+    assert decision.judged is beside
+    assert [effect.name for effect in decision.judged.effects] == ["added_mass"]
+    assert error_of_frame(about) is None
+    nothing = decide(replace(about, judged=[]))
+    assert nothing.verdict == "nothing_missing"
+
+
+@pytest.mark.parametrize(("left", "verdict"), [(2.8, "effect_named"), (3.0, "nothing_missing")])
+def test_an_effect_is_one_of_the_errors_where_it_takes_less_than_it_leaves(
+    left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside an error that leaves 4 noise floors it takes 2.86 and leaves 2.55, or takes 2.65 and leaves 2.77."""
+    allow(monkeypatch, 0.05)
+    error = of("torsional_eccentricity")
+    tried = (Tried((error, CUBIC), 9000.0, left), Tried((error,), 4000.0, 4.0), Tried((CUBIC,), 1000.0, 4.5))
+    assert decide(findings(Problem(6.0, tried, ""), DATA["quiet"])).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("allowed", "left", "verdict"),
+    [
+        (0.05, 1.0, "effect_named"),
+        (0.05, 12.0, "unknown_effect"),
+        (1e-6, 1.0, "effect_named"),
+        (0.3, 1.0, "nothing_missing"),
+    ],
+    ids=["all of it", "half of it", "no model error", "less than a model may leave"],
+)
+def test_a_sensor_need_not_explain_what_the_model_leaves_in_other_channels(
+    allowed: float, left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every channel has 6 % of model error over a noise of 1 %, and one reads 20 % too much."""
+    allow(monkeypatch, allowed)
+    gain = of("sensor_gain")
+    found = findings(Problem(6.0, (Tried((gain,), 9000.0, 6.0),), ""), DATA["quiet"])
+    channel = bench()[0].observed.names.index(gain().channel)
+    found.null.channel_misfit[:, channel] = 0.2
+    found.judged[0].channel_misfit[:, channel] = 0.01 * np.hypot(left, 6.0)
+    assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("tried", "verdicts"),
+    [
+        ((), ("unknown_effect", "nothing_missing")),
+        ((Tried((CUBIC,), 5000.0, 1.5),), ("unknown_effect", "effect_named")),
+    ],
+    ids=["nothing was tried", "the larger part"],
+)
+def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leave(
+    tried: tuple[Tried, ...], verdicts: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A part of a real frame that sways by itself is an error of its model; it is said, and it decides nothing."""
+    found = findings(Problem(4.0, tried, ""), DATA["quiet"])
+    monkeypatch.setattr(
+        "pounding.diagnosis.decision.verdict.stray_tones", lambda *given: ["a tone of 8.4 Hz"]
+    )
+    left = model_error(found, found.judged[0] if tried else found.null)
+    for allowed, verdict in zip((0.99 * left, 1.01 * left), verdicts, strict=True):
+        allow(monkeypatch, allowed)
+        decision = decide(found)
+        assert decision.verdict == verdict
+        assert decision.model_checks == ("a tone of 8.4 Hz",)
+
+
+@pytest.mark.parametrize(("nearest", "verdict"), [(0.0, "effect_named"), (9.0, "unknown_effect")])
+def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
+    nearest: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The likeliest stiffness and mass are nine standard deviations off."""
+    model, usual = bench()
+    tried = Tried((CUBIC,), 5000.0, 2.0)
+    found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
+    monkeypatch.setattr(Sight, "nearest", lambda sight, runs: nearest * sight.model.std)
+    assert decide(found).verdict == verdict
