@@ -149,6 +149,10 @@ class Search:
     """[ln Bayes factor] A scored second effect with less is not refined. Origin: chosen."""
     seconds: int = 2
     """[effects] At most so many second effects are refined. Origin: chosen."""
+    refined_beside: int = 4
+    """[effects] At most so many are refined beside an error of the frame. Origin: chosen."""
+    errors: int = 2
+    """[errors] At most so many errors of a frame become part of the null model. Origin: chosen."""
     swapped: float = 1000.0
     """[ln likelihood] The exchange of two channels is tried, and later believed, if it gains this. Origin: chosen."""
     swapped_misfit: float = 0.6

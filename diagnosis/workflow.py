@@ -18,11 +18,12 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.decision.false_alarms import stored
 from pounding.diagnosis.decision.imitated import unhide
-from pounding.diagnosis.decision.verdict import decide
+from pounding.diagnosis.decision.verdict import decide, error_of_frame
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, judged_on
+from pounding.diagnosis.inference.flawed import with_error
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.first_frequencies import check_resolved, frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames
@@ -295,5 +296,10 @@ def _find(
     found.pair = pair
     found.false_alarms = stored(false_alarms, len(effects))
     unhide(found)
+    for _ in range(SETTINGS.search.errors):
+        error = error_of_frame(found)
+        if error is None:
+            break
+        found = with_error(found, error, effects, progress)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

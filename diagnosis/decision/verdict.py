@@ -36,6 +36,11 @@ def decide(found: Findings) -> Decision:
 
     To be called once for each set of findings: the decision is what everything after it is given.
     """
+    decision = _decided(found)
+    return replace(decision, model_checks=(*decision.model_checks, *_beside(found, decision.judged)))
+
+
+def _decided(found: Findings) -> Decision:
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
     if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
@@ -54,7 +59,6 @@ def decide(found: Findings) -> Decision:
     if drowned or not held:
         return Decision("unknown_effect", chosen, (), said)
     alike = _alike(found, chosen, single)
-    said = (*said, *_beside(found, chosen))
     return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
 
 
@@ -65,6 +69,32 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
     unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
     # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
     return within_model_error(found, chosen.beside) and (error or unknown or drowned)
+
+
+def error_of_frame(found: Findings) -> Judged | None:
+    """Return what the frame has a little of, as every real one has, where it leads or is second, or None.
+
+    The model must leave less with it. With reference runs, and where frames touch, nothing is asked for.
+    """
+
+    def in_model(without: Judged, judged: Judged) -> bool:
+        less = model_error(found, judged) < model_error(found, without)
+        return less and _as_an_error(found, without, judged)
+
+    single = [one for one in found.claimable() if len(one.effects) == 1]
+    if found.pair is not None or not single or not plain(found, single[0], signal_to_noise(found, single[0])):
+        return None
+    alone = {one.effects[0]: one for one in single}
+    if _common(found, single[0]) and in_model(found.null, single[0]):
+        return single[0]
+    double = next((one for one in found.judged if len(one.effects) == 2), None)
+    if double is None or not _acts(found, single[0], double):
+        return None
+    for error, effect in (double.effects, double.effects[::-1]):
+        known = error in alone and effect in alone and error in _common(found, double)
+        if known and in_model(alone[effect], double):
+            return alone[error]
+    return None
 
 
 def _alike(found: Findings, chosen: Judged, single: list[Judged]) -> tuple[Judged, ...]:
@@ -84,8 +114,8 @@ def _beside(found: Findings, judged: Judged) -> tuple[str, ...]:
     """Return a sentence on the error of a frame that is in the model beside an effect, nothing without one."""
     if found.pair is not None or judged.beside is None:
         return ()
-    error = judged.beside.label()
-    return (f"the model also has a little {error}, which is as small as its other errors and no effect",)
+    errors = " and a little ".join(effect.label() for effect in judged.beside.fit.effects)
+    return (f"the model also has a little {errors}, which is as small as its other errors and no effect",)
 
 
 def _listed(found: Findings, single: list[Judged]) -> Judged:
@@ -229,9 +259,7 @@ def _spread(judged: Judged) -> bool:
 def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a second effect explains a good part of what the first one leaves."""
     needs = SETTINGS.decision
-    least = single.ln_bayes + _second_evidence(found, single, double) + needs.second_share * single.ln_bayes
-    likely = double.ln_bayes > least
-    if not likely or signal_to_noise(found, double, single) < needs.second_size:
+    if not _acts(found, single, double):
         return False
     if not _together(double):
         return True
@@ -239,6 +267,13 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
     which = 1 if found.held_out else 0
     left = [np.nansum(np.maximum(over_noise(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
     return bool(left[1] < (1 - needs.same_storey) * left[0])
+
+
+def _acts(found: Findings, single: Judged, double: Judged) -> bool:
+    """Return whether there is a second effect beside the first one, whatever it explains."""
+    needs = SETTINGS.decision
+    least = single.ln_bayes + _second_evidence(found, single, double) + needs.second_share * single.ln_bayes
+    return bool(double.ln_bayes > least and signal_to_noise(found, double, single) >= needs.second_size)
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

@@ -157,6 +157,17 @@ def judge(model: Model, fit: Fit, null: Fit, training: tuple[int, ...], held_out
     return Judged(fit, fit.log_posterior - null.log_posterior, _medians(each), np.array(each))
 
 
+def judge_in(found: Findings, fit: Fit) -> Judged:
+    """Return a fit as it is judged about the null model of findings, beside the errors that this one has.
+
+    Args:
+        found: The findings.
+        fit: The fit.
+    """
+    judged = judge(found.model, fit, found.null.fit, found.training, found.held_out)
+    return replace(judged, beside=found.null.beside)
+
+
 def judged_on(judged: Judged, model: Model, filtered: Filtered, *runs: tuple[int, ...]) -> Judged:
     """Return a candidate with the misfits that a baseline with its effects leaves in a model with other contact forces.
 

@@ -10,7 +10,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, judge
+from pounding.diagnosis.inference.findings import Findings, judge_in
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
@@ -45,7 +45,7 @@ def keep(found: Findings, fit: Fit) -> None:
         found: The findings.
         fit: The fit.
     """
-    judged = judge(found.model, fit, found.null.fit, found.training, found.held_out)
+    judged = judge_in(found, fit)
     if np.isfinite(judged.ln_bayes):
         found.judged.append(judged)
     ranked = sorted(found.judged, key=lambda one: -one.ln_bayes)

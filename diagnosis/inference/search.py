@@ -9,9 +9,10 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.findings import Findings, Judged, best, judge, noise_floor, unexplained
+from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
-from pounding.diagnosis.inference.null_model import best_null, by_its_motion, null_again, unswapped
+from pounding.diagnosis.inference.moving import moved_by_themselves
+from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
 from pounding.diagnosis.inference.other_starts import faded, from_baseline, softer, ticked, turned, weighed
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
@@ -60,27 +61,8 @@ def search(
         progress("looking for a second effect", 0.75)
         second(found, effects)
     found.floor = noise_floor(found, best(found).fit)
-    _moved(found)
+    moved_by_themselves(found)
     return found
-
-
-def _moved(found: Findings) -> None:
-    """Let frames move by themselves with the null model and with the candidates that lead, and judge them by that."""
-    model, runs, null = found.model, (found.training, found.held_out), found.null.fit
-    leading = [*_leading(found), found.null]
-    fits = each(found, lambda one: by_its_motion(model, one.fit), leading)
-    again = {id(one): judge(model, fit, null, *runs) for one, fit in zip(leading, fits, strict=True)}
-    found.null = again[id(found.null)]
-    found.judged = [again.get(id(one), one) for one in found.judged]
-
-
-def _leading(found: Findings) -> list[Judged]:
-    """Return the candidates on which a verdict may rest: the best of each kind, and each effect of the best two."""
-    single = [one for one in found.judged if len(one.effects) == 1]
-    doubles = [one for one in found.judged if len(one.effects) > 1][:1]
-    leading = single[:1] + [one for one in single if not one.effects[0].rival][:1] + doubles
-    leading += [one for one in single if doubles and one.effects[0] in doubles[0].effects]
-    return list({id(one): one for one in leading}.values())
 
 
 def _refined_best(

@@ -26,12 +26,12 @@ def second(found: Findings, effects: Sequence[Effect]) -> None:
     first = best(found)
     if not first.effects:
         return
-    found.later = _beside(found, effects, first)
+    found.later = beside(found, effects, first)
     gained = best(found).ln_bayes - first.ln_bayes
     near = [one for one in found.judged if _may_overtake(one, first, gained)]
     for single in near[: SETTINGS.search.seconds]:
         led = best(found)
-        later = _beside(found, effects, single)
+        later = beside(found, effects, single)
         if best(found) is not led:
             found.later = later
 
@@ -41,8 +41,17 @@ def _may_overtake(one: Judged, first: Judged, gained: float) -> bool:
     return single and one.ln_bayes > first.ln_bayes - gained
 
 
-def _beside(found: Findings, effects: Sequence[Effect], first: Judged) -> Scores:
-    """Refine what has evidence beside an effect; return the scores of all others about it."""
+def beside(
+    found: Findings, effects: Sequence[Effect], first: Judged, most: int = SETTINGS.search.seconds
+) -> Scores:
+    """Refine what has evidence beside effects; return the scores of all others about them.
+
+    Args:
+        found: The findings, to which the fits are added.
+        effects: The candidates.
+        first: A fit of effects, all of which stay free.
+        most: At most so many are refined.
+    """
     fit = first.fit
     told = {*fit.effects, *map(same_motion, fit.effects)}
     others = [effect for effect in effects if effect not in told]
@@ -51,15 +60,15 @@ def _beside(found: Findings, effects: Sequence[Effect], first: Judged) -> Scores
     def both(one: Score) -> Fit:
         return refined(found, fit.filtered, one, fit)
 
-    for fitted in each(found, both, _worth(later)):
+    for fitted in each(found, both, _worth(later, most)):
         keep(found, fitted)
     return later
 
 
-def _worth(later: Scores) -> list[Score]:
-    """Return the second effects to refine: the best few with evidence, and only a rival that is the very best."""
+def _worth(later: Scores, most: int) -> list[Score]:
+    """Return the effects to refine: the best few with evidence, and only a rival that is the very best."""
     return [
         one
-        for number, one in enumerate(later.ranked[: SETTINGS.search.seconds])
+        for number, one in enumerate(later.ranked[:most])
         if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival)
     ]

@@ -48,7 +48,8 @@ def draw_history(
     data = observed.runs[run]
     channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
-    simulated = {"before": (simulate(model, found.null.fit.filtered.values, (), [run])[0], BLUE)}
+    fitted = found.null.fit.filtered
+    simulated = {"before": (simulate(model, fitted.values, fitted.effects, [run])[0], BLUE)}
     if outputs:
         simulated["after"] = (outputs[run], ORANGE)
     claimed = (
