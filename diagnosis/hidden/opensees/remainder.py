@@ -25,6 +25,9 @@ TRIED = 3
 ENOUGH_HZ = 400.0
 """Rate at which a motion is compared [Hz]: a table moves up to 60 Hz."""
 
+FURTHEST = 3.0
+"""How far a parameter may go [standard deviations of its prior]: beyond it is another frame."""
+
 SEEN = 0.01
 """Over the motion: what of a sample counts as one standard deviation beside the priors."""
 
@@ -100,7 +103,8 @@ def beyond_calibration(runs: Sequence[Seen], believed: Believed, prior: Prior) -
 class Calibration:
     """What a calibration leaves, and how that changes with its parameters.
 
-    These are logarithms of factors over their priors: of the storeys, the frame, the masses, the damping and the gain.
+    These are logarithms of factors over their priors: of the storeys, the frame, the masses, the damping and the gain. They
+    go no further than `FURTHEST`, which they near as a hyperbolic tangent does.
 
     Args:
         runs: The runs.
@@ -139,9 +143,12 @@ class Calibration:
     def _centred(values: np.ndarray) -> np.ndarray:
         return np.asarray(values - values.mean(axis=0))
 
+    def _frame(self, steps: np.ndarray) -> _Frame:
+        return _Frame(self.believed, np.exp(FURTHEST * np.tanh(steps / FURTHEST) * self.sizes))
+
     def left(self, steps: np.ndarray) -> np.ndarray:
         """Return what is left over the motion, shape (samples, channels), of parameters (parameters,)."""
-        frame = _Frame(self.believed, np.exp(steps * self.sizes))
+        frame = self._frame(steps)
         seen = [frame.seen(run, frame.modes(run)) for run in self.runs]
         return np.asarray(self.wanted - self._centred(self._joined(seen)) / self.motion)
 
@@ -151,11 +158,11 @@ class Calibration:
 
     def slopes(self, steps: np.ndarray) -> np.ndarray:
         """Return the rows' derivatives, shape (rows, parameters), by parameters (parameters,)."""
-        frame = _Frame(self.believed, np.exp(steps * self.sizes))
+        frame, nearing = self._frame(steps), 1.0 - np.tanh(steps / FURTHEST) ** 2
         each = [frame.slopes(run) for run in self.runs]
         columns = [
             self._centred(self._joined(seen)) / self.motion * -size / SEEN
-            for size, *seen in zip(self.sizes, *each, strict=True)
+            for size, *seen in zip(self.sizes * nearing, *each, strict=True)
         ]
         return np.vstack([np.array([one.ravel() for one in columns]).T, np.eye(len(steps))])
 

@@ -196,6 +196,12 @@ def test_a_frame_that_is_much_softer_is_found_again() -> None:
     assert left.max() < 0.001
 
 
+def test_a_frame_outside_its_priors_is_not_calibrated_away() -> None:
+    other = believed(SPRINGS * [1.0, 2.0], MASS * [1.0, 1.5])
+    left = beyond_calibration([shaken(3.0), shaken(2.0), shaken(1.0)], other, Prior())
+    assert np.median(left) > 0.05
+
+
 def test_what_no_calibration_can_do_is_left_the_more_there_is() -> None:
     stiffening = [
         float(np.median(beyond_calibration([shaken(3.0, cubic), shaken(1.0, cubic)], believed(), Prior())))
