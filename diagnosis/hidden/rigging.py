@@ -84,10 +84,8 @@ class Rig:
         noise = self.log.noise_of(self.channels, bare)
         if self.model_error is None:
             return noise
-        moved = [not channel.is_table and channel.quantity != "contact_force" for channel in self.channels]
-        return np.asarray(
-            np.hypot(noise, np.where(moved, self.model_error["misfit"], 0.0) * bare.std(axis=0))
-        )
+        left = [self.model_error["channels"].get(channel.name, 0.0) for channel in self.channels]
+        return np.asarray(np.hypot(noise, left * bare.std(axis=0)))
 
     def behind_sensors(self, scenario: Scenario, run: int) -> np.ndarray:
         """Return what the real sensors and the logger make of it, (samples, channels), still without noise."""

@@ -113,7 +113,7 @@ def settle(
     """Give the frames a model error: errors that a calibration takes, and flaws that it cannot, as large as wanted.
 
     The misfit is what the frame without them leaves when its stiffness, mass and damping are calibrated to all runs but the
-    last (`beyond_calibration`): median over the channels, mean over these runs and the last, of the frame that has most.
+    last (`beyond_calibration`): mean over these runs and the last, median over the channels, of the frame that has most.
 
     Args:
         rng: Draws the errors and, where none is wanted, their size.
@@ -145,10 +145,17 @@ def settle(
         return scenario
 
     known = {name: believed(_plane(bare, name)) for name in bare.frames}
-    scale, found = search(lambda scale: _misfit(flawed(scale), sight, known), target)
+    channels: dict[float, dict[str, float]] = {}
+
+    def misfit(scale: float) -> float:
+        channels[scale] = _left(flawed(scale), sight, known)
+        return _of_frame_with_most(channels[scale], sight)
+
+    scale, found = search(misfit, target)
     return flawed(scale), {
         "wanted": target,
         "misfit": found,
+        "channels": channels[scale],
         "scale": scale,
         "flaws": {name: one.stated() for name, one in flaws.items()},
         "linear_scale": size,
@@ -168,17 +175,27 @@ def _plane(scenario: Scenario, name: str) -> PlaneFrame:
     return frame
 
 
-def _misfit(scenario: PlaneScenario, sight: Sight, believed: Mapping[str, Believed]) -> float:
-    """Return the misfit over the motion of the frame that has most; infinite where it runs away."""
+def _left(scenario: PlaneScenario, sight: Sight, believed: Mapping[str, Believed]) -> dict[str, float]:
+    """Return the misfit over the motion of each channel on a frame; infinite where that runs away."""
     happened = [happen(scenario, motion, 0) for motion in sight.motions]
-    left = []
+    left: dict[str, float] = {}
     for name in scenario.frames:
-        channels = tuple(channel for channel in sight.channels if channel.frame == name)
+        channels = _on(sight, name)
         runs = [_seen(scenario, one, name, channels) for one in happened]
-        if not all(np.isfinite(run.channels).all() for run in runs):
-            return np.inf
-        left.append(np.median(beyond_calibration(runs, believed[name], Prior()), axis=1).mean())
-    return float(max(left))
+        misfits = np.full(len(channels), np.inf)
+        if all(np.isfinite(run.channels).all() for run in runs):
+            misfits = beyond_calibration(runs, believed[name], Prior()).mean(axis=0)
+        left |= {channel.name: float(one) for channel, one in zip(channels, misfits, strict=True)}
+    return left
+
+
+def _of_frame_with_most(left: Mapping[str, float], sight: Sight) -> float:
+    frames = {str(channel.frame) for channel in sight.channels if channel.name in left}
+    return max(float(np.median([left[one.name] for one in _on(sight, name)])) for name in frames)
+
+
+def _on(sight: Sight, frame: str) -> tuple[Channel, ...]:
+    return tuple(channel for channel in sight.channels if channel.frame == frame)
 
 
 def _seen(scenario: PlaneScenario, happened: Happened, name: str, channels: tuple[Channel, ...]) -> Seen:
