@@ -22,7 +22,7 @@ PARAMETER_ERROR = 0.15
     [
         ((), "5B", 9601),
         pytest.param(("cubic_stiffness",), "5A", 9602, marks=pytest.mark.guard),
-        (("coulomb_friction",), "5B", 9603),
+        pytest.param(("coulomb_friction",), "5B", 9603, marks=pytest.mark.guard),
         pytest.param(("table_tilt",), "5A", 9604, marks=pytest.mark.guard),
         pytest.param(("hidden_appendage",), "5B", 9605, marks=pytest.mark.guard),
         (("hammer_knocks",), "5B", 9607),

@@ -203,6 +203,7 @@ def test_touches_that_the_force_cell_did_not_show_are_no_blows() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_pair_on_two_loggers_is_said_and_no_effect_of_a_frame() -> None:
     case = colliding(CONTACT)
     late = [i for i, channel in enumerate(case.channels) if channel.frame == "stiff"]

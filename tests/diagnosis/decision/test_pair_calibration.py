@@ -117,6 +117,7 @@ def test_a_run_whose_end_was_left_out_is_simulated_up_to_there() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
     case = colliding(OFFSET)
     found, contact_findings = findings(case)

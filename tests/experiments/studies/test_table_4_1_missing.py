@@ -64,6 +64,7 @@ def test_a_case_of_the_sweep(test_records):
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_the_study_writes_json_data_and_a_picture(test_records, tmp_path, capsys):
     table_4_1.main(records=test_records, json=True, out=tmp_path)
     result = json.loads(capsys.readouterr().out)
