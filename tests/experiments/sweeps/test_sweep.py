@@ -119,14 +119,16 @@ def test_workers_that_are_killed_cost_nothing(tmp_path):
     np.testing.assert_array_equal(result.value, np.arange(8.0))
 
 
-SCRIPT = """
+# Long enough that it is still at work after the last of three starts of up to a quarter of a second and their set-up.
+MANY = 240
+SCRIPT = f"""
 import sys
 sys.path.insert(0, sys.argv[1])
 import sweep_cases
 from pounding.experiments.sweeps.sweep import sweep
 if __name__ == "__main__":
-    settings = {"log": sys.argv[3], "pause_s": 0.02}
-    sweep(sweep_cases.noted, {"x": range(60)}, settings=settings, folder=sys.argv[2], workers=2, version="1")
+    settings = {{"log": sys.argv[3], "pause_s": 0.02}}
+    sweep(sweep_cases.noted, {{"x": range({MANY})}}, settings=settings, folder=sys.argv[2], workers=2, version="1")
 """
 
 
@@ -168,16 +170,16 @@ def test_killed_at_random_moments_and_started_again_nothing_is_lost_or_run_twice
     time.sleep(0.5)  # the workers notice that their parent is gone
     kept = finished(tmp_path)
     assert started == 3
-    assert kept < 60, "the sweep was not interrupted; make it longer"
+    assert kept < MANY, "the sweep was not interrupted; make it longer"
     log = tmp_path / "log"
     before = log.read_text().split()
     settings = {"log": str(log), "pause_s": 0.02}
     result = sweep(
-        cases.noted, {"x": range(60)}, settings=settings, folder=tmp_path / "s", workers=2, version="1"
+        cases.noted, {"x": range(MANY)}, settings=settings, folder=tmp_path / "s", workers=2, version="1"
     )
-    np.testing.assert_array_equal(result.twice, 2.0 * np.arange(60))
+    np.testing.assert_array_equal(result.twice, 2.0 * np.arange(MANY))
     after = log.read_text().split()[len(before) :]
-    assert len(after) == 60 - kept  # not one of the kept cases was run again
+    assert len(after) == MANY - kept  # not one of the kept cases was run again
     # A case may have been at work, unfinished, in each of the two workers at each of the three kills.
     assert len(before) <= kept + 6
 
@@ -187,7 +189,7 @@ def test_ctrl_c_says_how_far_it_came_and_leaves_no_process(tmp_path):
     wait_until(lambda: finished(tmp_path) > 3)
     process.send_signal(signal.SIGINT)
     output, _ = process.communicate(timeout=20)
-    assert "of 60 cases are finished; the same call goes on with the rest" in " ".join(output.split())
+    assert f"of {MANY} cases are finished; the same call goes on with the rest" in " ".join(output.split())
     assert process.returncode != 0
     kept = finished(tmp_path)
     time.sleep(0.3)
