@@ -23,7 +23,7 @@ from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, judged_on
-from pounding.diagnosis.inference.flawed import with_error
+from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.first_frequencies import check_resolved, frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames

@@ -13,8 +13,7 @@ from pounding.diagnosis.hidden.beams import Beams
 from pounding.diagnosis.hidden.scenario import Scenario
 
 REACH = 2.5
-"""How far an nuisance parameter may go to imitate an effect, in prior standard deviations."""
-
+"""How far a nuisance parameter may go to imitate an effect or a model error, in prior standard deviations."""
 
 Clean = Callable[[Scenario, bool], np.ndarray]
 

@@ -11,9 +11,9 @@ from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
-from pounding.diagnosis.inference.moving import moved_by_themselves
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
 from pounding.diagnosis.inference.other_starts import faded, from_baseline, softer, ticked, turned, weighed
+from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
 from pounding.diagnosis.inference.rescue import rescue

@@ -36,6 +36,9 @@ LINEAR = (0.3, 1.0)
 
 LARGEST_SCALE = 20.0
 TRIALS = 8
+NEAR = 0.1
+"""Misfit found over misfit wanted at which the search ends (logarithm)."""
+
 DERIVATIVES = {
     "relative_displacement": 0,
     "absolute_displacement": 0,
@@ -46,9 +49,6 @@ DERIVATIVES = {
 
 STIFFENED = 0.01
 """Change of a storey's columns by which its part of a frame's stiffness is found (relative)."""
-
-NEAR = 0.1
-"""Misfit found over misfit wanted at which the search ends (logarithm)."""
 
 
 def built(rng: np.random.Generator, name: str) -> PlaneFrame:

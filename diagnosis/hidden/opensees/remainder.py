@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 from scipy.signal import lfilter
 
 from pounding.diagnosis.case.case import Prior
+from pounding.diagnosis.hidden.visibility import REACH
 
 FREE_MODES = 5
 """Lowest modes whose damping ratios are calibrated one by one; those above have theirs changed as the last of them."""
@@ -24,9 +25,6 @@ TRIED = 3
 
 ENOUGH_HZ = 400.0
 """Rate at which a motion is compared [Hz]: a table moves up to 60 Hz."""
-
-FURTHEST = 3.0
-"""How far a parameter may go [standard deviations of its prior]: beyond it is another frame."""
 
 SEEN = 0.01
 """Over the motion: what of a sample counts as one standard deviation beside the priors."""
@@ -104,7 +102,7 @@ class Calibration:
     """What a calibration leaves, and how that changes with its parameters.
 
     These are logarithms of factors over their priors: of the storeys, the frame, the masses, the damping and the gain. They
-    go no further than `FURTHEST`, which they near as a hyperbolic tangent does.
+    go no further than `REACH`, which they near as a hyperbolic tangent does: beyond it is another frame.
 
     Args:
         runs: The runs.
@@ -144,7 +142,7 @@ class Calibration:
         return np.asarray(values - values.mean(axis=0))
 
     def _frame(self, steps: np.ndarray) -> _Frame:
-        return _Frame(self.believed, np.exp(FURTHEST * np.tanh(steps / FURTHEST) * self.sizes))
+        return _Frame(self.believed, np.exp(REACH * np.tanh(steps / REACH) * self.sizes))
 
     def left(self, steps: np.ndarray) -> np.ndarray:
         """Return what is left over the motion, shape (samples, channels), of parameters (parameters,)."""
@@ -158,7 +156,7 @@ class Calibration:
 
     def slopes(self, steps: np.ndarray) -> np.ndarray:
         """Return the rows' derivatives, shape (rows, parameters), by parameters (parameters,)."""
-        frame, nearing = self._frame(steps), 1.0 - np.tanh(steps / FURTHEST) ** 2
+        frame, nearing = self._frame(steps), 1.0 - np.tanh(steps / REACH) ** 2
         each = [frame.slopes(run) for run in self.runs]
         columns = [
             self._centred(self._joined(seen)) / self.motion * -size / SEEN

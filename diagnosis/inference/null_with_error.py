@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.moving import moved_by_themselves
+from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refining import keep
 from pounding.diagnosis.inference.second import beside, second
 from pounding.diagnosis.settings import SETTINGS

@@ -9,7 +9,7 @@ from pounding.diagnosis.decision.measures import model_error
 from pounding.diagnosis.decision.verdict import decide, error_of_frame
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.inference.flawed import with_error
+from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.search import search
 from tests.diagnosis.models import measured
 
