@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,18 +13,18 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
+from pounding.diagnosis.decision.beyond_errors import beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.decision.false_alarms import stored
 from pounding.diagnosis.decision.imitated import unhide
-from pounding.diagnosis.decision.verdict import decide, error_of_frame
+from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.findings import Findings, judged_on
-from pounding.diagnosis.inference.null_with_error import with_error
-from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.search import Progress, search, silent
 from pounding.diagnosis.model.first_frequencies import check_resolved, frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
@@ -37,8 +37,6 @@ from pounding.diagnosis.report.report import Report
 from pounding.diagnosis.report.report_text import sentence
 from pounding.diagnosis.settings import SETTINGS
 from pounding.frames.files import tried_file, tried_folder
-
-Progress = Callable[[str, float], None]
 
 
 def diagnose(
@@ -74,7 +72,7 @@ def diagnose(
         CaseError: The case cannot be read or says too little, or the user's candidates cannot be used.
         FrameError: The report cannot be written.
     """
-    told = progress or _silent
+    told = progress or silent
     told("reading the case", 0.0)
     if not isinstance(case, Case):
         case = read_case(case)
@@ -120,10 +118,6 @@ def _exported(diagnosis: Diagnosis, made: Made, file: Path) -> Made:
     return replace(made, report=msgspec.structs.replace(made.report, model=model))
 
 
-def _silent(what: str, share: float) -> None:
-    """Tell nobody."""
-
-
 def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progress) -> Diagnosis:
     """Return the diagnosis with what cases simulated on this very rig say: the confidence, and what an effect needs."""
     from pounding.diagnosis.decision import pair_calibration, rig_calibration
@@ -148,7 +142,7 @@ def _calibrated(diagnosis: Diagnosis, own: Sequence[type[Effect]], told: Progres
 
 def _concluded(own: Sequence[type[Effect]], case: Case) -> Conclusion:
     """Return what is concluded of a simulated case."""
-    return conclude(case, *find(case, _silent, own)).conclusion
+    return conclude(case, *find(case, silent, own)).conclusion
 
 
 def _modal(case: Case, out: Path | str | None, told: Progress) -> Report:
@@ -238,13 +232,14 @@ def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], pro
     progress("looking for what was missing before", 0.03)
     plain = tuple(replace(run, reference=False) for run in observed.runs)
     alone = model.seeing(replace(observed, runs=plain, warnings=[]))
-    decision = decide(search(alone, effects, known, (), _silent))
-    if not decision.named:
-        return model
+    decision = decide(beyond_errors(search(alone, effects, known, (), silent), effects, silent))
     fit = decision.judged.fit
+    if decision.verdict == "unknown_effect" or not fit.effects:
+        return model
     names = ", ".join(observed.runs[number].name for number in known)
+    lacked = " and ".join(effect.label() for effect in fit.effects)
     observed.warnings.append(
-        f"{names}: {decision.judged.label()} is missing in the baseline model before the change already; it is part of the "
+        f"{names}: {lacked} is missing in the baseline model before the change already; it is part of the "
         "model here, and what is said is what changed since"
     )
     return Model(model.structure, observed, model.prior, tuple(zip(fit.effects, fit.values, strict=True)))
@@ -296,10 +291,6 @@ def _find(
     found.pair = pair
     found.false_alarms = stored(false_alarms, len(effects))
     unhide(found)
-    for _ in range(SETTINGS.search.errors):
-        error = error_of_frame(found)
-        if error is None:
-            break
-        found = with_error(found, error, effects, progress)
+    found = beyond_errors(found, effects, progress)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

@@ -20,6 +20,7 @@ from scipy.linalg import eigh
 from scipy.stats import binomtest
 
 from pounding.diagnosis.case.case import Case, CaseFrame
+from pounding.diagnosis.decision.beyond_errors import beyond_errors
 from pounding.diagnosis.decision.false_alarms import FILE, of_rows, read_nulls
 from pounding.diagnosis.decision.nulls import Shown, shown
 from pounding.diagnosis.decision.verdict import decide
@@ -29,7 +30,7 @@ from pounding.diagnosis.hidden.instruments import recorded
 from pounding.diagnosis.hidden.rigging import RUNS, draw_rig
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.inference.discrepancy import SCALES
-from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.search import search, silent
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
@@ -91,7 +92,9 @@ def null(number: int, seed: int) -> dict[str, object]:
     noise = float(np.exp(rng.uniform(*np.log(NOISES))))
     discrepancy = float(rng.choice(SCALES))
     model, training, held_out = _model(_with_fewer(_case(frame, noise, discrepancy, rng), rng))
-    found = search(model, candidates(model), training, held_out, lambda what, share: None)
+    effects = candidates(model)
+    found = search(model, effects, training, held_out, silent)
+    found = beyond_errors(found, effects, silent)
     samples = sum(len(run.time_s) for run in model.observed.runs)
     row = Row(
         number, seed, frame, len(model.observed.names), samples, noise, discrepancy, decide(found).verdict,

@@ -17,6 +17,7 @@ from time import monotonic
 import msgspec
 import numpy as np
 
+from pounding.diagnosis.decision.beyond_errors import beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
 from pounding.diagnosis.decision.false_alarms import alarms_of, of_nulls
@@ -24,7 +25,7 @@ from pounding.diagnosis.decision.nulls import Shown, drawn, shown, with_data_of
 from pounding.diagnosis.decision.verdict import decide, features
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, best
-from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.search import Progress, search, silent
 from pounding.diagnosis.inference.tails import FalseAlarms
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
@@ -35,8 +36,6 @@ from pounding.extras import extra_module
 from pounding.frames.files import sealed, tell_damage, unsealed, write_whole
 
 WORKERS = 2
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def calibrated(
         drawn_from: What the cases hide, and contacts as stated, in words.
         progress: Called with what is being done and the share that is done.
     """
-    own = any(hasattr(one.effect, "source") for one in found.scores.ranked)
+    own = any(hasattr(one, "source") for one in found.candidates)
     path = folder / f"calibration-{fingerprint(found, drawn_from)}.jsonl"
     return calibrate(simulate, path, progress, workers=1 if own else WORKERS)
 
@@ -122,7 +121,7 @@ def fingerprint(found: Findings, drawn_from: Sequence[str]) -> str:
     for run in found.model.observed.runs:
         for series in (run.table, run.measured, run.contact):
             digest.update(np.ascontiguousarray(series).tobytes())
-    digest.update(" ".join(sorted(one.effect.label() for one in found.scores.ranked)).encode())
+    digest.update(" ".join(sorted(one.label() for one in found.candidates)).encode())
     digest.update(" ".join(drawn_from).encode())
     digest.update(repr(found.model.prior).encode())
     digest.update(repr((found.reference, found.model.always)).encode())
@@ -175,8 +174,9 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     tried = hypotheses(found)
     truth = tried[turn(number, len(tried) - 1)]
     model = simulated(found, truth, np.random.default_rng([number, 20261121]))
-    effects = [one.effect for one in found.scores.ranked]
-    again = search(model, effects, found.fitted, found.held_out, lambda what, share: None)
+    effects = found.candidates
+    again = search(model, effects, found.fitted, found.held_out, silent)
+    again = beyond_errors(again, effects, silent)
     decision = decide(again)
     right = decision.verdict == "nothing_missing"
     if truth.effects:
@@ -231,9 +231,12 @@ def noise_shares(found: Findings) -> tuple[np.ndarray, float]:
 
 
 def scattered(truth: Judged, rng: np.random.Generator) -> list[tuple[Effect, np.ndarray]]:
-    """Return effects of about their fitted size, each with its SI parameters, shape (parameters,)."""
+    """Return effects of about their fitted size, each with its SI parameters, shape (parameters,).
+
+    Errors of the frame that the null model has act as well.
+    """
     acting = []
-    for effect, values in zip(truth.effects, truth.fit.values, strict=True):
+    for effect, values in zip(truth.fit.effects, truth.fit.values, strict=True):
         changed = np.array(values, float)
         changed[effect.amplitude] *= np.exp(SETTINGS.calibration.size_scatter * rng.standard_normal())
         acting.append((effect, changed))

@@ -92,12 +92,24 @@ class Findings:
     false_alarms: FalseAlarms | None = None
     """By what it is judged; None: by the nulls that come with the package, at the usual rate."""
     reference: tuple[int, ...] = ()
+    plain: Judged | None = None
+    """The null model without the errors of the frame that are in it; None where none is."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 
     def __repr__(self) -> str:
         best = repr(self.judged[0]) if self.judged else "none"
         return f"Findings({len(self.judged)} candidates judged, the best: {best})"
+
+    @property
+    def baseline(self) -> Judged:
+        """The calibrated baseline model alone, without errors of the frame that the null model may have."""
+        return self.plain or self.null
+
+    @property
+    def candidates(self) -> list[Effect]:
+        """All effects that were tried, those that the null model has as errors of the frame among them."""
+        return [*(one.effect for one in self.scores.ranked), *self.null.fit.effects]
 
     @property
     def fitted(self) -> tuple[int, ...]:

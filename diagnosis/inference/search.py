@@ -25,6 +25,15 @@ from pounding.diagnosis.settings import SETTINGS
 Progress = Callable[[str, float], None]
 
 
+def silent(what: str, share: float) -> None:
+    """Tell nobody of the progress.
+
+    Args:
+        what: What is being done.
+        share: The share that is done.
+    """
+
+
 def search(
     model: Model,
     effects: Sequence[Effect],

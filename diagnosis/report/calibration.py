@@ -114,7 +114,10 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
     """
     size, left = sight.discrepancy(), remaining(found, judged)
     share = "less than 0.01" if size < SHOWN else f"{100 * size:.2g}"
-    said = f"the baseline model and the frame differ by {share} % of the motion in ways that no single effect explains"
+    model = (
+        "the baseline model" if found.plain is None else "the baseline model with the frame's errors in it"
+    )
+    said = f"{model} and the frame differ by {share} % of the motion in ways that no single effect explains"
     chance = p_value(found, left)
     if not remains(found, left):
         return Remainder(

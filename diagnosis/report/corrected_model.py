@@ -7,7 +7,7 @@ of a frame (a sensor, the table, a contact) is said beside it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,44 +46,69 @@ class OnFrames:
         assembly: Its matrices, with the effects.
         laws: The laws of each frame.
         beside: Labels of the effects that are on no frame.
+        left_out: Labels of the errors of a frame that its file cannot state.
     """
 
     model: Model
     assembly: Assembly
     laws: tuple[tuple[StatedLaw, ...], ...]
     beside: tuple[str, ...]
+    left_out: tuple[str, ...]
 
 
-def on_frames(model: Model, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]]) -> OnFrames:
+def on_frames(
+    model: Model,
+    values: np.ndarray,
+    effects: Sequence[tuple[Acting, np.ndarray]],
+    errors: Collection[Acting] = (),
+) -> OnFrames:
     """Return a model with effects as what frame files can state of it.
 
     Args:
         model: The baseline model.
         values: Its nuisance parameters in their own units, shape (nuisance,).
         effects: Effects that act, each with its SI parameters, shape (parameters,).
+        errors: Those of them that are errors of the frame, and left out where no frame file can state them.
 
     Raises:
         CaseError: An effect that is on a frame and that no frame file can state.
     """
     laws: list[list[StatedLaw]] = [[] for _ in model.structure.frames]
     beside = []
+    left_out: list[Acting] = []
     plain = Model(model.structure, model.observed, model.prior).assemble(values)
     for effect, numbers in (*model.always, *effects):
-        label = effect.label() if hasattr(effect, "label") else str(effect)
+        label = _label(effect)
         alone = plain.copy()
         effect.apply(alone, np.asarray(numbers, float), model)
-        if alone.extensions:
-            raise CaseError(
-                f"{label}: the floors move in more ways than along the shaking with it, which a stick's frame file "
-                "cannot state; the report has its numbers"
-            )
-        for placed in alone.laws:
-            frame, law = _stated(model, placed, label)
+        try:
+            stated = _laws(model, alone, label)
+        except CaseError:
+            if effect not in errors:
+                raise
+            left_out.append(effect)
+            continue
+        for frame, law in stated:
             laws[frame].append(law)
         if not alone.laws and _same_frames(alone, plain):
             beside.append(label)
-    assembly = model.assemble(values, effects)
-    return OnFrames(model, assembly, tuple(map(tuple, laws)), tuple(beside))
+    assembly = model.assemble(values, [one for one in effects if one[0] not in left_out])
+    labels = tuple(_label(effect) for effect in left_out)
+    return OnFrames(model, assembly, tuple(map(tuple, laws)), tuple(beside), labels)
+
+
+def _label(effect: Acting) -> str:
+    return str(effect.label()) if hasattr(effect, "label") else str(effect)
+
+
+def _laws(model: Model, alone: Assembly, label: str) -> list[tuple[int, StatedLaw]]:
+    """Return the laws of a frame that has one effect alone, each with the number of its frame."""
+    if alone.extensions:
+        raise CaseError(
+            f"{label}: the floors move in more ways than along the shaking with it, which a stick's frame file "
+            "cannot state; the report has its numbers"
+        )
+    return [_stated(model, placed, label) for placed in alone.laws]
 
 
 def _same_frames(one: Assembly, other: Assembly) -> bool:
@@ -210,21 +235,21 @@ def _contents(diagnosis: Diagnosis, file: Path, sentence: str) -> _Contents:
     if conclusion.verdict == "unknown_effect":
         raise CaseError("nothing in the catalogue fits what is missing, so there is no corrected model")
     model, fit = _chosen(diagnosis)
-    found = on_frames(model, fit.values, fit.effects)
+    found = on_frames(model, fit.values, fit.effects, diagnosis.found.null.fit.effects)
     beside = list(found.beside)
     beside += [one.words() for one in conclusion.effects if one.contact is not None or one.left is not None]
     files: dict[Path, str] = {}
     for number, frame in enumerate(case.frames):
         made = corrected_frame(found, number, definition(frame), f"{frame.name} as measured: {case.title}")
         path = file if len(case.frames) == 1 else file.with_stem(f"{file.stem}-{frame.name}")
-        files[path] = frame_text(made, model.structure.frames[number], sentence, beside)
+        files[path] = frame_text(made, model.structure.frames[number], sentence, beside, found.left_out)
     runs = [*diagnosis.found.training, *diagnosis.found.held_out]
     moved = {_table_file(file, model, run): _table_text(found, run) for run in runs}
     faults = model.assemble(np.zeros(len(model.std)), fit.effects)
     return _Contents(
         files | moved,
         tuple(str(path) for path in moved),
-        tuple(beside),
+        (*beside, *found.left_out),
         corrected_case(case, model.observed, faults),
     )
 

@@ -88,7 +88,7 @@ def channels(diagnosis: Diagnosis, outputs: Outputs) -> tuple[ChannelMisfit, ...
     """Return each channel's misfit before and after and its noise floor, on the held-out runs if there are any."""
     found = diagnosis.found
     which = 1 if found.held_out else 0
-    before = after = found.null.channel_misfit[which]
+    before = after = found.baseline.channel_misfit[which]
     if outputs:
         runs = (found.training, found.held_out)[which]
         after = channel_misfits(found.model, [outputs[run] for run in runs], runs)

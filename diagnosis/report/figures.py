@@ -85,7 +85,7 @@ def _where(diagnosis: Diagnosis, report: Report) -> Figure:
     figure = _figure(9, 1.2 + 0.36 * len(names))
     bars, bands, each = figure.subplots(1, 3, width_ratios=(3, 3, 1.5))
     at = np.arange(len(names))
-    bars.barh(at - 0.2, 100 * found.null.channel_misfit[which], 0.36, color=BLUE, label="before")
+    bars.barh(at - 0.2, 100 * found.baseline.channel_misfit[which], 0.36, color=BLUE, label="before")
     after = np.array([])
     if any(one.after is not None for one in report.channels or ()):
         after = np.array([np.nan if one.after is None else one.after for one in report.channels or ()])
@@ -97,7 +97,7 @@ def _where(diagnosis: Diagnosis, report: Report) -> Figure:
         )
     bars.set_yticks(at, names)
     bars.set_xscale("log")
-    lengths = 100 * np.concatenate([found.null.channel_misfit[which], floor, after])
+    lengths = 100 * np.concatenate([found.baseline.channel_misfit[which], floor, after])
     bars.set_xlim(0.6 * np.nanmin(lengths), max(1.3 * np.nanmax(lengths), 4 * np.nanmin(lengths)))
     bars.xaxis.set_major_locator(LogLocator(10, (1, 2, 5)))
     bars.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -109,7 +109,7 @@ def _where(diagnosis: Diagnosis, report: Report) -> Figure:
     figure.legend(*bars.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
     maps = misfit_maps(
         model,
-        found.null.fit.filtered,
+        found.baseline.fit.filtered,
         np.nan_to_num(found.floor[0], nan=1.0),
         [*found.training, *found.held_out],
     )

@@ -17,7 +17,13 @@ from pounding.frames.storey_laws import StatedLaw
 WIDTH = 118
 
 
-def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: Sequence[str]) -> str:
+def frame_text(
+    frame: StickFrame,
+    baseline: StoreyFrame,
+    sentence: str,
+    beside: Sequence[str],
+    left_out: Sequence[str] = (),
+) -> str:
     """Return the text of a frame file.
 
     Args:
@@ -25,6 +31,7 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
         baseline: The frame as the baseline model has it, beside which the changes are stated.
         sentence: The verdict in words.
         beside: What was found that is on no frame.
+        left_out: Errors of the frame that its file cannot state.
     """
     assert frame.matrices is not None
     said = [
@@ -35,6 +42,8 @@ def frame_text(frame: StickFrame, baseline: StoreyFrame, sentence: str, beside: 
     ]
     if beside:
         said.append(f"Not in this file, because it is not on the frame: {'; '.join(beside)}.")
+    if left_out:
+        said.append(f"Left out, an error of the frame that no frame file can state: {'; '.join(left_out)}.")
     head = [
         line
         for one in said

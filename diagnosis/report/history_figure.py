@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.misfit import levelled, simulate
-from pounding.diagnosis.report.making import Outputs
+from pounding.diagnosis.report.making import Outputs, shown_after
 from pounding.experiments.pictures.palette import BLACK, BLUE, ORANGE
 
 SHOWN_S = 3.0
@@ -30,6 +30,16 @@ def history_figure(diagnosis: Diagnosis, outputs: Outputs) -> Figure:
     return figure
 
 
+def _not_claimed(diagnosis: Diagnosis, brief: bool) -> str:
+    """Return in words what is in the model after, where that is not the verdict's effect."""
+    shown = shown_after(diagnosis)
+    if diagnosis.decision.named or shown is None:
+        return ""
+    if not shown.effects:
+        return " (errors)" if brief else " (with the errors that this frame has)"
+    return " (candidate)" if brief else " (with the likeliest candidate, which is not claimed)"
+
+
 def draw_history(
     upper: Axes, lower: Axes, diagnosis: Diagnosis, outputs: Outputs, *, brief: bool = False
 ) -> None:
@@ -46,20 +56,17 @@ def draw_history(
     model, observed = found.model, found.model.observed
     run = (found.held_out or found.training)[0]
     data = observed.runs[run]
-    channel = int(np.nanargmax(found.null.channel_misfit[1 if found.held_out else 0]))
+    channel = int(np.nanargmax(found.baseline.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
-    fitted = found.null.fit.filtered
+    fitted = found.baseline.fit.filtered
     simulated = {"before": (simulate(model, fitted.values, fitted.effects, [run])[0], BLUE)}
     if outputs:
         simulated["after"] = (outputs[run], ORANGE)
-    claimed = (
-        ""
-        if diagnosis.decision.named
-        else " (candidate)"
-        if brief
-        else " (with the likeliest candidate, which is not claimed)"
+    told, before, wide = (
+        {"after": _not_claimed(diagnosis, brief)},
+        "" if brief else "simulated, ",
+        BRIEF if brief else 1.0,
     )
-    told, before, wide = {"after": claimed}, "" if brief else "simulated, ", BRIEF if brief else 1.0
     measured = data.measured[:, channel] / scale
     for (name, (output, colour)), width in zip(simulated.items(), (1.8, 2.8), strict=False):
         difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale

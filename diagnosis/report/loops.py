@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.inference.residual_force import ResidualForce, residual_force
 from pounding.diagnosis.inference.storey_force import storey_force
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.report.making import corrected, shown_after
+from pounding.diagnosis.report.making import corrected, shown_after, without
 from pounding.diagnosis.settings import SETTINGS
 
 BLOCKS = 8
@@ -64,19 +65,20 @@ class Difference:
 def loops(diagnosis: Diagnosis) -> Loops | None:
     """Return the loops of the storey in which the shown candidate has most force.
 
-    None where it acts in no storey, and where nothing is missing.
+    None where it acts in no storey, and where nothing is missing. Errors of the frame that it is judged beside stay in the
+    model beyond which the force is.
 
     Args:
         diagnosis: What was found and decided.
     """
     judged, found = shown_after(diagnosis), diagnosis.found
-    if judged is None or diagnosis.conclusion.verdict == "nothing_missing":
+    if judged is None or not judged.effects or diagnosis.conclusion.verdict == "nothing_missing":
         return None
     model, fit = corrected(found, judged)
     strongest = _strongest(model, found.training)
-    bare = without_forces(fit)
+    bare = without_forces(fit, judged.effects)
     first = residual_force(model, bare, strongest[0])
-    storey = _storey(model, fit, first)
+    storey = _storey(model, without(fit, found.null.fit.effects), first)
     if storey is None:
         return None
     measured = (first, *(residual_force(model, bare, run) for run in strongest[1:]))
@@ -103,10 +105,14 @@ def _strongest(model: Model, runs: Sequence[int]) -> list[int]:
     return [run for run, earlier in zip(ordered, before, strict=True) if not earlier or earlier < SAMPLES]
 
 
-def without_forces(fit: Filtered) -> Filtered:
-    """Return a fit without the effects that are a force in a frame; what sensors have wrong stays put right."""
-    kept = tuple(one for one in fit.effects if getattr(one[0], "where", "") in SENSORS)
-    return replace(fit, effects=kept)
+def without_forces(fit: Filtered, effects: Sequence[Effect]) -> Filtered:
+    """Return a fit without those of the effects that are a force in a frame; what sensors have wrong stays put right.
+
+    Args:
+        fit: The fit.
+        effects: The effects.
+    """
+    return without(fit, [one for one in effects if one.where not in SENSORS])
 
 
 def _storey(model: Model, fit: Filtered, motion: ResidualForce) -> int | None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from msgspec import UNSET
@@ -14,6 +14,7 @@ from pounding.diagnosis.decision.decision import NAMED
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.false_alarms import remains
 from pounding.diagnosis.decision.measures import before
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -64,7 +65,7 @@ def report_on(diagnosis: Diagnosis) -> Made:
         )
     spots = where(
         found.model,
-        found.null.fit.filtered,
+        found.baseline.fit.filtered,
         np.nan_to_num(found.floor[0], nan=1.0),
         [*found.training, *found.held_out],
     )
@@ -153,13 +154,17 @@ def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str
 
 
 def shown_after(diagnosis: Diagnosis) -> Judged | None:
-    """Return the candidate with which `after` is run: the verdict's, else the likeliest; None where none has evidence."""
+    """Return the candidate with which `after` is run: the verdict's, else the likeliest.
+
+    Where none has evidence it is the null model, if that has errors of the frame in it, else None.
+    """
     if diagnosis.decision.named:
         return diagnosis.decision.judged
     if diagnosis.conclusion.verdict in NAMED:
         # What is claimed of a contact changes nothing in frames whose forces are measured.
         return None
-    return _likeliest(diagnosis.found)
+    found = diagnosis.found
+    return _likeliest(found) or (found.null if found.plain is not None else None)
 
 
 def corrected(found: Findings, judged: Judged) -> tuple[Model, Filtered]:
@@ -167,6 +172,16 @@ def corrected(found: Findings, judged: Judged) -> tuple[Model, Filtered]:
     if found.settled is not None and found.settled[0] is judged:
         return found.settled[1:]
     return found.model, judged.fit.filtered
+
+
+def without(filtered: Filtered, left_out: Collection[Effect]) -> Filtered:
+    """Return a fit without some of its effects, everything else as it is.
+
+    Args:
+        filtered: The fit.
+        left_out: The effects.
+    """
+    return replace(filtered, effects=tuple(one for one in filtered.effects if one[0] not in left_out))
 
 
 def _outputs(diagnosis: Diagnosis, motions: dict[int, FrameMotion]) -> Outputs:
@@ -200,7 +215,7 @@ def _likeliest(found: Findings) -> Judged | None:
 def _misfit(diagnosis: Diagnosis, which: int, outputs: Outputs) -> Misfit:
     found = diagnosis.found
     runs = (found.training, found.held_out)[which]
-    plain = after = found.null.misfit[which]
+    plain = after = found.baseline.misfit[which]
     if outputs:
         after = float(median(channel_misfits(found.model, [outputs[run] for run in runs], runs)))
     return Misfit(

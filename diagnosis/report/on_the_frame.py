@@ -62,7 +62,7 @@ def on_the_frame(diagnosis: Diagnosis, motions: Mapping[int, FrameMotion]) -> On
     built = [_built(frame) for frame in diagnosis.case.frames]
     before = _apart(diagnosis, built, _calibrated(diagnosis, run))
     after = _apart(diagnosis, built, motions[run]) if run in motions else None
-    words = "" if judged is None else " and ".join(one.label() for one in judged.effects)
+    words = "" if judged is None else " and ".join(one.label() for one in judged.fit.effects)
     return OnTheFrame(found.model.observed.runs[run].name.removesuffix(".csv"), before, after, words)
 
 
@@ -73,7 +73,7 @@ def _built(stated: CaseFrame) -> frames.ReducedFrame:
 
 def _calibrated(diagnosis: Diagnosis, run: int) -> FrameMotion:
     """Return the motion of all frames as one body in a run by the calibrated baseline model."""
-    model, fit = diagnosis.found.model, diagnosis.found.null.fit.filtered
+    model, fit = diagnosis.found.model, diagnosis.found.baseline.fit.filtered
     (states,) = model.predict(fit.values, None, fit.effects, [run]).before
     modes = model.modes(model.assemble(fit.values, fit.effects))
     count, data = len(modes.omega), model.observed.runs[run]

@@ -145,7 +145,7 @@ class CorrectedModel(Struct, frozen=True, kw_only=True):
     Attributes:
         files: The files that were written, the frames' first; none where it was refused.
         motions: Those of them that hold the table's motion in a run.
-        beside: What was found that is on no frame, and so in none of the files.
+        beside: What was found that is on no frame, or an error of it that no file can state, and so in none of the files.
         case: Folder with the case without the faults of its sensors and its table; None where these have none.
         refused: Why nothing was written.
     """

@@ -11,6 +11,7 @@ from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.residual_force import ResidualForce, residual_force
 from pounding.diagnosis.inference.storey_force import storey_force
 from pounding.diagnosis.report.loops import Loops, without_forces
+from pounding.diagnosis.report.making import without
 from pounding.experiments.pictures.palette import BLUE, GREY, ORANGE
 
 SHOWN_S = 1.5
@@ -30,17 +31,19 @@ def residual_force_figure(diagnosis: Diagnosis, loop: Loops | None = None) -> Fi
     """
     found, decision = diagnosis.found, diagnosis.decision
     model, named = found.model, decision.named
-    fit = (decision.judged if named else found.null).fit.filtered
+    judged = decision.judged if named else found.baseline
+    fit = judged.fit.filtered
     run = max(found.training, key=lambda number: float(np.ptp(model.observed.runs[number].table)))
     if named and loop is not None and found.settled is None:
         left = loop.measured[0]
     else:
-        left = residual_force(model, without_forces(fit), run)
+        left = residual_force(model, without_forces(fit, judged.effects), run)
     storey = _storey(diagnosis, left)
     frame, number = model.structure.place(storey)
     force, std = left.force[:, storey], float(left.std[storey])
     step = model.observed.runs[run].step_s
-    law = storey_force(model, fit, storey, left.drift, left.drift_rate, step) if named else None
+    claimed = without(fit, found.null.fit.effects)
+    law = storey_force(model, claimed, storey, left.drift, left.drift_rate, step) if named else None
     figure = Figure(figsize=(9, 3.6), layout="constrained")
     *axes, storeys = figure.subplots(1, 4, width_ratios=(3, 3, 3, 1.3))
     for one in axes[1:]:

@@ -30,11 +30,12 @@ def shape(diagnosis: Diagnosis, loop: Loops | None) -> Shape | None:
         loop: The loops of the named storey, if there is one.
     """
     judged = shown_after(diagnosis)
-    if judged is None or diagnosis.conclusion.verdict == "nothing_missing":
+    if judged is None or not judged.effects or diagnosis.conclusion.verdict == "nothing_missing":
         return None
     said = [
         words
         for effect, values, std in zip(judged.fit.effects, judged.fit.values, judged.fit.std, strict=True)
+        if effect in judged.effects
         for words in departures(diagnosis.found, effect, values, std)
     ]
     name = " and ".join(place_of(effect).words() for effect in judged.effects)

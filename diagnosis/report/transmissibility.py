@@ -16,7 +16,7 @@ from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.report.history_figure import BRIEF
-from pounding.diagnosis.report.making import Outputs
+from pounding.diagnosis.report.making import Outputs, shown_after
 from pounding.experiments.pictures.palette import BLACK, BLUE, GREEN, ORANGE
 
 SEGMENT = 0.5
@@ -59,14 +59,16 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
     """
     found = diagnosis.found
     model, runs = found.model, _alike(found.model, [*found.training, *found.held_out])
-    calibrated = found.null.fit.filtered
+    calibrated = found.baseline.fit.filtered
     series = {
         "measured": [model.observed.runs[run].measured for run in runs],
         "baseline": simulate(model, np.zeros(len(model.std)), (), runs),
         "calibrated": simulate(model, calibrated.values, calibrated.effects, runs),
     }
     if outputs:
-        series["corrected" if diagnosis.decision.named else "candidate"] = [outputs[run] for run in runs]
+        after = shown_after(diagnosis)
+        candidate = after is not None and after.effects and not diagnosis.decision.named
+        series["candidate" if candidate else "corrected"] = [outputs[run] for run in runs]
     shown = (_highest(model, number) for number in range(len(model.structure.frames)))
     return [
         _answers(diagnosis, number, channel, series)
@@ -103,7 +105,7 @@ def _answers(diagnosis: Diagnosis, frame: int, channel: int, series: dict[str, l
     acceleration = observed.quantity[channel] == ACCELERATION
     # An acceleration over the table's has no unit; others stay in that of the channel.
     scale, unit = (1.0, "-") if acceleration else (observed.to_si[channel], f"{stated} / (m/s²)")
-    modes = found.null.fit.filtered.modes
+    modes = found.baseline.fit.filtered.modes
     first = model.structure.first(frame)
     last = min(first + model.structure.frames[frame].floors, first + MODES) - 1
     own = modes.omega / (2 * np.pi)

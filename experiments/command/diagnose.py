@@ -228,7 +228,9 @@ def _exported(report: Report) -> list[str]:
     kind = "corrected" if report.named else "calibrated"
     said = [f"the {kind} model is {' and '.join(frames)}, the table's motion in each run beside it"]
     if report.model.beside:
-        said.append(f"not in it, because it is not on a frame: {'; '.join(report.model.beside)}")
+        said.append(
+            f"not in it, because it is not on a frame or no file can state it: {'; '.join(report.model.beside)}"
+        )
     if report.model.case is not None:
         said.append(f"the measurements without that are the case {report.model.case}")
     return said

@@ -49,7 +49,7 @@ def test_the_files_and_what_is_not_in_them_are_said(
     assert ended(case, str(case / "f.toml"), model, monkeypatch) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "the corrected model is f.toml, the table's motion in each run beside it" in said
-    assert "not in it, because it is not on a frame: sensor gain" in said
+    assert "not in it, because it is not on a frame or no file can state it: sensor gain" in said
     assert "the measurements without that are the case f-case" in said
 
 

@@ -1,0 +1,139 @@
+"""An effect behind a larger error of the frame: a part that sways on the roof, and friction in a storey below."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.case.case import Case, CaseFrame, Run
+from pounding.diagnosis.decision.beyond_errors import beyond_errors
+from pounding.diagnosis.decision.conclusion import of_frames
+from pounding.diagnosis.decision.diagnosis import Diagnosis
+from pounding.diagnosis.decision.measures import model_error
+from pounding.diagnosis.decision.rig_calibration import scattered
+from pounding.diagnosis.decision.verdict import decide, error_of_frame
+from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.search import search, silent
+from pounding.diagnosis.inference.sight import Sight
+from pounding.diagnosis.report.calibration import remainder
+from pounding.diagnosis.report.corrected_model import export_model
+from pounding.diagnosis.report.details import channels
+from pounding.diagnosis.report.loops import loops
+from pounding.diagnosis.report.making import Made, report_on
+from pounding.diagnosis.report.on_the_frame import on_the_frame
+from tests.diagnosis.models import STEP_S, measured
+from tests.diagnosis.report.test_shown import channels as stated_channels
+
+SWAYING, RUBBING = np.array([0.1, 11.0, 0.02]), np.array([0.15, 10.0, 0.0])
+
+
+def one(name: str, place: int) -> Effect:
+    every = candidates(measured())
+    return next(effect for effect in every if effect.name == name and place in (effect.storey, effect.floor))
+
+
+SWAY, RUB = one("appendage", 3), one("coulomb_friction", 2)
+EFFECTS = [SWAY, RUB, one("coulomb_friction", 1), one("coulomb_friction", 3), one("cubic_stiffness", 2)]
+
+
+@cache
+def alone() -> Findings:
+    """Return what the search finds without the error in the null model."""
+    model = measured([(SWAY, SWAYING), (RUB, RUBBING)], noise=0.005)
+    return search(model, EFFECTS, [0], [1], silent)
+
+
+@cache
+def beyond() -> Findings:
+    """Return what is found beyond the error."""
+    return beyond_errors(alone(), EFFECTS, silent)
+
+
+@cache
+def diagnosed() -> Diagnosis:
+    """Return the diagnosis of these runs as those of a frame with sensors."""
+    found = beyond()
+    runs = tuple(
+        Run(run.name, None, run.time_s, STEP_S, np.column_stack([run.table, run.measured]))
+        for run in found.model.observed.runs
+    )
+    frame = CaseFrame(
+        "bench",
+        3,
+        storey_height_m=0.2,
+        floor_mass_kg=(6.5, 6.5, 6.5),
+        frequency_hz=(6.806,),
+        damping_ratio=(0.01,),
+    )
+    case = Case("bench", Path("bench"), (frame,), runs, stated_channels())
+    decision = decide(found)
+    return Diagnosis(case, found, decision, of_frames(case, found, decision))
+
+
+@cache
+def made() -> Made:
+    return report_on(diagnosed())
+
+
+def test_an_effect_that_alone_has_no_evidence_is_named_beside_the_error_that_hides_it() -> None:
+    found, about = alone(), beyond()
+    assert all(judged.ln_bayes < 0.0 for judged in found.judged if judged.effects == (RUB,))
+    error = error_of_frame(found)
+    assert error is not None
+    assert error.effects == (SWAY,)
+    assert about.null.effects == ()
+    assert about.null.fit.effects == (SWAY,)
+    assert model_error(about) < model_error(found)
+    decision = decide(about)
+    assert decision.verdict == "effect_named"
+    assert decision.judged.effects == (RUB,)
+    assert decision.judged.fit.values[1][0] == pytest.approx(RUBBING[0], rel=0.03)
+    assert decision.judged.ln_bayes == pytest.approx(
+        decision.judged.fit.log_posterior - error.fit.log_posterior
+    )
+    (said,) = decision.model_checks
+    assert said.startswith("the model also has a little appendage, floor 3 of bench")
+
+
+def test_before_is_the_baseline_model_without_the_error_and_after_the_model_with_both() -> None:
+    found, report = beyond(), made().report
+    assert found.baseline.fit is alone().null.fit
+    assert report.misfit.training is not None
+    assert report.misfit.training.before == pytest.approx(found.baseline.misfit[0])
+    assert report.misfit.training.before > found.null.misfit[0] > (report.misfit.training.after or 1.0)
+    rows = channels(diagnosed(), made().outputs)
+    np.testing.assert_allclose([row.before for row in rows], found.baseline.channel_misfit[1])
+    shown = on_the_frame(diagnosed(), made().motions)
+    assert "appendage" in shown.effect
+    assert "friction" in shown.effect
+
+
+def test_what_is_said_of_the_storey_is_about_the_effect_and_not_about_the_error() -> None:
+    loop = loops(diagnosed())
+    assert loop is not None
+    assert loop.storey == 1
+    judged = diagnosed().decision.judged
+    said = remainder(beyond(), judged, Sight.of(beyond(), judged.fit.filtered)).statement
+    assert said.startswith("the baseline model with the frame's errors in it and the frame differ by")
+
+
+def test_an_error_that_no_frame_file_can_state_does_not_keep_the_effect_out_of_it(tmp_path: Path) -> None:
+    model = export_model(diagnosed(), tmp_path / "bench.toml", "Friction is missing.")
+    assert model.refused is None
+    assert model.beside == ("appendage, floor 3 of bench",)
+    text = (tmp_path / "bench.toml").read_text()
+    assert "friction" in text
+    assert "Left out, an error of the frame that no frame file can state: appendage" in text
+
+
+def test_a_simulated_case_of_this_rig_has_the_error_and_all_effects_compete_in_it() -> None:
+    found = beyond()
+    assert set(found.candidates) == set(EFFECTS)
+    for truth, effects in ((found.null, [SWAY]), (diagnosed().decision.judged, [SWAY, RUB])):
+        acting = scattered(truth, np.random.default_rng(1))
+        assert [effect for effect, _ in acting] == effects
