@@ -230,6 +230,7 @@ def picture(rows: Sequence[dict[str, Any]], path: Path) -> None:
         axes.bar_label(bars, fmt="%.1f", padding=3)
     axes.set_yticks(range(len(rows)), [one["variant"] for one in rows])
     axes.invert_yaxis()
+    axes.margins(x=0.12)
     axes.set_xlabel("misfit of the held-out run [% of the measured rms]")
     axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0), title="effects in the model")
     axes.spines[["top", "right"]].set_visible(False)
