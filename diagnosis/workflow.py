@@ -27,6 +27,7 @@ from pounding.diagnosis.inference.findings import Findings, judged_on
 from pounding.diagnosis.inference.search import Progress, search, silent
 from pounding.diagnosis.model.first_frequencies import check_resolved, frequency_warnings
 from pounding.diagnosis.model.frames import baseline_frames
+from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData, observe
 from pounding.diagnosis.model.sensors import screened, usable
@@ -98,6 +99,7 @@ def diagnose(
     diagnosis = conclude(case, found, decision)
     if calibrate:
         diagnosis = _calibrated(diagnosis, own, told)
+    give_back()
     made = report_on(diagnosis)
     if export_model is not None:
         made = _exported(diagnosis, made, Path(export_model))

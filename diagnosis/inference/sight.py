@@ -132,9 +132,12 @@ def _columns(found: Findings, filtered: Filtered, run: int) -> tuple[np.ndarray,
     noise = noise * np.sqrt(model.observed.slower)
     output = simulate(model, filtered.values, filtered.effects, [run])[0]
 
-    def column(probe: np.ndarray) -> np.ndarray:
-        changed = simulate(model, filtered.values + probe, filtered.effects, [run])[0]
-        return np.asarray(((changed - output) / noise).ravel() / PROBE)
+    probes = PROBE * np.diag(model.spread(filtered.discrepancy))
+    columns = np.empty((len(probes), output.size))
 
-    columns = side_by_side(column, list(PROBE * np.diag(model.spread(filtered.discrepancy))))
-    return output, noise, np.array(columns).T
+    def fill(number: int) -> None:
+        changed = simulate(model, filtered.values + probes[number], filtered.effects, [run])[0]
+        columns[number] = ((changed - output) / noise).ravel() / PROBE
+
+    side_by_side(fill, range(len(probes)))
+    return output, noise, columns.T

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.signal import fftconvolve, firwin, resample_poly
 
 from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.model.free_memory import keep_no_holes
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.storeys import Structure, solve_modes
@@ -39,6 +40,7 @@ def slowed_if_long(observed: Observations, structure: Structure) -> Observations
     rate_hz = max(ours.long_rate_hz, ours.long_rate_modes * _highest_hz(structure))
     if size <= ours.long_samples or max(_every(run, rate_hz) for run in observed.runs) < 2:
         return observed
+    keep_no_holes()
     slow = slowed(observed, rate_hz)
     fewest = min(1.0 / run.step_s for run in slow.runs)
     observed.warnings.append(

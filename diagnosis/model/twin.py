@@ -8,7 +8,7 @@ of the engine, so that a step that is taken back leaves no trace.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -60,7 +60,7 @@ def simulate_engine(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
-    motions: dict[int, FrameMotion] | None = None,
+    seen: Callable[[int, FrameMotion], None] | None = None,
 ) -> list[np.ndarray]:
     """Return the channels (samples, channels) in SI of each run as the exudyn rig gives them.
 
@@ -69,17 +69,18 @@ def simulate_engine(
         values: Its nuisance parameters in their own units, shape (nuisance,).
         effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
-        motions: Gets the motion of all frames, as one body, of each run, by its number. The body's first coordinates are
-            the floors' displacements relative to the table, frame by frame.
+        seen: Called with the number of each run and the motion of all frames in it, as one body. The body's first
+            coordinates are the floors' displacements relative to the table, frame by frame.
 
     Raises:
         CaseError: The engine did not get through a run.
     """
-    kept = {} if motions is None else motions
     outputs = []
     for run, (assembly, _) in zip(runs, model.systems(values, effects, runs), strict=True):
-        kept[run] = _shaken(model, assembly, run, values, effects)
-        outputs.append(channels(model, assembly, run, kept[run], values, effects))
+        motion = _shaken(model, assembly, run, values, effects)
+        outputs.append(channels(model, assembly, run, motion, values, effects))
+        if seen is not None:
+            seen(run, motion)
     return outputs
 
 

@@ -39,7 +39,7 @@ class Made:
     Attributes:
         report: The report.
         outputs: The channels of each run.
-        motions: The motion of all frames, as one body, of each run.
+        motions: The motion of all frames, as one body, of the run that is shown on the frame, by its number.
     """
 
     report: Report
@@ -153,6 +153,11 @@ def poor_forces(pair: Pair, left: float | None, noise: float | None) -> list[str
     ]
 
 
+def shown_run(found: Findings) -> int:
+    """Return the number of the run that is shown on the frame: the first one that was held out, else the first one used."""
+    return (found.held_out or found.training)[0]
+
+
 def shown_after(diagnosis: Diagnosis) -> Judged | None:
     """Return the candidate with which `after` is run: the verdict's, else the likeliest.
 
@@ -187,15 +192,20 @@ def without(filtered: Filtered, left_out: Collection[Effect]) -> Filtered:
 def _outputs(diagnosis: Diagnosis, motions: dict[int, FrameMotion]) -> Outputs:
     """Return the runs as the engine gives them with the effects in them, empty where no candidate has evidence.
 
-    Their motions are put beside them.
+    The motion of the one that is shown on the frame is put beside them; those of all long runs would fill the memory.
     """
     found, judged = diagnosis.found, shown_after(diagnosis)
     if judged is None:
         return {}
     model, filtered = corrected(found, judged)
     runs = (*found.training, *found.held_out)
+
+    def seen(run: int, motion: FrameMotion) -> None:
+        if run == shown_run(found):
+            motions[run] = motion
+
     try:
-        outputs = simulate_engine(model, filtered.values, filtered.effects, runs, motions)
+        outputs = simulate_engine(model, filtered.values, filtered.effects, runs, seen)
     except CaseError:
         if diagnosis.decision.named:
             raise

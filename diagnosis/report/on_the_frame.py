@@ -13,7 +13,7 @@ from pounding.diagnosis.case.case import CaseFrame
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.model.frames import definition
 from pounding.diagnosis.model.twin import reduced_frame
-from pounding.diagnosis.report.making import shown_after
+from pounding.diagnosis.report.making import shown_after, shown_run
 from pounding.experiments.pictures import films, scenes
 from pounding.experiments.pictures.series import write_series
 from pounding.experiments.rig.motion import EnergyBalance, FrameMotion, Motion
@@ -58,7 +58,7 @@ def on_the_frame(diagnosis: Diagnosis, motions: Mapping[int, FrameMotion]) -> On
         motions: Motion of all frames, as one body, that the engine gave with the effects in them, by number of the run.
     """
     found, judged = diagnosis.found, shown_after(diagnosis)
-    run = (found.held_out or found.training)[0]
+    run = shown_run(found)
     built = [_built(frame) for frame in diagnosis.case.frames]
     before = _apart(diagnosis, built, _calibrated(diagnosis, run))
     after = _apart(diagnosis, built, motions[run]) if run in motions else None
@@ -105,10 +105,15 @@ def _moment(shown: OnTheFrame) -> float:
     # The integrator's own steps may differ.
     times = shown.before.frames[0].time_s
     apart = [
-        np.abs(one.sampled(times)[0] - other.sampled(times)[0])[:, one.reduced.floor_x[-1]]
+        _roof(one, times) - _roof(other, times)
         for one, other in zip(shown.before.frames, shown.after.frames, strict=True)
     ]
-    return float(times[int(np.argmax(np.max(apart, axis=0)))])
+    return float(times[int(np.argmax(np.max(np.abs(apart), axis=0)))])
+
+
+def _roof(frame: FrameMotion, times: np.ndarray) -> np.ndarray:
+    """Return the displacement of a roof [m] at some times [s], shape (times,)."""
+    return np.asarray(np.interp(times, frame.time_s, frame.displacement_m[:, frame.reduced.floor_x[-1]]))
 
 
 def write_frames(shown: OnTheFrame, folder: Path, *, film: bool = False) -> bytes | None:

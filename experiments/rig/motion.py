@@ -64,9 +64,16 @@ class FrameMotion:
     def sampled(self, times_s: ArrayLike) -> tuple[Real, Real]:
         """Return displacement and velocity (k, n) at any times (k,) [s], by cubic Hermite interpolation."""
         times = np.asarray(times_s, float)
+        # Only the steps about these times: the coefficients of a long run take four times its memory.
+        first, last = np.searchsorted(self.time_s, [times.min(), times.max()], side="right")
+        first = min(max(first - 1, 0), len(self.time_s) - 2)
+        part = slice(first, max(last, first + 1) + 1)
+        place, rate, change = (
+            one[part] for one in (self.displacement_m, self.velocity_m_s, self.acceleration_m_s2)
+        )
         return (
-            CubicHermiteSpline(self.time_s, self.displacement_m, self.velocity_m_s)(times),
-            CubicHermiteSpline(self.time_s, self.velocity_m_s, self.acceleration_m_s2)(times),
+            CubicHermiteSpline(self.time_s[part], place, rate)(times),
+            CubicHermiteSpline(self.time_s[part], rate, change)(times),
         )
 
     def peaks(self) -> list[dict[str, Any]]:

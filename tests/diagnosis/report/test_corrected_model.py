@@ -88,8 +88,8 @@ def on_file(acting: list[tuple[Effect, np.ndarray]]) -> str:
 
 def own_run(acting: list[tuple[Effect, np.ndarray]]) -> FrameMotion:
     """Return the diagnosis' own run with the effects."""
-    motions: dict[int, FrameMotion] = {}
-    simulate_engine(MODEL, CALIBRATED, acting, [0], motions)
+    motions: list[FrameMotion] = []
+    simulate_engine(MODEL, CALIBRATED, acting, [0], lambda _, motion: motions.append(motion))
     return motions[0]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from pounding import frames
 from pounding.contact import ContactError, Law, LinearSpring, LinearViscoelastic, make_law, thesis_law
@@ -47,6 +48,11 @@ def test_one_frame_follows_the_exact_response(low: ReducedFrame, shaking: Record
     assert motion.contacts == ()
     assert motion.model_s == pytest.approx(2.0)
     assert motion.energy.error < 1e-3
+    for few in ([0.0], [0.7311, 0.7320], [2.0], [1.2, 0.3]):
+        shown = CubicHermiteSpline(
+            motion.frames[0].time_s, motion.frames[0].displacement_m, motion.frames[0].velocity_m_s
+        )(few)
+        np.testing.assert_array_equal(motion.frames[0].sampled(few)[0], shown)
 
 
 def test_two_frames_that_do_not_touch_move_as_alone(
