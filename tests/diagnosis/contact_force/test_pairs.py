@@ -34,6 +34,7 @@ from tests.diagnosis.pair_models import (
     STEP_S,
     claimed,
     colliding,
+    found_of,
     judged,
     model_of,
     value,
@@ -41,6 +42,7 @@ from tests.diagnosis.pair_models import (
 
 BLIND_EVIDENCE = SETTINGS.pair_decision.unmeasured_factor * SETTINGS.pair_decision.contact_evidence
 """What an effect of the contact needs where no force cell measured."""
+SECOND = replace(CONTACT, floor=2, gap_m=0.0018)
 JANKOWSKI = Law("nonlinear_viscoelastic", 0.0, 2e9, np.nan, 0.7, 3.0)
 
 
@@ -76,7 +78,7 @@ def test_an_impact_of_two_masses_is_that_of_the_contact_package(law: Law, refere
 
 
 def test_a_contact_as_believed_leaves_nothing_to_say() -> None:
-    pair, found, concluded = judged(colliding(CONTACT))
+    pair, found, concluded = found_of(CONTACT)
     assert found.impacts > 10
     assert pair.cell is not None
     assert pair.cell.faults == ()
@@ -93,7 +95,8 @@ SELDOM = (pytest.mark.slow, pytest.mark.guard)
     ("measured", "true", "effect", "parameter", "wanted", "within"),
     [
         (True, *GAP),
-        (True, *DAMPING),
+        # `test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_does_not` says the same on three runs.
+        pytest.param(True, *DAMPING, marks=SELDOM),
         pytest.param(True, *STIFFNESS, marks=SELDOM),
         (False, *GAP),
         pytest.param(False, *DAMPING, marks=SELDOM),
@@ -155,8 +158,7 @@ def test_another_law_is_named() -> None:
 
 
 def test_a_second_contact_is_found_at_its_floor() -> None:
-    other = replace(CONTACT, floor=2, gap_m=0.0018)
-    pair, _, concluded = judged(colliding(CONTACT, other))
+    pair, _, concluded = found_of(CONTACT, SECOND)
     assert pair.second is not None
     # Its pushes are no fault of the force cell at the other floor.
     assert claimed(concluded) == ["second_contact"]
@@ -166,8 +168,8 @@ def test_a_second_contact_is_found_at_its_floor() -> None:
 
 
 def test_a_second_contact_is_named_though_its_force_leaves_more_than_noise() -> None:
-    case = colliding(CONTACT, replace(CONTACT, floor=2, gap_m=0.0018))
-    pair, found, _ = judged(case)
+    case = colliding(CONTACT, SECOND)
+    pair, found, _ = found_of(CONTACT, SECOND)
     poor = replace(NOTHING, verdict="unknown_effect")
     assert claimed(joined(case, pair, found, poor)) == ["second_contact"]
     # Another frame than the believed one, or a tone, is something else.
@@ -181,7 +183,7 @@ def test_the_sticks_are_those_of_the_case() -> None:
 
 
 def test_what_a_cell_reads_between_touches_shakes_no_frame() -> None:
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     force = pair.slow.observed.runs[0].contact[:, 0]
     contact_events = [event for event in pair.slow.observed.contact_events if event.run == 0]
     times = np.arange(len(force)) * pair.slow.observed.runs[0].step_s
@@ -210,7 +212,7 @@ def test_a_touch_too_weak_to_judge_the_contact_by_moves_the_frames_all_the_same(
 
 
 def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
-    _, found, _ = judged(colliding(CONTACT))
+    _, found, _ = found_of(CONTACT)
     assert found.bodies is not None
     assert found.null is not None
     # So far back that the floors miss each other, and nothing tells a descent where to go.
@@ -223,7 +225,7 @@ def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
 
 
 def test_a_single_impact_decides_nothing() -> None:
-    _, found, _ = judged(colliding(CONTACT))
+    _, found, _ = found_of(CONTACT)
     assert found.bodies is not None
     assert found.null is not None
     first, *others = found.bodies.impacts
@@ -238,7 +240,7 @@ def test_a_single_impact_decides_nothing() -> None:
 
 
 def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:
-    _, found, _ = judged(colliding(CONTACT))
+    _, found, _ = found_of(CONTACT)
     assert found.bodies is not None
     plain = found.bodies.impacts[0].whiten
     assert impacts.sharper(found.bodies, 0.5).impacts[0].whiten == pytest.approx(2 * plain)
@@ -248,7 +250,7 @@ def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:
 
 
 def test_the_size_of_a_touch_changes_that_push_alone() -> None:
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     model = pair.slow
     place, event = 1, pair.slow.observed.contact_events[1]
     number = next(
@@ -267,7 +269,7 @@ def test_the_size_of_a_touch_changes_that_push_alone() -> None:
 
 
 def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     model = pair.slow
     start = pairs.quick_filter(model, (0, 1))
     number = next(i for i, one in enumerate(model.parameters) if one.kind == "event_gain")
@@ -287,7 +289,7 @@ def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
 
 
 def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     model = pair.slow
     start = pairs.quick_filter(model, (0, 1))
     plain = simulate(model, start.values, (), [0])[0]
@@ -311,7 +313,10 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     assert told.impacts >= 5
     assert told.model > 1.25 * told.likeliest
     assert told.likeliest == pytest.approx(1.0, abs=0.35)
-    shown = joined(case, pair, found, NOTHING, told).contact_misfit
+    concluded = joined(case, pair, found, NOTHING, told)
+    assert concluded.effects[0].contact == 1
+    assert value(concluded, "restitution") == pytest.approx(0.45, abs=0.05)
+    shown = concluded.contact_misfit
     assert shown == ContactMisfit(impacts=told.impacts, before=told.model, after=told.likeliest)
     kept = joined(case, pair, replace(found, ranked=()), NOTHING, told).contact_misfit
     assert kept is not None

@@ -15,7 +15,7 @@ from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain
 from pounding.diagnosis.decision.measures import remaining, signal_to_noise
 from pounding.diagnosis.inference.findings import Findings, Judged
-from tests.diagnosis.pair_models import CONTACT, colliding, judged, model_of
+from tests.diagnosis.pair_models import CONTACT, colliding, found_of, model_of
 
 
 def effect(name: str, value: float, **where: Any) -> tuple[Any, list[float]]:
@@ -57,7 +57,7 @@ def test_effects_are_judged_beside_the_delay_of_a_filter_that_is_likelier_than_e
     ]
     nothing: Any = None
     found = Findings(nothing, nothing, nothing, nothing, (0,), (1,), judged_ones)
-    found.pair, *_ = judged(colliding(CONTACT))
+    found.pair, *_ = found_of(CONTACT)
     # What imitates the delay alone is not claimed.
     (claimed_one,) = found.claimable()
     assert claimed_one.effects == (bumper[0],)
@@ -81,7 +81,7 @@ def test_what_only_tells_how_badly_forces_and_filters_are_known_is_not_claimed()
     assert found.claimable() == judged_ones
     assert plain(found, absorbing(40.0), 0.41)
     assert not plain(found, absorbing(40.0), 0.39)
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     found.pair = pair
     assert found.claimable() == [judged_ones[0], *judged_ones[2:]]
     verdict = Decision("nothing_missing", judged_ones[1], ())
@@ -100,7 +100,7 @@ def test_an_effect_needs_more_the_less_is_known_of_what_acts_on_the_frames() -> 
     """Modes are never quite those of the baseline frame, and impacts show it: more for what imitates that."""
     nothing: Any = None
     alone = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     touching = replace(alone, pair=pair)
     beside = replace(alone, pair=replace(pair, contact_claimed=True))
     # Without a cell, forces are what the motion asks for.
@@ -118,7 +118,7 @@ def test_an_effect_needs_more_the_less_is_known_of_what_acts_on_the_frames() -> 
 def test_overwhelming_evidence_makes_up_for_size_where_a_cell_measured_the_force() -> None:
     nothing: Any = None
     alone = Findings(nothing, nothing, nothing, nothing, (0,), (1,))
-    pair, *_ = judged(colliding(CONTACT))
+    pair, *_ = found_of(CONTACT)
     touching = replace(alone, pair=pair)
     blind = replace(alone, pair=replace(pair, second=(2, 500.0, 1)))
     small = 0.12

@@ -34,6 +34,7 @@ from tests.diagnosis.pair_models import (
     SAMPLES,
     STEP_S,
     colliding,
+    found_of,
     judged,
     model_of,
     shaken,
@@ -71,6 +72,12 @@ def findings(case: Case) -> tuple[Findings, ContactFindings]:
     return found_on(pair), contact_findings
 
 
+def findings_of(contact: Contact) -> tuple[Findings, ContactFindings]:
+    """Return findings on a pair with such a contact, which tests change nothing of."""
+    pair, contact_findings, _ = found_of(contact)
+    return found_on(pair), contact_findings
+
+
 def found_on(pair: Pair) -> Findings:
     null = SimpleNamespace(fit=SimpleNamespace(filtered=quick_filter(pair.slow, [0])), ln_bayes=0.0)
     found = SimpleNamespace(pair=pair, judged=[], null=null, model=pair.slow, claimable=lambda: [])
@@ -78,7 +85,7 @@ def found_on(pair: Pair) -> Findings:
 
 
 def test_nothing_and_the_contacts_rivals_take_turns() -> None:
-    found, contact_findings = findings(colliding(OFFSET))
+    found, contact_findings = findings_of(OFFSET)
     tried = truths(found, contact_findings)
     assert [one.label for one in tried][:2] == ["nothing missing", "gap offset"]
     assert len(tried) == 3
@@ -120,7 +127,7 @@ def test_a_run_whose_end_was_left_out_is_simulated_up_to_there() -> None:
 @pytest.mark.guard
 def test_what_is_hidden_in_a_simulated_contact_is_there() -> None:
     case = colliding(OFFSET)
-    found, contact_findings = findings(case)
+    found, contact_findings = findings_of(OFFSET)
     offset = truths(found, contact_findings)[1]
     assert offset.contact is not None
     made = simulated(case, found, offset, np.random.default_rng(5))
@@ -150,7 +157,7 @@ def test_a_verdict_is_right_by_type_and_place_alone() -> None:
 
 def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
     case = colliding(CONTACT)
-    found, contact_findings = findings(case)
+    found, contact_findings = findings_of(CONTACT)
     frames, contact = (Features(name, 12.0, 3.0, 1.0, 1.0, 1) for name in ("nothing_missing", CONTACT_CLAIM))
 
     def diagnose(made: Case) -> Conclusion:
@@ -164,7 +171,7 @@ def test_an_outcome_rests_on_what_the_report_rests_on() -> None:
 
 def test_a_damping_that_no_law_of_the_engine_has_is_refused() -> None:
     case = colliding(CONTACT)
-    found, _ = findings(case)
+    found, _ = findings_of(CONTACT)
     odd = replace(CONTACT, law="nonlinear_viscoelastic", damping=900.0, restitution=None)
     with pytest.raises(CaseError, match="--calibrate cannot simulate contact 1"):
         simulated(replace(case, contacts=(odd,)), found, Truth(), np.random.default_rng(1))
