@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -24,6 +25,12 @@ def effect(name: str, storey: int) -> Effect:
 def searched(model: Model) -> Findings:
     effects = [one for one in candidates(model) if one.name in ("hysteresis", "cubic_stiffness", "bumper")]
     return search(model, effects, [0], [1], lambda what, share: None)
+
+
+@cache
+def stiffening() -> Findings:
+    """Findings on the bench with a cubic spring, which tests change nothing of."""
+    return searched(measured([(effect("cubic_stiffness", 2), np.array([2e9]))]))
 
 
 YIELDING = (effect("hysteresis", 2), effect("hysteresis", 2).values(1e4, (0.002,)))
@@ -69,8 +76,7 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
 
 
 def test_what_is_tried_is_a_measurement_that_was_not_made_and_a_clear_verdict_asks_for_none() -> None:
-    cubic = effect("cubic_stiffness", 2)
-    found = searched(measured([(cubic, np.array([2e9]))]))
+    found = stiffening()
     decision = decide(found)
     assert decision.verdict == "effect_named"
     assert rivals(found, decision) is None
@@ -84,7 +90,6 @@ def test_what_is_tried_is_a_measurement_that_was_not_made_and_a_clear_verdict_as
 
 
 def test_a_rival_that_is_the_truth_itself_gains_nothing() -> None:
-    cubic = effect("cubic_stiffness", 2)
-    found = searched(measured([(cubic, np.array([2e9]))]))
+    found = stiffening()
     best = found.judged[0].fit
     assert all(abs(gain.ln_bayes) < 1e-6 for gain in expected(found, best, best))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from pounding.diagnosis.hidden.beams import Appendage
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
 from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis
-from pounding.diagnosis.hidden.hide import VISIBILITY, hide
+from pounding.diagnosis.hidden.hide import VISIBILITY, Hidden, hide
 from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
 from pounding.diagnosis.hidden.motions import Motion, draw
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
@@ -201,6 +202,12 @@ def test_a_stop_pushes_back_on_its_side_only() -> None:
     assert stop.force(0, 2e-3, 0, 0) == 0.0
 
 
+@cache
+def bare() -> Hidden:
+    """Return the case in which nothing is hidden, once for all effects; they change nothing of it."""
+    return hide([], ["5A"], seed=8, source="artificial", duration_s=2.0)
+
+
 @pytest.mark.parametrize("effect", [*CATALOGUE, *OUTSIDE])
 def test_every_effect_changes_the_case_and_states_itself(effect: str) -> None:
     hidden = hide([effect], ["5A"], seed=8, visibility=2.0, source="artificial", duration_s=2.0)
@@ -209,9 +216,8 @@ def test_every_effect_changes_the_case_and_states_itself(effect: str) -> None:
     assert hidden.truth["kind"] == ("outside" if effect in OUTSIDE else "single")
     assert all(np.isfinite(parameter["value"]) for parameter in truth["parameters"])
     assert truth["visibility"] > 0.05
-    bare = hide([], ["5A"], seed=8, source="artificial", duration_s=2.0)
-    assert bare.truth["kind"] == "nothing"
-    assert [channel.name for channel in bare.case.channels] == [
+    assert bare().truth["kind"] == "nothing"
+    assert [channel.name for channel in bare().case.channels] == [
         channel.name for channel in hidden.case.channels
     ]
 
