@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pounding.experiments.command import main
 from pounding.experiments.records.fema import read_fema
 from pounding.experiments.separation.chapter_7 import regression
 from pounding.experiments.sweeps.sweep import sweep
@@ -119,15 +120,28 @@ def test_without_any_extra_a_frame_is_shaken_and_two_collide(tmp_path: Path) -> 
     ],
 )
 def test_a_feature_without_its_library_is_one_sentence_that_names_the_extra(
-    library: str, words: list[str], tmp_path: Path
+    library: str,
+    words: list[str],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    done = without(tmp_path, [library], *(str(tmp_path / "out") if one == "OUT" else one for one in words))
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert done.stderr.startswith(f"pounding: {EXTRAS[library].features} need the extra")
-    assert done.stderr.endswith(f'pip install "pounding[{EXTRAS[library].name}]"\n')
-    assert done.stderr.count("\n") == 1
+    hide(library, monkeypatch)
+    with pytest.raises(SystemExit) as left:
+        main([str(tmp_path / "out") if one == "OUT" else one for one in words])
+    out, err = capsys.readouterr()
+    assert left.value.code == 2
+    assert out == ""
+    assert err.startswith(f"pounding: {EXTRAS[library].features} need the extra")
+    assert err.endswith(f'pip install "pounding[{EXTRAS[library].name}]"\n')
+    assert err.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def hide(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a library not be found in this process, nor what another test has loaded of it."""
+    for module in [one for one in sys.modules if one.startswith(f"{library}.")] + [library]:
+        monkeypatch.setitem(sys.modules, module, None)
 
 
 def nothing(case: int) -> dict[str, int]:
@@ -138,9 +152,7 @@ def test_functions_without_their_library_raise_the_same(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     for library in ("distributed", "hdf5plugin", "statsmodels"):
-        # What another test has loaded of it must not be found either.
-        for module in [one for one in sys.modules if one.startswith(f"{library}.")] + [library]:
-            monkeypatch.setitem(sys.modules, module, None)
+        hide(library, monkeypatch)
     with pytest.raises(MissingExtraError, match=r"pounding\[cluster\]"):
         sweep(nothing, {"case": [1]}, scheduler="tcp://127.0.0.1:9")
     with pytest.raises(MissingExtraError, match=r"pounding\[records\]"):
