@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import eig, inv, solve
-from scipy.signal import lfilter
 
 from pounding.frames.errors import FrameError
 
@@ -281,6 +280,8 @@ def run(rates: Complex, history: Real, dt_s: float) -> Complex:
         history: Samples (m,) of the right side.
         dt_s: Sample step [s].
     """
+    from scipy.signal import lfilter  # only here: importing it takes longer than a frame's modes
+
     step = rates * dt_s
     growth = np.exp(step)
     mean = np.expm1(step) / step
