@@ -115,11 +115,20 @@ def slowed(columns: tuple[int, ...], rate: float) -> Any:
     return change
 
 
+SELDOM = (pytest.mark.slow, pytest.mark.guard)
+
+
 @pytest.mark.parametrize(
-    ("columns", "names"),
-    [((2,), {"a2"}), ((4, 5), {"d1", "d3"}), pytest.param((5,), {"d3"}, marks=pytest.mark.slow)],
+    ("columns", "names", "rate"),
+    [
+        ((2,), {"a2"}, -0.01),
+        ((4, 5), {"d1", "d3"}, -0.01),
+        pytest.param((5,), {"d3"}, 0.008, marks=pytest.mark.slow),
+        pytest.param((5,), {"d3"}, -0.01, marks=SELDOM),
+        pytest.param((2,), {"a2"}, 0.008, marks=SELDOM),
+        pytest.param((4, 5), {"d1", "d3"}, 0.008, marks=SELDOM),
+    ],
 )
-@pytest.mark.parametrize("rate", [-0.01, pytest.param(0.008, marks=pytest.mark.slow)])
 def test_a_logger_whose_clock_is_slow_or_fast_is_named(
     plain: Case, columns: tuple[int, ...], names: set[str], rate: float
 ) -> None:

@@ -45,6 +45,7 @@ def finished(out: Path) -> dict[Path, int]:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_killed_benchmark_ends_as_one_that_was_not(tmp_path: Path, chance: random.Random) -> None:
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     begun = time.monotonic()

@@ -25,7 +25,7 @@ PARAMETER_ERROR = 0.15
         pytest.param(("coulomb_friction",), "5B", 9603, marks=pytest.mark.guard),
         pytest.param(("table_tilt",), "5A", 9604, marks=pytest.mark.guard),
         pytest.param(("hidden_appendage",), "5B", 9605, marks=pytest.mark.guard),
-        (("hammer_knocks",), "5B", 9607),
+        pytest.param(("hammer_knocks",), "5B", 9607, marks=pytest.mark.guard),
     ],
 )
 def test_a_plain_hidden_effect_is_named_alone_at_its_place(
@@ -38,6 +38,7 @@ def test_a_plain_hidden_effect_is_named_alone_at_its_place(
     assert all(error < PARAMETER_ERROR for error in judged.parameter_errors), judged
 
 
+@pytest.mark.guard
 def test_friction_that_weakens_with_the_rate_is_named_as_friction_and_leaves_some(tmp_path: Path) -> None:
     """A law that is not quite the catalogue's keeps its name; what it leaves stands beside it."""
     hidden = hide(("weakening_friction",), ["5A"], seed=9606, visibility=4.0)

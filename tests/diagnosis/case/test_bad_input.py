@@ -160,6 +160,7 @@ def test_ten_seconds_of_zeros_at_the_end_do_no_harm(folder: Path, capsys: pytest
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_another_frame_is_said_by_its_first_frequency(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -29,6 +29,7 @@ CHANNELS = (
     *(Channel(f"d{i}", "relative_displacement", "mm", frame="bench", floor=i) for i in (1, 3)),
 )
 TABLE, A3 = 0, 3
+SELDOM = (pytest.mark.slow, pytest.mark.guard)
 Change = Callable[[int, np.ndarray, np.random.Generator], None]
 
 
@@ -156,8 +157,8 @@ def test_steps_that_are_one_per_cent_off_make_no_structural_effect(tmp_path: Pat
     [
         (inverted, "sensor_gain", "a3"),
         (nearly_stuck, "sensor_offset", "a3"),
-        pytest.param(nearly_constant, "sensor_gain", "a3", marks=pytest.mark.slow),
-        pytest.param(inverted_table, "table_gain", None, marks=pytest.mark.slow),
+        pytest.param(nearly_constant, "sensor_gain", "a3", marks=SELDOM),
+        pytest.param(inverted_table, "table_gain", None, marks=SELDOM),
     ],
 )
 def test_a_wrong_sensor_is_named_and_no_structure(

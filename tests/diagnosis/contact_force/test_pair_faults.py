@@ -127,6 +127,8 @@ def test_floors_that_pass_through_the_believed_contact_have_a_wider_gap() -> Non
     assert value(concluded, "offset") > 0
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_a_gap_believed_closed_is_corrected() -> None:
     case = colliding(CONTACT, model=replace(CONTACT, gap_m=0.0))
     _, found, concluded = judged(case)
