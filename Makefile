@@ -19,7 +19,7 @@ test: $(VENV)/installed
 test-slow: $(VENV)/installed
 	$(BIN)/python -m pytest -m "slow and not guard" -n 2 --dist worksteal
 
-# Not part of .ci/run: tests of a minute and more, then the cases, half an hour or more. Another set: make guard GUARD="--only open --workers 1".
+# Not part of .ci/run: tests of half a minute and more, then the cases, half an hour or more. Another set: make guard GUARD="--only open --workers 1".
 guard: $(VENV)/installed
 	$(BIN)/python -m pytest -m guard -n 2
 	$(BIN)/python -m tests.guard $(GUARD)
