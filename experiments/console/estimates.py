@@ -119,7 +119,7 @@ def of_diagnosis(samples: int, floors: int) -> Work:
         samples: Samples of all runs.
         floors: Floors of all frames.
     """
-    return Work("the diagnosis", 1e-3 * samples * floors, 0.3 + 1e-5 * samples * floors)
+    return Work("the diagnosis", 1e-3 * samples * floors, 0.6 + 1e-6 * samples * floors)
 
 
 def of_benchmark(cases: int) -> Work:
