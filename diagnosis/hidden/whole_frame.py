@@ -44,10 +44,15 @@ def in_all_storeys(put: Put, state: State) -> Put:
             scenario, parameters = put(here, share * size, np.random.default_rng(chance))
             told.append(parameters)
         values = state(told, own.stiffness)
-        lone = state(told, lone_storey_stiffness(setting.beams))
+        lone = state([_of_lone_storey(one) for one in told], lone_storey_stiffness(setting.beams))
         return scenario, {name: (*value, lone[name][0]) for name, value in values.items()}
 
     return everywhere
+
+
+def _of_lone_storey(told: Parameters) -> Parameters:
+    """Return the parameters of a storey with its shares over the stiffness of a storey alone, where they state these."""
+    return {name: (one[2], one[1]) if len(one) > 2 else one for name, one in told.items()}
 
 
 def _mean(told: Sequence[Parameters], name: str) -> np.ndarray:

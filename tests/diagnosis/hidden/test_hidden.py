@@ -19,7 +19,7 @@ from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.beams import Appendage
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.contacts import STIFFNESS, Contact, Touch
-from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis
+from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis, loosening
 from pounding.diagnosis.hidden.hide import VISIBILITY, Hidden, hide
 from pounding.diagnosis.hidden.modes import frequencies_hz, lone_storey_stiffness, modes, storey_stiffness
 from pounding.diagnosis.hidden.motions import Motion, draw
@@ -28,7 +28,7 @@ from pounding.diagnosis.hidden.reference import Typical
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario, Spring, at_rate, happen
 from pounding.diagnosis.hidden.setting import Setting
-from pounding.diagnosis.hidden.whole_frame import in_all_storeys, yielding
+from pounding.diagnosis.hidden.whole_frame import STATES, in_all_storeys, yielding
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.experiments.errors import ExperimentError
@@ -422,6 +422,23 @@ def test_a_law_in_all_storeys_is_that_of_one_in_each_in_proportion_to_its_stiffn
     assert share / stiffness == pytest.approx(stated["stiffness_share"][0])
     assert 1e3 * drift == pytest.approx(stated["yield_drift"][0], rel=0.1)
     assert np.ptp(drift) > 0.0
+
+
+def test_what_all_storeys_lose_is_stated_over_the_stiffness_of_a_storey_alone_too() -> None:
+    """Joints turn: under a load a storey drifts more than its own columns let it."""
+    built = baseline("15A")
+    still = np.ones(15)
+    setting = Setting(
+        Scenario({"15A": built}),
+        Typical(still, still, still, still, storey_stiffness(built), still, 4.0),
+        "15A",
+    )
+    _, stated = in_all_storeys(loosening, STATES["all_loosening"])(setting, -0.1, np.random.default_rng(1))
+    value, _, lone = stated["final_relative_change"]
+    assert value == pytest.approx(-0.1, rel=0.05)
+    ratio = float(np.mean(storey_stiffness(built) / lone_storey_stiffness(built)))
+    assert ratio < 0.8
+    assert lone == pytest.approx(ratio * value, rel=0.02)
 
 
 def test_a_whole_frame_differs_by_more_than_a_calibration_is_for() -> None:
