@@ -74,6 +74,7 @@ def test_nothing_to_sweep_is_said(street: Path, capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_the_verb_says_the_same_on_a_cluster(
     street: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
