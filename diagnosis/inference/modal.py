@@ -19,11 +19,10 @@ from pounding.diagnosis.inference.modal_evidence import (
     weigh,
 )
 from pounding.diagnosis.inference.modal_model import Joints, alone, joints
+from pounding.diagnosis.inference.search import Progress
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True)

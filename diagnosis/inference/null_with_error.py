@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refining import keep
+from pounding.diagnosis.inference.search import Progress
 from pounding.diagnosis.inference.second import beside, second
 from pounding.diagnosis.settings import SETTINGS
 
 
-def with_error(
-    found: Findings, error: Judged, effects: Sequence[Effect], progress: Callable[[str, float], None]
-) -> Findings:
+def with_error(found: Findings, error: Judged, effects: Sequence[Effect], progress: Progress) -> Findings:
     """Return what is found with an error of the frame in the null model; its parameters stay free beside all effects.
 
     Args:

@@ -7,8 +7,9 @@ from functools import cache
 from typing import Any
 
 OWN_PAGES = 131_072
-"""Arrays of so many bytes get pages of their own in a long case."""
+"""Arrays from this size on [bytes] get pages of their own in a long case."""
 M_MMAP_THRESHOLD = -3
+"""The parameter's number in glibc's malloc.h."""
 
 
 @cache
@@ -36,7 +37,7 @@ def keep_no_holes() -> None:
     """Let arrays go back to the system as soon as they are free, where the C library is glibc, in this process from now on.
 
     glibc would let ever larger arrays share its heap, and holes between them can be given back only in part. Pages of their
-    own cost a tenth of the time: worth it where runs are long.
+    own cost some time: they are worth it where runs are long.
     """
     library = _glibc()
     if library is not None:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.inference.misfit import levelled, simulate
-from pounding.diagnosis.report.making import Outputs, shown_after
+from pounding.diagnosis.report.making import Outputs, shown_after, shown_run
 from pounding.experiments.pictures.palette import BLACK, BLUE, ORANGE
 
 SHOWN_S = 3.0
@@ -54,7 +54,7 @@ def draw_history(
     """
     case, found = diagnosis.case, diagnosis.found
     model, observed = found.model, found.model.observed
-    run = (found.held_out or found.training)[0]
+    run = shown_run(found)
     data = observed.runs[run]
     channel = int(np.nanargmax(found.baseline.channel_misfit[1 if found.held_out else 0]))
     scale, unit = observed.to_si[channel], case.channels[case.channel_index(observed.names[channel])].unit
@@ -62,11 +62,8 @@ def draw_history(
     simulated = {"before": (simulate(model, fitted.values, fitted.effects, [run])[0], BLUE)}
     if outputs:
         simulated["after"] = (outputs[run], ORANGE)
-    told, before, wide = (
-        {"after": _not_claimed(diagnosis, brief)},
-        "" if brief else "simulated, ",
-        BRIEF if brief else 1.0,
-    )
+    told = {"after": _not_claimed(diagnosis, brief)}
+    before, wide = ("", BRIEF) if brief else ("simulated, ", 1.0)
     measured = data.measured[:, channel] / scale
     for (name, (output, colour)), width in zip(simulated.items(), (1.8, 2.8), strict=False):
         difference = levelled(model, output - data.measured, data.step_s)[:, channel] / scale

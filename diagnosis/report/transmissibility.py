@@ -67,8 +67,9 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
     }
     if outputs:
         after = shown_after(diagnosis)
-        candidate = after is not None and after.effects and not diagnosis.decision.named
-        series["candidate" if candidate else "corrected"] = [outputs[run] for run in runs]
+        claimed = "corrected" if diagnosis.decision.named else "candidate"
+        name = claimed if after is not None and after.effects else "with errors"
+        series[name] = [outputs[run] for run in runs]
     shown = (_highest(model, number) for number in range(len(model.structure.frames)))
     return [
         _answers(diagnosis, number, channel, series)
@@ -138,6 +139,7 @@ STYLES: dict[str, dict[str, Any]] = {
     "calibrated": {"color": BLUE, "lw": 2.2},
     "corrected": {"color": ORANGE, "lw": 2.6},
     "candidate": {"color": ORANGE, "lw": 2.6},
+    "with errors": {"color": ORANGE, "lw": 2.6},
     "measured": {"color": BLACK, "lw": 1.0},
 }
 """How each line is drawn, the measured one last: it lies over what was simulated."""

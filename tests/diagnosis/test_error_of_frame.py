@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pounding.diagnosis.case.case import Case, CaseFrame, Run
 from pounding.diagnosis.decision.beyond_errors import beyond_errors
-from pounding.diagnosis.decision.conclusion import of_frames
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.measures import model_error
 from pounding.diagnosis.decision.rig_calibration import scattered
@@ -23,11 +22,13 @@ from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.report.calibration import remainder
 from pounding.diagnosis.report.corrected_model import export_model
 from pounding.diagnosis.report.details import channels
+from pounding.diagnosis.report.history_figure import history_figure
 from pounding.diagnosis.report.loops import loops
-from pounding.diagnosis.report.making import Made, report_on
+from pounding.diagnosis.report.making import Made, report_on, shown_after
 from pounding.diagnosis.report.on_the_frame import on_the_frame
-from tests.diagnosis.models import STEP_S, measured
-from tests.diagnosis.report.test_shown import channels as stated_channels
+from pounding.diagnosis.report.transmissibility import answers
+from tests.diagnosis.models import measured
+from tests.diagnosis.report.bench import diagnosed
 
 SWAYING, RUBBING = np.array([0.1, 11.0, 0.02]), np.array([0.15, 10.0, 0.0])
 
@@ -55,29 +56,14 @@ def beyond() -> Findings:
 
 
 @cache
-def diagnosed() -> Diagnosis:
+def shown() -> Diagnosis:
     """Return the diagnosis of these runs as those of a frame with sensors."""
-    found = beyond()
-    runs = tuple(
-        Run(run.name, None, run.time_s, STEP_S, np.column_stack([run.table, run.measured]))
-        for run in found.model.observed.runs
-    )
-    frame = CaseFrame(
-        "bench",
-        3,
-        storey_height_m=0.2,
-        floor_mass_kg=(6.5, 6.5, 6.5),
-        frequency_hz=(6.806,),
-        damping_ratio=(0.01,),
-    )
-    case = Case("bench", Path("bench"), (frame,), runs, stated_channels())
-    decision = decide(found)
-    return Diagnosis(case, found, decision, of_frames(case, found, decision))
+    return diagnosed(beyond())
 
 
 @cache
 def made() -> Made:
-    return report_on(diagnosed())
+    return report_on(shown())
 
 
 def test_an_effect_that_alone_has_no_evidence_is_named_beside_the_error_that_hides_it() -> None:
@@ -106,24 +92,24 @@ def test_before_is_the_baseline_model_without_the_error_and_after_the_model_with
     assert report.misfit.training is not None
     assert report.misfit.training.before == pytest.approx(found.baseline.misfit[0])
     assert report.misfit.training.before > found.null.misfit[0] > (report.misfit.training.after or 1.0)
-    rows = channels(diagnosed(), made().outputs)
+    rows = channels(shown(), made().outputs)
     np.testing.assert_allclose([row.before for row in rows], found.baseline.channel_misfit[1])
-    shown = on_the_frame(diagnosed(), made().motions)
-    assert "appendage" in shown.effect
-    assert "friction" in shown.effect
+    effect = on_the_frame(shown(), made().motions).effect
+    assert "appendage" in effect
+    assert "friction" in effect
 
 
 def test_what_is_said_of_the_storey_is_about_the_effect_and_not_about_the_error() -> None:
-    loop = loops(diagnosed())
+    loop = loops(shown())
     assert loop is not None
     assert loop.storey == 1
-    judged = diagnosed().decision.judged
+    judged = shown().decision.judged
     said = remainder(beyond(), judged, Sight.of(beyond(), judged.fit.filtered)).statement
     assert said.startswith("the baseline model with the frame's errors in it and the frame differ by")
 
 
 def test_an_error_that_no_frame_file_can_state_does_not_keep_the_effect_out_of_it(tmp_path: Path) -> None:
-    model = export_model(diagnosed(), tmp_path / "bench.toml", "Friction is missing.")
+    model = export_model(shown(), tmp_path / "bench.toml", "Friction is missing.")
     assert model.refused is None
     assert model.beside == ("appendage, floor 3 of bench",)
     text = (tmp_path / "bench.toml").read_text()
@@ -134,6 +120,20 @@ def test_an_error_that_no_frame_file_can_state_does_not_keep_the_effect_out_of_i
 def test_a_simulated_case_of_this_rig_has_the_error_and_all_effects_compete_in_it() -> None:
     found = beyond()
     assert set(found.candidates) == set(EFFECTS)
-    for truth, effects in ((found.null, [SWAY]), (diagnosed().decision.judged, [SWAY, RUB])):
+    for truth, effects in ((found.null, [SWAY]), (shown().decision.judged, [SWAY, RUB])):
         acting = scattered(truth, np.random.default_rng(1))
         assert [effect for effect, _ in acting] == effects
+
+
+def test_where_no_effect_has_evidence_after_is_the_model_with_the_error() -> None:
+    nothing = diagnosed(replace(beyond(), judged=[]))
+    assert nothing.decision.verdict == "nothing_missing"
+    assert shown_after(nothing) is beyond().null
+    report = report_on(nothing)
+    training = report.report.misfit.training
+    assert training is not None
+    assert training.after == pytest.approx(beyond().null.misfit[0], rel=0.05)
+    (one,) = answers(nothing, report.outputs)
+    assert set(one.sizes) == {"measured", "baseline", "calibrated", "with errors"}
+    upper = history_figure(nothing, report.outputs).axes[0]
+    assert "after (with the errors that this frame has)" in " ".join(upper.get_legend_handles_labels()[1])

@@ -12,7 +12,7 @@ import pytest
 from msgspec import structs
 
 from pounding import frames
-from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Contact, Run
+from pounding.diagnosis.case.case import Contact
 from pounding.diagnosis.decision.claims import Parameter
 from pounding.diagnosis.decision.conclusion import of_frames
 from pounding.diagnosis.decision.diagnosis import Diagnosis
@@ -36,20 +36,13 @@ from pounding.diagnosis.report.writing import SOMETIMES, forget
 from pounding.experiments.records import find
 from pounding.experiments.rig.rig import Rig
 from pounding.frames.storey_laws import Hysteresis
-from tests.diagnosis.models import STEP_S, measured
+from tests.diagnosis.models import measured
+from tests.diagnosis.report.bench import diagnosed
 from tests.diagnosis.report.test_report import of_runs
 
 ROUND = 1.5
 """Sharpness of the knee that is hidden; the catalogue's is 8."""
 STOREY = 2
-
-
-def channels() -> tuple[Channel, ...]:
-    return (
-        Channel("table", "table_acceleration", "m/s^2"),
-        *(Channel(f"a{i}", "absolute_acceleration", "m/s^2", frame="bench", floor=i) for i in (1, 2, 3)),
-        *(Channel(f"d{i}", "relative_displacement", "m", frame="bench", floor=i) for i in (1, 3)),
-    )
 
 
 def drifts(model: Model) -> np.ndarray:
@@ -73,21 +66,7 @@ def of(name: str) -> Diagnosis:
     model = measured([(hidden, values)], noise=0.005)
     effects = [one for one in candidates(model) if one.name == name]
     found = search(model, effects, [0], [1], lambda what, share: None)
-    runs = tuple(
-        Run(run.name, None, run.time_s, STEP_S, np.column_stack([run.table, run.measured]))
-        for run in model.observed.runs
-    )
-    frame = CaseFrame(
-        "bench",
-        3,
-        storey_height_m=0.2,
-        floor_mass_kg=(6.5, 6.5, 6.5),
-        frequency_hz=(6.806,),
-        damping_ratio=(0.01,),
-    )
-    case = Case("bench", Path("bench"), (frame,), runs, channels())
-    decision = decide(found)
-    return Diagnosis(case, found, decision, of_frames(case, found, decision))
+    return diagnosed(found)
 
 
 @cache
