@@ -1,9 +1,10 @@
 """What a diagnosis costs over samples, channels and storeys: CPU and wall seconds, and the most memory it needed.
 
-Each row is a case of three runs in which a storey is a cubic spring too stiff, diagnosed in a process of its own, so that
-memory is its own, too; nothing is written. The frames are those of the thesis; the model makes the motion, with noise of
-1 %. One thing varies at a time about 3 x 8 s at 500 Hz, and its exponent is fitted. Last come a pair of frames that the
-generator made and the longest case that the diagnosis is meant for: three runs of 60 s at 1 kHz with 12 channels.
+Each row is a case of three runs in which a storey is a cubic spring too stiff. It is written to a folder, and read,
+diagnosed and reported in a process of its own, so that memory is its own, too. The frames are those of the thesis; the
+model makes the motion, with noise of 1 %. One thing varies at a time about 3 x 8 s at 500 Hz, and its exponent is fitted.
+Last come a pair of frames that the generator made and the longest case that the diagnosis is meant for: three runs of
+60 s at 1 kHz with 12 channels.
 
     python -m tests.benchmarks.diagnosis_cost --out docs/validation/diagnosis-cost.json
 """
@@ -20,6 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,7 @@ from rich.table import Table
 
 from pounding.diagnosis import diagnose
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
+from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.effects.storey import CubicStiffness
 from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.model.frames import baseline_frames
@@ -116,10 +119,10 @@ def pair() -> Case:
     return hide(["stiffness_change:2"], ("5A", "5B"), seed=15, visibility=3.0, source="artificial").case
 
 
-def cost(case: Case) -> dict[str, Any]:
-    """Return what diagnosing a case costs in this process: seconds, and most memory since it began [MB]."""
+def cost(case: Path, out: Path) -> dict[str, Any]:
+    """Return what diagnosing a folder costs in this process: seconds, and most memory since it began [MiB]."""
     processor, wall = time.process_time(), time.perf_counter()
-    report = diagnose(case)
+    report = diagnose(case, out)
     return {
         "cpu_s": time.process_time() - processor,
         "wall_s": time.perf_counter() - wall,
@@ -131,15 +134,17 @@ def cost(case: Case) -> dict[str, Any]:
 
 def apart(setting: Setting | None) -> dict[str, Any]:
     """Return the cost of a setting, or of the pair (None), in a process of its own."""
-    words = json.dumps(None if setting is None else asdict(setting))
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.benchmarks.diagnosis_cost", "--one", words],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
-    )
-    return dict(json.loads(done.stdout))
+    with TemporaryDirectory() as folder:
+        case = Path(folder) / "case"
+        write_case(pair() if setting is None else made(setting), case)
+        done = subprocess.run(
+            [sys.executable, "-m", "tests.benchmarks.diagnosis_cost", "--one", str(case)],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=os.environ | dict.fromkeys(ONE_THREAD, "1"),
+        )
+    return dict(json.loads(done.stdout.splitlines()[-1]))
 
 
 def exponent(sizes: Sequence[float], costs: Sequence[float]) -> float:
@@ -170,7 +175,7 @@ def measured() -> dict[str, Any]:
 
 def shown(found: dict[str, Any]) -> Table:
     """Return the costs as a table."""
-    table = Table("case", "storeys", "channels", "CPU s", "wall s", "memory MB", "verdict")
+    table = Table("case", "storeys", "channels", "CPU s", "wall s", "memory MiB", "verdict")
 
     def row(words: list[str], one: dict[str, Any]) -> None:
         numbers = [f"{one['cpu_s']:.0f}", f"{one['wall_s']:.0f}", f"{one['memory_mb']:.0f}"]
@@ -184,16 +189,15 @@ def shown(found: dict[str, Any]) -> Table:
 
 
 def main() -> None:
-    """Measure and print; with --one measure one setting, given as JSON, in this process."""
+    """Measure and print; with --one diagnose one folder in this process, and print what it cost as JSON."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, help="JSON file of the costs")
-    parser.add_argument("--one", help="a setting as JSON, null for the pair; prints its cost as JSON")
+    parser.add_argument("--one", type=Path, help="folder of a case; prints its cost as JSON")
     options = parser.parse_args()
     if options.one is not None:
-        words = json.loads(options.one)
-        print(json.dumps(cost(pair() if words is None else made(Setting(**words)))))
+        print(json.dumps(cost(options.one, options.one.with_name("report"))))
         return
     found = measured()
     console = Console()
