@@ -29,11 +29,12 @@ from pounding.diagnosis.model.predictor import TABLE_VELOCITY
 from pounding.diagnosis.model.tilt import tilt_series
 from pounding.diagnosis.model.twin_channels import channels
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.contacts import Within
 from pounding.experiments.rig.exact import ExactRig
 from pounding.experiments.rig.law_connector import LawConnector, Series, partly, resting
 from pounding.experiments.rig.laws import filled
-from pounding.experiments.rig.motion import ContactHistory, FrameMotion
+from pounding.experiments.rig.motion import FrameMotion
 from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 

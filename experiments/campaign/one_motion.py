@@ -15,8 +15,8 @@ import pandas as pd
 
 from pounding.contact.laws import Law
 from pounding.experiments import published
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.impacts import impacts
-from pounding.experiments.rig.motion import ContactHistory
 
 LASER = "ZX1-LD300A81"
 """Sensor that stood at the floors that collide (section 3.8 for 15B beside 10, then 'repeated')."""

@@ -15,10 +15,11 @@ from pounding.contact.rubber import RubberBlock
 from pounding.experiments.mitigation.standing import Standing, joined
 from pounding.experiments.records import Record
 from pounding.experiments.rig.column_hits import borne
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.contacts import Contact, sides_of
 from pounding.experiments.rig.exact import run_exact
 from pounding.experiments.rig.impacts import THRESHOLD_N
-from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion
+from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.touches import touches_of
 
 Real = NDArray[np.floating[Any]]

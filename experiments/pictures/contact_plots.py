@@ -20,7 +20,7 @@ from pounding.units import force_unit
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pounding.experiments.rig.motion import ContactHistory
+    from pounding.experiments.rig.contact_history import ContactHistory
     from pounding.experiments.rig.pounding import Pounding
 
 Real = NDArray[np.floating[Any]]

@@ -36,7 +36,8 @@ from pounding.frames.drawing.shapes import RIM, THICKNESS, Shape, plan, shape_of
 from pounding.frames.response.stress import StressMap, stress_map
 
 if TYPE_CHECKING:
-    from pounding.experiments.rig.motion import ContactHistory, FrameMotion, Motion
+    from pounding.experiments.rig.contact_history import ContactHistory
+    from pounding.experiments.rig.motion import FrameMotion, Motion
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 Real = NDArray[np.floating[Any]]

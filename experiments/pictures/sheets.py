@@ -21,7 +21,7 @@ from pounding.frames.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from pounding.experiments.rig.motion import ContactHistory
+    from pounding.experiments.rig.contact_history import ContactHistory
 
 Real = NDArray[np.floating[Any]]
 

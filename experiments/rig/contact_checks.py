@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 
 from pounding.contact.rubber import FLAT, RubberBlock
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.impacts import THRESHOLD_N
-from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.touches import Touch, touches_of
 
 LONGEST_SHARE = 0.1

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pounding.contact.connector import checked_gap
 from pounding.contact.laws import Law
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.rig.motion import ContactHistory, FrameMotion, floor_coordinate
+from pounding.experiments.rig.contact_history import ContactHistory
+from pounding.experiments.rig.motion import FrameMotion, floor_coordinate
 from pounding.frames.floors import LEVEL_SHARE, level_floors
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from pounding.experiments.rig.motion import EnergyBalance
 
 if TYPE_CHECKING:
-    from pounding.experiments.rig.motion import ContactHistory, FrameMotion, StoreyHistory
+    from pounding.experiments.rig.contact_history import ContactHistory
+    from pounding.experiments.rig.motion import FrameMotion, StoreyHistory
 
 Real = NDArray[np.floating]
 

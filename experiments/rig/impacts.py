@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.experiments.rig.contact_history import ContactHistory
+from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.touches import Touch, restitution, touches_of
 from pounding.scale import THESIS, Scale
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding.experiments.rig.motion import ContactHistory
+from pounding.experiments.rig.contact_history import ContactHistory
 
 
 @dataclass(frozen=True)

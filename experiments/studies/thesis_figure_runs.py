@@ -13,7 +13,8 @@ from pounding.contact.laws import Law
 from pounding.experiments.configurations.definition import Shaken
 from pounding.experiments.configurations.library import experiments
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.rig.motion import ContactHistory, FrameMotion
+from pounding.experiments.rig.contact_history import ContactHistory
+from pounding.experiments.rig.motion import FrameMotion
 from pounding.experiments.rig.pounding import built, built_in, pound, shaking
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.states import State, states_of

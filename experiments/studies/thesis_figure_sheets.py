@@ -18,7 +18,7 @@ from pounding.experiments.configurations.definition import Collision, ContactSti
 from pounding.experiments.pictures import at_rest, sheets
 from pounding.experiments.pictures.palette import BLACK, PURPLE
 from pounding.experiments.pictures.sheets import Level, Line
-from pounding.experiments.rig.motion import ContactHistory
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.pounding import built, shaking
 from pounding.experiments.rig.required_gap import contact_floors, required_gap
 from pounding.experiments.rig.states import FREE_VIBRATION, State

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from pounding.contact.laws import LinearSpring
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.contacts import Contact
 from pounding.experiments.rig.exact import run_exact
-from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.experiments.rig.motion import Motion
 from pounding.experiments.rig.storeys import KnownForce
 from tests.validation.oscillators import after_a_kick, oscillator, wall
 

@@ -8,7 +8,7 @@ import pytest
 
 from pounding.contact import LinearSpring, make_law
 from pounding.experiments.campaign.one_motion import laser_limits, on_one_motion
-from pounding.experiments.rig.motion import ContactHistory
+from pounding.experiments.rig.contact_history import ContactHistory
 
 STIFFNESS = 20e6
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pounding.contact import LinearSpring, make_law
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.impacts import MERGING_S, all_impacts, groups, impacts
-from pounding.experiments.rig.motion import ContactHistory, Motion
+from pounding.experiments.rig.motion import Motion
 
 SPEED, STIFFNESS, MASS = 0.3, 20e6, 3.1
 HALF = np.pi / np.sqrt(STIFFNESS / MASS)  # contact time

@@ -13,8 +13,8 @@ from pounding.contact.laws import LinearSpring
 from pounding.errors import InputError
 from pounding.experiments.rig.contact_checks import contact_warnings
 from pounding.experiments.rig.contact_choice import ContactWish, choose_laws, chosen_parameters
+from pounding.experiments.rig.contact_history import ContactHistory
 from pounding.experiments.rig.impacts import MERGING_S, merging_s
-from pounding.experiments.rig.motion import ContactHistory
 from pounding.experiments.rig.pounding import pound
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.rig.table_scale import table_scale
