@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 
 from pounding.diagnosis.model.kalman import SteadyFilter
+from pounding.diagnosis.model.predictor import CONTRACT
 
 ALIKE = 1e6
 """Condition of the own motions' shapes from which on the loop is run without them: sums would lose six digits."""
@@ -74,14 +75,15 @@ def signature_pieces(
         force[modes, j] = term.table
         if term.output is not None:
             output[:, j] = term.output
-    ends = [term.series if term.end is None else term.end for term in terms]
     seen = np.array([not term.inertial for term in terms], float)
     direct = steady.direct @ force[:modes] * seen + output
     closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
     start = steady.force_start @ force
     back = -steady.step @ steady.gain @ direct
     end = steady.force_end @ force
-    inputs = np.stack([start, back, end])
+    # States less what the end of a term has just made of them: its series then pushes once a step instead of twice.
+    inputs = np.stack([start, back + closed @ end, -end])
+    direct = direct + steady.output @ end
     own = _own_motions(closed)
     if own is None:
         transition, seen, pushed = closed, shown @ steady.output, inputs
@@ -91,14 +93,14 @@ def signature_pieces(
     transition, seen, pushed, past = (
         np.ascontiguousarray(one) for one in (transition, seen, pushed, shown @ direct)
     )
-    state = np.zeros((len(closed), len(groups)))
+    ends = [term.series if term.end is None else term.end for term in terms]
+    state = pushed[2] * np.array([end[0] for end in ends])
     samples = len(ends[0])
     for first in range(0, samples, piece):
-        # The sample after the last one shown says what the step to it ends with.
-        rows = slice(first, first + piece + 1)
-        series = np.stack([term.series[rows] for term in terms], axis=1)
-        at_end = np.stack([end[rows] for end in ends], axis=1)
-        result = np.zeros((min(piece, samples - first), channels, len(groups)), np.float32)
+        rows = slice(first, first + piece)
+        series = np.array([term.series[rows] for term in terms]).T.copy()
+        at_end = np.array([end[rows] for end in ends]).T.copy()
+        result = np.empty((len(series), channels, len(groups)), np.float32)
         _filter(transition, seen, pushed, past, series, at_end, column, state, result, own is not None)
         yield result
 
@@ -106,7 +108,7 @@ def signature_pieces(
 def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
     """Return all terms and the group of each, shape (terms,): the first term of each group, the second ones, and so on.
 
-    Neighbours so add to different sums, which a processor does at the same time.
+    What the first ones show is the sum to which the others add.
     """
     length = next((len(group[0].series) for group in groups if group), 0)
     still = Term(np.zeros(length))
@@ -149,7 +151,7 @@ def _own_motions(closed: np.ndarray) -> _OwnMotions | None:
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _filter(
     transition: np.ndarray,
     output: np.ndarray,
@@ -162,74 +164,83 @@ def _filter(
     result: np.ndarray,
     turning: bool,
 ) -> None:
-    """Run the closed loop once for each group: what its terms do to the states adds up.
+    """Run the closed loop once for each term, and add up what those of a group show.
 
     Args:
         transition: Transition of the closed loop, shape (states, states); where the states are `turning`,
             `_OwnMotions.turn`, shape (2, motions).
         output: What the states show, shape (channels, states).
-        inputs: What a unit of each term adds to the states by its start, by its end before the step and by that after it,
-            shape (3, states, terms).
-        direct: What it adds to what is shown, shape (channels, terms).
-        series, at_end: Size of each term, shape (samples, terms), at those shown and, where there is one, at the next.
+        inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2 or more, states,
+            terms).
+        direct: What its end adds to what is shown, shape (channels, terms).
+        series, at_end: Size of each term at the samples shown, shape (samples, terms).
         column: Group of each term, shape (terms,); the first terms are those of one group after the other.
-        state: States at the first sample, which become those after the last one shown, shape (states, groups).
-        result: Filled with what is shown, shape (samples shown, channels, groups).
+        state: States at the first sample less what the ends have just made, which become those after the last one shown,
+            shape (states, terms).
+        result: Filled with what is shown, shape (samples, channels, groups).
         turning: Whether the states are those of `_OwnMotions`.
     """
     samples, terms = series.shape
     channels, states = output.shape
-    groups, motions = result.shape[2], transition.shape[1]
-    pairs = states - motions
-    # Some samples' states side by side: what they show is one product of large matrices, and all loops run over groups.
-    x = np.zeros((states, (TOGETHER + 1) * groups))
-    shown = np.zeros((channels, (TOGETHER + 1) * groups))
-    x[:, :groups] = state
-    pushed = np.zeros(terms)
-    stop = len(result)
-    for first in range(0, stop, TOGETHER):
-        count = min(TOGETHER, stop - first)
-        for b in range(count):
-            k, here, there = first + b, b * groups, (b + 1) * groups
-            if k + 1 == samples:
-                break
-            if turning:
-                for i in range(pairs):
-                    real, imaginary = transition[0, i], transition[1, i]
-                    one, other = x[i, here:there], x[pairs + i, here:there]
-                    one_then, other_then = x[i, there : there + groups], x[pairs + i, there : there + groups]
-                    for g in range(groups):
-                        one_then[g] = real * one[g] - imaginary * other[g]
-                        other_then[g] = imaginary * one[g] + real * other[g]
-                for i in range(pairs, motions):
-                    for g in range(groups):
-                        x[pairs + i, there + g] = transition[0, i] * x[pairs + i, here + g]
-            else:
+    groups = result.shape[2]
+    pairs = states - transition.shape[1]
+    # Some samples' states side by side: what they show is one product of large matrices, and all loops run over terms.
+    x = np.zeros((states, TOGETHER + 1, terms))
+    shown = np.zeros((channels, TOGETHER + 1, terms))
+    all_x, all_shown = x.reshape(states, -1), shown.reshape(channels, -1)
+    x[:, 0] = state
+    for first in range(0, samples, TOGETHER):
+        count = min(TOGETHER, samples - first)
+        # One motion after the other, each over some samples: what it needs then stays in the processor's first cache.
+        if turning:
+            for i in range(pairs):
+                real, imaginary, j = transition[0, i], transition[1, i], pairs + i
+                for b in range(count):
+                    k = first + b
+                    # Two loops: each is done for several terms at the same time.
+                    for t in range(terms):
+                        x[i, b + 1, t] = (
+                            real * x[i, b, t]
+                            - imaginary * x[j, b, t]
+                            + inputs[0, i, t] * series[k, t]
+                            + inputs[1, i, t] * at_end[k, t]
+                        )
+                    for t in range(terms):
+                        x[j, b + 1, t] = (
+                            imaginary * x[i, b, t]
+                            + real * x[j, b, t]
+                            + inputs[0, j, t] * series[k, t]
+                            + inputs[1, j, t] * at_end[k, t]
+                        )
+            for i in range(2 * pairs, states):
+                real = transition[0, i - pairs]
+                for b in range(count):
+                    k = first + b
+                    for t in range(terms):
+                        x[i, b + 1, t] = (
+                            real * x[i, b, t]
+                            + inputs[0, i, t] * series[k, t]
+                            + inputs[1, i, t] * at_end[k, t]
+                        )
+        else:
+            for b in range(count):
+                k = first + b
                 for i in range(states):
-                    x[i, there : there + groups] = 0.0
+                    for t in range(terms):
+                        x[i, b + 1, t] = inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
                     for s in range(states):
-                        for g in range(groups):
-                            x[i, there + g] += transition[i, s] * x[s, here + g]
-            size, end, next_end = series[k], at_end[k], at_end[k + 1]
-            for i in range(states):
-                start, back, forth = inputs[0, i], inputs[1, i], inputs[2, i]
-                # All terms first, side by side in the processor: those that share a sum go into it one by one.
-                for j in range(terms):
-                    pushed[j] = start[j] * size[j] + back[j] * end[j] + forth[j] * next_end[j]
-                then = x[i, there : there + groups]
-                for g in range(groups):
-                    then[g] += pushed[g]
-                for j in range(groups, terms):
-                    then[column[j]] += pushed[j]
-        np.dot(output, x, shown)
+                        real = transition[i, s]
+                        for t in range(terms):
+                            x[i, b + 1, t] += real * x[s, b, t]
+        np.dot(output, all_x, all_shown)
         for b in range(count):
-            k, here = first + b, b * groups
-            end = at_end[k]
+            k = first + b
             for c in range(channels):
-                seen, shows, kept = shown[c, here : here + groups], direct[c], result[k, c]
-                for j in range(groups, terms):
-                    seen[column[j]] += shows[j] * end[j]
+                for t in range(terms):
+                    shown[c, b, t] += direct[c, t] * at_end[k, t]
+                for t in range(groups, terms):
+                    shown[c, b, column[t]] += shown[c, b, t]
                 for g in range(groups):
-                    kept[g] = seen[g] + shows[g] * end[g]
-        x[:, :groups] = x[:, count * groups : (count + 1) * groups]
-    state[:] = x[:, :groups]
+                    result[k, c, g] = shown[c, b, g]
+        x[:, 0] = x[:, count]
+    state[:] = x[:, 0]
