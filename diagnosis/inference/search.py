@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
+import numpy as np
+
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
@@ -102,6 +104,10 @@ def _refined_best(
         # What scores best is refined to the end, however hard it is to start.
         order.insert(SETTINGS.search.thorough - 1, 0)
     order = order[: SETTINGS.search.thorough]
+
+    known = {one.effects: one.fit.log_posterior for one in before.judged} if before is not None else {}
+    # What was likelier about the null model before than it begins about this one has been refined to the end already.
+    order = [i for i in order if quick[i].log_posterior > known.get(quick[i].effects, -np.inf)]
 
     def further(i: int) -> list[Fit]:
         fit = refined(found, null.filtered, chosen[i], start=quick[i])
