@@ -22,6 +22,11 @@ STRUCK_DAMPING = 2.0
 goes to all modes together; half the variance of the first mode, which is the one that was measured; and how many times
 wider that of the higher modes is where frames collide, because an impact shows those that a shaking hardly does."""
 
+DAMPING_POWER = 2.5
+"""Power of a mode's frequency with which its damping ratio may grow or fall, over the prior of the damping [-]: half by
+default. It is 1 where damping is proportional to stiffness, -1 where it is to mass, and a test of free vibration says
+nothing of it."""
+
 
 BASE_STIFFNESS = 0.04
 JOINT_STIFFNESS = 0.05
@@ -97,6 +102,8 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
     found = [Parameter("frame_stiffness", frame, prior.frame_stiffness) for frame in frames]
     common = COMMON_DAMPING * prior.damping_ratio
     found += [Parameter("frame_damping", frame, common) for frame in frames]
+    tall = [number for number, frame in enumerate(structure.frames) if len(frame.floor_mass) > 1]
+    found += [Parameter("damping_power", frame, DAMPING_POWER * prior.damping_ratio) for frame in tall]
     found += [Parameter("storey_stiffness", storey, prior.storey_stiffness) for storey in range(floors)]
     found += [
         Parameter("base_stiffness", structure.first(number), BASE_STIFFNESS)
@@ -145,6 +152,8 @@ def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value:
         assembly.stiffness[span, span] += value * structure.frames[place].stiffness
     elif kind == "frame_damping":
         assembly.log_damping[structure.span(place)] += value
+    elif kind == "damping_power":
+        assembly.log_damping[structure.span(place)] += value * log_frequency(structure, place)
     elif kind == "mode_damping":
         assembly.log_damping[place] += value
     elif kind in ("storey_stiffness", "base_stiffness"):
@@ -171,6 +180,13 @@ def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value:
         assembly.channel_offset[place] += value
     elif kind == "event_gain":
         assembly.event_gain[place] += value
+
+
+def log_frequency(structure: Structure, number: int) -> np.ndarray:
+    """Return the logarithm of each frequency of a frame (its number) over its lowest, shape (modes,)."""
+    frame = structure.frames[number]
+    omega = solve_modes(frame.mass, frame.stiffness)[0]
+    return np.asarray(np.log(omega / omega[0]))
 
 
 def storey_stiffness(structure: Structure, storey: int) -> float:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, floor_mass, storey_pattern
+from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, floor_mass, log_frequency, storey_pattern
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
@@ -87,10 +87,13 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
         mass = floor_mass(structure, place)
         return [force_term(motion, lambda m: -mass * m.acceleration[:, place], shapes[place])]
     if kind == "mode_damping":
-        return _damping_terms(model, modes, motion, [place])
+        return _damping_terms(model, modes, motion, slice(place, place + 1), np.ones(1))
     if kind == "frame_damping":
-        span = structure.span(place)
-        return _damping_terms(model, modes, motion, range(span.start, span.stop))
+        return _damping_terms(
+            model, modes, motion, structure.span(place), np.ones(len(structure.frames[place].mass))
+        )
+    if kind == "damping_power":
+        return _damping_terms(model, modes, motion, structure.span(place), log_frequency(structure, place))
     if kind == "table_gain":
         return [table_term(modes, motion.run.table)]
     if kind == "table_delay":
@@ -174,18 +177,19 @@ def pattern_terms(motion: Motion, pattern: np.ndarray, shapes: np.ndarray) -> li
     ]
 
 
-def _damping_terms(model: Model, modes: Modes, motion: Motion, places: Sequence[int]) -> list[Term]:
-    """Return the terms of a unit relative change of the damping of the frames' own modes `places`.
+def _damping_terms(
+    model: Model, modes: Modes, motion: Motion, places: slice, changes: np.ndarray
+) -> list[Term]:
+    """Return the terms of relative changes of the damping of the frames' own modes `places`, shape (places,).
 
     With coordinates that the floors do not have there are more modes, each made of several of the frames' own.
     """
-    if len(modes.omega) == model.structure.floors:
-        share = np.eye(len(modes.omega))[list(places)].sum(axis=0)
-    else:
-        share = model.overlap(modes)[list(places)].sum(axis=0)
+    plain = len(modes.omega) == model.structure.floors
+    own = np.eye(len(modes.omega)) if plain else model.overlap(modes)
+    share = changes @ own[places]
     return [
         force_term(motion, _damper(modes, int(mode), float(share[mode])), np.eye(len(modes.omega))[mode])
-        for mode in np.flatnonzero(share > LEAST_SHARE)
+        for mode in np.flatnonzero(np.abs(share) > LEAST_SHARE)
     ]
 
 

@@ -18,8 +18,9 @@ from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
 from pounding.diagnosis.settings import SETTINGS
 
-TIMES = ("table_delay", "channel_delay")
-"""Nuisance parameters that are times [s]; others are logarithms of a factor, or changes relative to one."""
+BESIDE_NOTHING = ("table_delay", "channel_delay", "damping_power")
+"""Nuisance parameters that are zero in the baseline model: times [s] and a power [-]; others are logarithms of a factor, or
+changes relative to one."""
 FREQUENCIES = 3
 """How many frequencies of each frame are stated."""
 SHOWN = 1e-4
@@ -73,7 +74,7 @@ def _moved(found: Findings, fit: Fit) -> list[CalibratedParameter]:
 
 
 def _entry(found: Findings, one: Parameter, value: float, std: float) -> CalibratedParameter:
-    if one.kind in TIMES:
+    if one.kind in BESIDE_NOTHING:
         baseline, calibrated, factor = 0.0, value, 1.0
     elif one.kind in LOGARITHMS:
         baseline, calibrated, factor = 1.0, float(np.exp(value)), float(np.exp(value))
@@ -88,7 +89,7 @@ def _entry(found: Findings, one: Parameter, value: float, std: float) -> Calibra
 def _place(found: Findings, one: Parameter) -> dict[str, Any]:
     """Return where a nuisance parameter is, as the report's keys."""
     structure = found.model.structure
-    if one.kind.startswith("frame_") or one.kind == "joint_stiffness":
+    if one.kind.startswith("frame_") or one.kind in ("joint_stiffness", "damping_power"):
         return {"frame": structure.frames[one.place].name}
     if one.kind.startswith("channel_"):
         return {"channel": found.model.observed.names[one.place]}

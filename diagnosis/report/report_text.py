@@ -16,6 +16,7 @@ from pounding.diagnosis.model.nuisance import (
     BASE_STIFFNESS,
     CHANNEL_DELAY_S,
     CHANNEL_GAIN,
+    DAMPING_POWER,
     JOINT_STIFFNESS,
     STRUCK_DAMPING,
 )
@@ -280,7 +281,8 @@ def assumptions(case: Case, report: Report) -> list[str]:
     return [
         f"Nuisance parameters are free inside their priors (standard deviations: storey stiffness "
         f"{prior.storey_stiffness:.1%}, frame stiffness {prior.frame_stiffness:.1%}, floor mass {prior.floor_mass:.1%}, "
-        f"each mode's damping {prior.damping_ratio:.0%}, table gain {prior.table_gain:.1%}, table delay "
+        f"each mode's damping {prior.damping_ratio:.0%} and the power of its frequency with which it grows "
+        f"{DAMPING_POWER * prior.damping_ratio:.2g}, table gain {prior.table_gain:.1%}, table delay "
         f"{prior.table_delay_ms:g} ms), none beyond three of them.",
         f"A sensor's gain is known to {CHANNEL_GAIN:.1%}, its delay against the others to {CHANNEL_DELAY_S * 1e3:g} ms; "
         f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "

@@ -132,6 +132,8 @@ def _in_words(one: CalibratedParameter) -> str:
     """Return what became of a parameter: `storey stiffness of storey 3 of 5A +4.5 %`."""
     name = one.parameter.replace("_", " ")
     place = "" if one.where() == "the table" else f", {one.where()}"
+    if one.parameter == "damping_power":
+        return f"damping grows with the {one.calibrated:.2g}th power of the frequency{place}"
     if one.baseline == 0.0:
         return f"{name}{place}: {1e3 * one.calibrated:+.2g} ms"
     return f"{name}{place}: {100.0 * (one.calibrated / one.baseline - 1.0):+.2g} %"

@@ -67,6 +67,18 @@ def test_frequencies_are_those_of_the_frame_before_and_after() -> None:
     assert rows[0].where() == "mode 1 of bench"
 
 
+def test_damping_that_grows_with_the_frequency_is_one_number_of_the_frame() -> None:
+    found = of({("damping_power", 0): 0.8})
+    rows = {one.parameter: one for one in calibration(found, found.null)}
+    power = rows["damping_power"]
+    assert power.frame == "bench"
+    assert power.baseline == 0.0
+    assert power.std is not None
+    assert power.calibrated == pytest.approx(0.8, abs=2.5 * power.std)
+    assert (power.moved() or 0.0) > 1.0
+    assert "mode_damping" not in rows
+
+
 def test_logarithms_are_said_in_prior_standard_deviations_of_theirs() -> None:
     row = CalibratedParameter(
         parameter="mode_damping",
