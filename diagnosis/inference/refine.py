@@ -52,6 +52,8 @@ class Fit:
     def stated(self, model: Model, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.
 
+        The errors of effects on frames contain that of the law itself.
+
         Args:
             model: The baseline model.
             wider: What the standard errors of the likelihood are multiplied by; what varies between windows is not.
@@ -72,6 +74,8 @@ class Fit:
                 known = _wider(np.sqrt(square), between[0] / whole, wider)
                 error = np.hypot(known, share * self.filtered.discrepancy)
                 values, std = np.r_[share, values[1:]], np.r_[error, std[1:]]
+            if effect.frame is not None:
+                std = np.hypot(std, SETTINGS.refinement.law_error * np.abs(values))
             found.append((values, std))
             first += len(values)
         return found

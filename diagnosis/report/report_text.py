@@ -288,8 +288,8 @@ def assumptions(case: Case, report: Report) -> list[str]:
         f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
         f"{JOINT_STIFFNESS:.0%}.",
         *([_STRUCK] if case.contacts else []),
-        "Standard errors contain the noise, the nuisance parameters and what is refined of a law's shape; a law that "
-        "differs from the catalogue's in another way adds its own error.",
+        "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and "
+        f"{SETTINGS.refinement.law_error:.0%} of an effect on a frame for what its law gets wrong besides.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
         f"Misfits are medians over {channels} channel{'s' * (channels != 1)}; evidence is against the calibrated model.",

@@ -28,6 +28,7 @@ from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import cubic_spring, friction, stop, yielding
 from tests.diagnosis.models import measured, three_storeys
 
@@ -103,8 +104,9 @@ def test_the_taper_of_a_law_is_found_and_said() -> None:
     assert fit.values[0][[0, 1, 4]] == pytest.approx(truth[[0, 1, 4]], rel=0.05)
     ((values, usual),), ((_, wider),) = fit.stated(model), fit.stated(model, 3.0)
     assert values == pytest.approx(fit.values[0])
-    assert usual == pytest.approx(fit.std[0])
-    assert wider**2 == pytest.approx(9 * usual**2 - 8 * fit.between[0] ** 2)
+    law = SETTINGS.refinement.law_error * np.abs(values)
+    assert usual == pytest.approx(np.hypot(fit.std[0], law))
+    assert wider**2 == pytest.approx(9 * fit.std[0] ** 2 - 8 * fit.between[0] ** 2 + law**2)
 
 
 def test_what_all_storeys_share_every_real_frame_has_a_little_of() -> None:
