@@ -101,7 +101,7 @@ def signature_pieces(
         series = np.array([term.series[rows] for term in terms]).T.copy()
         at_end = np.array([end[rows] for end in ends]).T.copy()
         result = np.empty((len(series), channels, len(groups)), np.float32)
-        _filter(transition, seen, pushed, past, series, at_end, column, state, result, own is not None)
+        _filter(transition, seen, pushed[:2], past, series, at_end, column, state, result, own is not None)
         yield result
 
 
@@ -170,8 +170,7 @@ def _filter(
         transition: Transition of the closed loop, shape (states, states); where the states are `turning`,
             `_OwnMotions.turn`, shape (2, motions).
         output: What the states show, shape (channels, states).
-        inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2 or more, states,
-            terms).
+        inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2, states, terms).
         direct: What its end adds to what is shown, shape (channels, terms).
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
         column: Group of each term, shape (terms,); the first terms are those of one group after the other.
