@@ -177,7 +177,7 @@ class Refinement:
     errors contain it. Origin: fitted; twelve sizes, nine of own cases and those of column E of the benchmark, were 0.3 to
     4 % off whatever the data said."""
     onwards: int = 24
-    """[-] The calibration of a null model that seems stuck goes on for so many steps. Origin: chosen."""
+    """[-] A refinement goes on for at most so many steps. Origin: chosen."""
     rescalings: int = 3
     """[times] At most so often a refinement estimates the model discrepancy's scale again. Origin: chosen."""
     least_latent_n: float = 1e-4

@@ -79,25 +79,51 @@ class Row:
     cpu_s: float
 
 
-def null(number: int, seed: int) -> dict[str, object]:
-    """Return the row of a null, the same whenever it is asked for.
+@dataclass(frozen=True)
+class Drawn:
+    """A null before it is searched: the frame, noise over the root mean square of its channels [-], scale of the discrepancy
+    [-], the baseline model with the runs, and the numbers of training and held-out runs.
+    """
+
+    frame: str
+    noise: float
+    discrepancy: float
+    model: Model
+    training: list[int]
+    held_out: list[int]
+
+
+def draw(number: int, seed: int) -> Drawn:
+    """Return a null, the same whenever it is asked for.
 
     Args:
         number: Its number in the set; frames come in turn.
         seed: Of the set.
     """
-    began = time.process_time()
     rng = np.random.default_rng([seed, number])
     frame = FRAMES[number % len(FRAMES)]
     noise = float(np.exp(rng.uniform(*np.log(NOISES))))
     discrepancy = float(rng.choice(SCALES))
     model, training, held_out = _model(_with_fewer(_case(frame, noise, discrepancy, rng), rng))
-    effects = candidates(model)
-    found = search(model, effects, training, held_out, silent)
+    return Drawn(frame, noise, discrepancy, model, training, held_out)
+
+
+def null(number: int, seed: int) -> dict[str, object]:
+    """Return the row of a null.
+
+    Args:
+        number: Its number in the set.
+        seed: Of the set.
+    """
+    began = time.process_time()
+    drawn = draw(number, seed)
+    effects = candidates(drawn.model)
+    found = search(drawn.model, effects, drawn.training, drawn.held_out, silent)
     found = beyond_errors(found, effects, silent)
-    samples = sum(len(run.time_s) for run in model.observed.runs)
+    observed = drawn.model.observed
+    samples = sum(len(run.time_s) for run in observed.runs)
     row = Row(
-        number, seed, frame, len(model.observed.names), samples, noise, discrepancy, decide(found).verdict,
+        number, seed, drawn.frame, len(observed.names), samples, drawn.noise, drawn.discrepancy, decide(found).verdict,
         time.process_time() - began,
     )  # fmt: skip
     return asdict(row) | asdict(shown(found))

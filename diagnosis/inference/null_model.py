@@ -22,22 +22,14 @@ from pounding.diagnosis.settings import SETTINGS
 
 
 def best_null(model: Model, null: Fit) -> Fit:
-    """Return the null model, calibrated also in other ways if it seems stuck.
-
-    It starts anew from the baseline model with small latent forces, and goes on from where it is with a damping that follows
-    what helps: in a long, bent valley, as between a frame's stiffness and what it differs by from any such frame, steps that
-    begin afresh creep.
-    """
+    """Return the null model, calibrated also with small latent forces from the baseline model if it seems stuck."""
     filtered, runs = null.filtered, null.filtered.runs
     left = fit_misfits(model, filtered, runs)
     if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
         return null
     noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
-    starts = [
-        run_filter(model, np.zeros(len(model.std)), noise, runs),
-        calibrated_further(model, filtered, SETTINGS.refinement.onwards, Marquardt()),
-    ]
-    return max(null, *(refine(model, start) for start in starts), key=lambda fit: fit.log_posterior)
+    start = run_filter(model, np.zeros(len(model.std)), noise, runs)
+    return max(null, refine(model, start), key=lambda fit: fit.log_posterior)
 
 
 def null_again(found: Findings) -> Fit:

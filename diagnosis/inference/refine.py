@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Trials, descend
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Trials, descend
 from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -131,6 +131,7 @@ def refine(
             break
         current, theta = trial, moved
     histories, theta = _quieted(Histories(model, current, coordinates), theta, iterations)
+    histories, theta = _onwards(histories, theta, iterations)
     # What has more freedom than the start cannot be less likely: where it is, a bad start was taken for noise.
     gained = np.inf if histories.filtered.log_likelihood < filtered.log_likelihood else 0.0
     while gained > SETTINGS.refinement.likelier:
@@ -169,6 +170,19 @@ def _descended(
     histories = posterior.terms[0]
     assert isinstance(histories, Histories)
     return histories.fresh(), theta
+
+
+def _onwards(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
+    """Return the fit after further steps with a damping that follows what helps, its noise estimated anew if they gained.
+
+    In a long, bent valley, as between a frame's masses and the model discrepancy, steps that begin afresh creep, and what is
+    missing for it is taken for an effect.
+    """
+    before = histories.filtered.log_likelihood
+    histories, theta = _descended(histories, theta, SETTINGS.refinement.onwards, Marquardt())
+    if histories.filtered.log_likelihood < before + SETTINGS.refinement.likelier:
+        return histories, theta
+    return _quieted(histories, theta, iterations)
 
 
 def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:

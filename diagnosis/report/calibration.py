@@ -18,7 +18,7 @@ from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
 from pounding.diagnosis.settings import SETTINGS
 
-BESIDE_NOTHING = ("table_delay", "channel_delay", "damping_power")
+FROM_ZERO = ("table_delay", "channel_delay", "damping_power")
 """Nuisance parameters that are zero in the baseline model: times [s] and a power [-]; others are logarithms of a factor, or
 changes relative to one."""
 FREQUENCIES = 3
@@ -74,7 +74,7 @@ def _moved(found: Findings, fit: Fit) -> list[CalibratedParameter]:
 
 
 def _entry(found: Findings, one: Parameter, value: float, std: float) -> CalibratedParameter:
-    if one.kind in BESIDE_NOTHING:
+    if one.kind in FROM_ZERO:
         baseline, calibrated, factor = 0.0, value, 1.0
     elif one.kind in LOGARITHMS:
         baseline, calibrated, factor = 1.0, float(np.exp(value)), float(np.exp(value))

@@ -133,7 +133,7 @@ def _in_words(one: CalibratedParameter) -> str:
     name = one.parameter.replace("_", " ")
     place = "" if one.where() == "the table" else f", {one.where()}"
     if one.parameter == "damping_power":
-        return f"damping grows with the {one.calibrated:.2g}th power of the frequency{place}"
+        return f"damping follows the frequency to the power {one.calibrated:.2g}{place}"
     if one.baseline == 0.0:
         return f"{name}{place}: {1e3 * one.calibrated:+.2g} ms"
     return f"{name}{place}: {100.0 * (one.calibrated / one.baseline - 1.0):+.2g} %"
