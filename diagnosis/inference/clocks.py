@@ -60,7 +60,7 @@ def _suspects(model: Model, leading: Sequence[Effect]) -> Iterator[Effect]:
 
 def _likely(model: Model, start: Filtered, effect: Effect, rate: float) -> float:
     """Return the log likelihood of a clock's rate; it changes no matrix, so that the filter keeps its gain."""
-    gains = [steady.gain for steady in start.filters]
+    gains = start.gains
     prediction = model.predict(start.values, gains, [(effect, np.array([rate]))], start.runs)
     found = log_likelihood(model, prediction.innovations, start.filters, start.runs)
     return found if np.isfinite(found) else -np.inf

@@ -13,10 +13,10 @@ from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import (
     AT_ONCE,
     Filtered,
-    motions,
     signature_pieces_of_run,
     whitened_innovations,
 )
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.numbers import PROBE, Numbers
 from pounding.diagnosis.inference.posterior import add_products
 from pounding.diagnosis.model.model import Model

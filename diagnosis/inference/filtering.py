@@ -1,4 +1,4 @@
-"""The model filtered over its runs: steady filters, innovations and their likelihood, motions, and signatures of terms."""
+"""The model filtered over its runs: steady filters, innovations and their likelihood, and signatures of terms."""
 
 from __future__ import annotations
 
@@ -9,14 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from pounding.diagnosis.model.kalman import Noise, SteadyFilter, linear_system, steady_filter
+from pounding.diagnosis.model.kalman import Gain, Noise, SteadyFilter, steady_filter
 from pounding.diagnosis.model.model import Acting, Model, Prediction
-from pounding.diagnosis.model.observations import RunData
-from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.model.sensitivity import Term, signature_pieces
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.terms import Motion
+from pounding.diagnosis.model.tangents import Tangents, tangents
 
 AT_ONCE = 512
 """Samples whose signatures are worked out at a time: those of all terms of a long run fill the memory."""
@@ -76,6 +74,11 @@ class Filtered:
         return self.kept()
 
     @property
+    def gains(self) -> list[Gain]:
+        """Filter gain of each training run."""
+        return _gains(self.filters, self.run_modes)
+
+    @property
     def discrepancy(self) -> float:
         """Scale of the model discrepancy [-]."""
         return self.noise[0].discrepancy
@@ -131,7 +134,7 @@ def run_filter(
     filters = design(model, run_modes, noise, runs)
     kept = Kept(
         partial(
-            model.predict, np.array(values, float), [f.gain for f in filters], tuple(effects), tuple(runs)
+            model.predict, np.array(values, float), _gains(filters, run_modes), tuple(effects), tuple(runs)
         )
     )
     return Filtered(
@@ -145,6 +148,10 @@ def run_filter(
         log_likelihood=log_likelihood(model, kept().innovations, filters, runs),
         runs=tuple(runs),
     )
+
+
+def _gains(filters: Sequence[SteadyFilter], run_modes: Sequence[Modes]) -> list[Gain]:
+    return [Gain(steady.gain, modes) for steady, modes in zip(filters, run_modes, strict=True)]
 
 
 def design(
@@ -220,56 +227,6 @@ def whitened(series: np.ndarray, steady: SteadyFilter, good: np.ndarray | None =
     return np.asarray(np.matmul(factor, series))
 
 
-def motions(model: Model, filtered: Filtered) -> list[Motion]:
-    """Return the motion of each run of a baseline, as predicted and as filtered."""
-    found = []
-    for number, run in enumerate(filtered.runs):
-        data, outputs = model.observed.runs[run], filtered.prediction.outputs[number]
-        modes = filtered.run_modes[number]
-        start = _motion(model, modes, filtered.prediction.after[number], data, outputs)
-        predicted = _motion(model, modes, filtered.prediction.before[number], data, outputs)
-        found.append(replace(predicted, start=start))
-    return found
-
-
-def _motion(model: Model, modes: Modes, states: np.ndarray, run: RunData, outputs: np.ndarray) -> Motion:
-    n = len(modes.omega)
-    eta, rate = states[:, :n], states[:, n : 2 * n]
-    floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
-    drift = model.structure.drift
-    return Motion(
-        run=run,
-        eta=eta,
-        eta_rate=rate,
-        floor=floor,
-        floor_rate=floor_rate,
-        drift=floor @ drift.T,
-        drift_rate=floor_rate @ drift.T,
-        acceleration=_acceleration(model, modes, states),
-        table_rate=states[:, -1],
-        outputs=outputs,
-        output_rate=_output_rate(model, modes, states, run),
-    )
-
-
-def _acceleration(model: Model, modes: Modes, states: np.ndarray) -> np.ndarray:
-    """Return the absolute acceleration of every floor for predicted states, shape (samples, floors)."""
-    floors = np.arange(model.structure.floors)
-    rows = model.structure.drift @ modes.floors
-    system = linear_system(modes, rows, np.full(len(floors), ACCELERATION), floors)
-    return np.asarray(states @ system.output.T)
-
-
-def _output_rate(model: Model, modes: Modes, states: np.ndarray, run: RunData) -> np.ndarray:
-    """Return the rate of each channel that follows from the state alone, shape (samples, channels).
-
-    A difference between predicted samples would hold the innovation that it is to be compared with.
-    """
-    system = model.linear_system(modes)
-    table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
-    return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table))
-
-
 def grouped_signatures(
     model: Model, filtered: Filtered, groups: Sequence[Sequence[list[Term]]]
 ) -> list[np.ndarray]:
@@ -317,11 +274,25 @@ def signature_pieces_of_run(
     channels = good.shape[1]
     shown = steady.whitening if good.all() else np.eye(channels)
     first = 0
-    for each in signature_pieces(steady, columns, shown, piece):
+    for each in signature_pieces(steady, columns, shown, piece, tangents_of(model, filtered, number)):
         last = first + len(each)
         seen = each if good.all() else whitened(each, steady, good[first:last])
         yield slice(first * channels, last * channels), seen.reshape(-1, each.shape[2])
         first = last
+
+
+def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | None:
+    """Return forces and slopes of the laws that act in a run, None where there are none.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+    """
+    run, prediction = filtered.runs[number], filtered.prediction
+    laws = model.assemble(filtered.values, filtered.effects if model.acts(run) else ()).laws
+    states = prediction.before[number], prediction.after[number]
+    return tangents(laws, filtered.run_modes[number], states, model.observed.runs[run].step_s)
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:

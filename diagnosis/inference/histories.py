@@ -10,12 +10,12 @@ from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
     Filtered,
     grouped_signatures,
-    motions,
     run_filter,
     run_signatures,
     whitened_innovations,
     whitened_runs,
 )
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products, product
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.terms import nuisance_terms
@@ -66,7 +66,7 @@ class Histories(Likelihood):
         nuisance, acting = self.coordinates.nuisance(theta), self.coordinates.acting(theta)
         if self._is_here(nuisance, acting):
             return self._half_squares(self.filtered.prediction.innovations)
-        gains = [steady.gain for steady in self.filtered.filters]
+        gains = self.filtered.gains
         return self._half_squares(
             self.model.predict(nuisance, gains, acting, self.filtered.runs, whole=False).innovations
         )
@@ -74,7 +74,7 @@ class Histories(Likelihood):
     def slope_from(self, theta: np.ndarray, there: np.ndarray) -> np.ndarray:
         """Return the slope of innovations at another point by the signatures at theta; gains are the filter's."""
         coordinates = self.coordinates
-        gains = [steady.gain for steady in self.filtered.filters]
+        gains = self.filtered.gains
         innovations = self.model.predict(
             coordinates.nuisance(there), gains, coordinates.acting(there), self.filtered.runs, whole=False
         ).innovations
@@ -215,7 +215,7 @@ class Histories(Likelihood):
         delta = coordinates.nudge(theta, number)
         moved = theta.copy()
         moved[len(coordinates.scale) + number] += delta
-        gains = [steady.gain for steady in filtered.filters]
+        gains = filtered.gains
         prediction = self.model.predict(
             filtered.values, gains, coordinates.acting(moved), filtered.runs, whole=False
         )

@@ -13,6 +13,7 @@ from pounding.diagnosis.inference.findings import Findings, best, unexplained
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.kalman import Gain
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.settings import SETTINGS
 
@@ -60,7 +61,7 @@ def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> lis
         tried += [
             (effect, values) for effect in _suspects(found, effects) for values in _sizes(found, effect)
         ]
-    gains = [steady.gain for steady in start.filters]
+    gains = start.gains
     likeliest: dict[Effect, tuple[float, np.ndarray]] = {}
     each = side_by_side(lambda one: _likely(found, start, gains, [one]), tried)
     for (effect, values), likely in zip(tried, each, strict=True):
@@ -88,7 +89,7 @@ def _sizes(found: Findings, effect: Effect) -> list[np.ndarray]:
 
 
 def _likely(
-    found: Findings, start: Filtered, gains: Sequence[np.ndarray], acting: list[tuple[Effect, np.ndarray]]
+    found: Findings, start: Filtered, gains: Sequence[Gain], acting: list[tuple[Effect, np.ndarray]]
 ) -> float:
     """Return the log likelihood of an effect at a size; one that changes no matrix can keep the filter's gain."""
     model = found.model

@@ -21,7 +21,7 @@ def exchange(model: Model, null: Filtered) -> tuple[int, int] | None:
         for floor in observed.floor
     ]
     best, gain = None, SETTINGS.search.swapped
-    gains = [steady.gain for steady in null.filters]
+    gains = null.gains
     for one, other in combinations(range(len(observed.names)), 2):
         if observed.quantity[one] != observed.quantity[other] or frames[one] != frames[other]:
             continue

@@ -63,6 +63,27 @@ class LinearSystem:
 
 
 @dataclass(frozen=True)
+class Gain:
+    """A filter's gain that corrects the floors alike whatever the modes are: those of other parameters have other shapes.
+
+    Attributes:
+        modal: The gain for the states that `modes` have, shape (states, channels).
+        modes: The modes for which it was worked out.
+    """
+
+    modal: np.ndarray
+    modes: Modes
+
+    def at(self, modes: Modes) -> np.ndarray:
+        """Return the gain for the states that other modes have, shape (states, channels)."""
+        if modes is self.modes:
+            return self.modal
+        n = len(modes.omega)
+        turned = np.linalg.solve(modes.shapes, self.modes.shapes)
+        return np.vstack([turned @ self.modal[:n], turned @ self.modal[n : 2 * n], self.modal[2 * n :]])
+
+
+@dataclass(frozen=True)
 class SteadyFilter:
     """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the
     covariance of the states after a sample (states, states).

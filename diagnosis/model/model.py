@@ -13,6 +13,7 @@ from pounding.diagnosis.model.kalman import (
     DISCREPANCY,
     LATENT_RATE,
     TABLE_NOISE_RATE,
+    Gain,
     LinearSystem,
     linear_system,
 )
@@ -177,7 +178,8 @@ class Model:
         mass, stiffness, damping, influence = self.matrices(assembly)
         omega, shapes = solve_modes(mass, stiffness)
         ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * omega)
-        return Modes(omega, ratio, shapes[: len(assembly.mass)], shapes.T @ (mass @ influence))
+        floors = len(assembly.mass)
+        return Modes(omega, ratio, shapes[:floors], shapes.T @ (mass @ influence), shapes[floors:])
 
     def plain_modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly's floors alone, frame by frame."""
@@ -254,7 +256,7 @@ class Model:
     def predict(
         self,
         values: np.ndarray,
-        gains: Sequence[np.ndarray] | None = None,
+        gains: Sequence[Gain] | None = None,
         effects: Sequence[tuple[Acting, np.ndarray]] = (),
         runs: Sequence[int] | None = None,
         whole: bool = True,
@@ -263,7 +265,7 @@ class Model:
 
         Args:
             values: Nuisance parameters in their own units, shape (nuisance,).
-            gains: Filter gain of each run, shape (states, channels); none for a simulation.
+            gains: Filter gain of each run; none for a simulation.
             effects: Effects that act in the runs since the reference ones, each with its SI parameters, shape (parameters,).
             runs: Numbers of the runs, all by default.
             whole: Whether states and outputs are wanted beside the innovations; else these have no samples.
@@ -279,7 +281,7 @@ class Model:
         return Prediction(innovations, before, after, outputs)
 
     def _run(
-        self, assembly: Assembly, modes: Modes, number: int, gain: np.ndarray | None, whole: bool
+        self, assembly: Assembly, modes: Modes, number: int, gain: Gain | None, whole: bool
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         run = self.observed.runs[number]
         storeys = self.structure.floors
@@ -307,7 +309,7 @@ class Model:
             self.observed.quantity,
             self.observed.floor,
             measured,
-            np.zeros((channels, states)) if gain is None else np.ascontiguousarray(gain.T),
+            np.zeros((channels, states)) if gain is None else np.ascontiguousarray(gain.at(modes).T),
             np.array([LATENT_RATE, TABLE_NOISE_RATE]),
             run.step_s,
             laws,

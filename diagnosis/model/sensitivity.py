@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
+from pounding.diagnosis.model.answers import Answers
+from pounding.diagnosis.model.closed_loop import own_motions, pushed, transition
 from pounding.diagnosis.model.kalman import SteadyFilter
 from pounding.diagnosis.model.predictor import CONTRACT
+from pounding.diagnosis.model.tangents import Tangents
 
-ALIKE = 1e6
-"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose six digits."""
 TOGETHER = 8
 """Samples whose outputs are worked out together."""
 
@@ -48,14 +49,18 @@ def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np
         shown: Matrix by which the innovations are multiplied, such as the one that whitens them, (channels, channels).
 
     This is the exact derivative of the one-step predictor for a force that is a series of its own states: the gain is
-    fixed, and the state's change passes through the closed loop `step (1 - gain output)`.
+    fixed, and the state's change passes through the closed loop `step (1 - gain output)`, no law acting.
     """
     samples = next((len(term.series) for group in groups for term in group), 0)
     return next(signature_pieces(steady, groups, shown, max(samples, 1)))
 
 
 def signature_pieces(
-    steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray, piece: int
+    steady: SteadyFilter,
+    groups: Sequence[Sequence[Term]],
+    shown: np.ndarray,
+    piece: int,
+    laws: Tangents | None = None,
 ) -> Iterator[np.ndarray]:
     """Yield `signatures` of some samples at a time, (samples, channels, groups): those of a long run fill the memory.
 
@@ -64,6 +69,7 @@ def signature_pieces(
         groups: Terms whose contributions are summed, group by group.
         shown: Matrix by which the innovations are multiplied, (channels, channels).
         piece: Samples at a time.
+        laws: Laws that act, about the motion: they answer what the terms do to it.
     """
     terms, column = _in_turn(groups)
     modes, channels = steady.force_start.shape[1] - 1, len(steady.output)
@@ -76,32 +82,33 @@ def signature_pieces(
         if term.output is not None:
             output[:, j] = term.output
     seen = np.array([not term.inertial for term in terms], float)
-    direct = steady.direct @ force[:modes] * seen + output
-    closed = steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output)
-    start = steady.force_start @ force
-    back = -steady.step @ steady.gain @ direct
-    end = steady.force_end @ force
-    # States less what the end of a term has just made of them: its series then pushes once a step instead of twice.
-    inputs = np.stack([start, back + closed @ end, -end])
-    direct = direct + steady.output @ end
-    own = _own_motions(closed)
-    if own is None:
-        transition, seen, pushed = closed, shown @ steady.output, inputs
-    else:
-        transition, seen = own.turn, shown @ steady.output @ own.back
-        pushed = own.forth @ inputs
-    transition, seen, pushed, past = (
-        np.ascontiguousarray(one) for one in (transition, seen, pushed, shown @ direct)
+    inputs, direct = pushed(
+        steady,
+        steady.force_start @ force,
+        steady.force_end @ force,
+        steady.direct @ force[:modes] * seen + output,
     )
+    closed = transition(steady)
+    own = own_motions(closed)
+    if own is None:
+        turn, seen, moved = closed, shown @ steady.output, inputs
+    else:
+        turn, seen, moved = own.turn, shown @ steady.output @ own.back, own.forth @ inputs
+    loop = [np.ascontiguousarray(one) for one in (turn, seen, moved[:2], shown @ direct)]
+    answers = None if laws is None else Answers.of(steady, own, shown, laws, inputs[2])
     ends = [term.series if term.end is None else term.end for term in terms]
-    state = pushed[2] * np.array([end[0] for end in ends])
+    state = moved[2] * np.array([end[0] for end in ends])
     samples = len(ends[0])
     for first in range(0, samples, piece):
         rows = slice(first, first + piece)
         series = np.array([term.series[rows] for term in terms]).T.copy()
         at_end = np.array([end[rows] for end in ends]).T.copy()
         result = np.empty((len(series), channels, len(groups)), np.float32)
-        _filter(transition, seen, pushed[:2], past, series, at_end, column, state, result, own is not None)
+        whole = (*loop, series, at_end, column, state, result, own is not None)
+        if answers is None:
+            _filter(*whole)
+        else:
+            answers.filter(first, *whole)
         yield result
 
 
@@ -117,38 +124,6 @@ def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
     further.sort()
     column = [*range(len(groups)), *(number for _, number in further)]
     return terms + [groups[number][turn] for turn, number in further], np.array(column)
-
-
-@dataclass(frozen=True)
-class _OwnMotions:
-    """Coordinates in which each of a closed loop's own motions goes its own way.
-
-    Attributes:
-        turn: Real and imaginary part of each one's factor in a step, those that turn first, shape (2, motions).
-        forth: From the states to the real parts of those that turn, their imaginary parts, and the others, shape
-            (states, states).
-        back: The way back, shape (states, states).
-    """
-
-    turn: np.ndarray
-    forth: np.ndarray
-    back: np.ndarray
-
-
-def _own_motions(closed: np.ndarray) -> _OwnMotions | None:
-    """Return the own motions of a closed loop, (states, states), None where they are too alike to be told apart."""
-    factors, vectors = np.linalg.eig(closed)
-    size = np.abs(vectors).max(axis=1)
-    if not np.all(size > 0.0) or np.linalg.cond(vectors / size[:, None]) > ALIKE:
-        return None
-    # Of a conjugate pair one is enough: the real part of twice its contribution is that of both.
-    turns, stays = factors.imag > 0.0, factors.imag == 0.0
-    inverse = np.linalg.inv(vectors)
-    return _OwnMotions(
-        np.hstack([[one.real, one.imag] for one in (factors[turns], factors[stays])]),
-        np.concatenate([inverse[turns].real, inverse[turns].imag, inverse[stays].real]),
-        np.hstack([2 * vectors[:, turns].real, -2 * vectors[:, turns].imag, vectors[:, stays].real]),
-    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
@@ -168,7 +143,7 @@ def _filter(
 
     Args:
         transition: Transition of the closed loop, shape (states, states); where the states are `turning`,
-            `_OwnMotions.turn`, shape (2, motions).
+            `OwnMotions.turn`, shape (2, motions).
         output: What the states show, shape (channels, states).
         inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2, states, terms).
         direct: What its end adds to what is shown, shape (channels, terms).
@@ -177,7 +152,7 @@ def _filter(
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
             shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
-        turning: Whether the states are those of `_OwnMotions`.
+        turning: Whether the states are those of `OwnMotions`.
     """
     samples, terms = series.shape
     channels, states = output.shape

@@ -123,12 +123,19 @@ class Modes:
         ratio: Damping ratios, shape (modes,).
         floors: Shapes at the floors [kg^-0.5], shape (floors, modes).
         participation: Modal force of a unit table acceleration, shape (modes,).
+        added: Shapes at the coordinates that effects added [kg^-0.5], shape (modes less floors, modes); none by default.
     """
 
     omega: np.ndarray
     ratio: np.ndarray
     floors: np.ndarray
     participation: np.ndarray
+    added: np.ndarray | None = None
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """Shapes at all coordinates [kg^-0.5], shape (modes, modes)."""
+        return self.floors if self.added is None else np.vstack([self.floors, self.added])
 
     def swing(self, times_s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return what becomes of a displacement and of a rate of one when nothing pushes, each (times, modes).

@@ -21,9 +21,10 @@ from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, whitened
+from pounding.diagnosis.inference.filtering import grouped_signatures, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import contact_response, simulate
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
@@ -276,7 +277,7 @@ def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
     event = model.observed.contact_events[0]
     values = np.zeros(len(model.std))
     values[number] = 0.01
-    gains = [steady.gain for steady in start.filters]
+    gains = start.gains
     place = start.runs.index(event.run)
     before, after = (
         whitened(model.predict(v, gains, (), start.runs).innovations[place], start.filters[place]).ravel()

@@ -18,8 +18,9 @@ from pounding.diagnosis.effects.every_storey import AllCoulombFriction
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction, StoreyEffect
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
+from pounding.diagnosis.inference.filtering import grouped_signatures, run_filter, whitened
 from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model import observations
 from pounding.diagnosis.model.laws import PlacedLaw
@@ -85,7 +86,7 @@ def innovations(effect: Effect, shape: tuple[float, ...], amplitude: float) -> n
     acting = (effect, effect.values(amplitude, shape))
     if isinstance(effect, CoulombFriction | AllCoulombFriction):
         acting = (Sliding(effect, shape), np.array([amplitude]))  # type: ignore[assignment]
-    gains = [steady.gain for steady in FILTERED.filters]
+    gains = FILTERED.gains
     if len(BASELINE.modes(BASELINE.assemble(FILTERED.values, [acting])).omega) > BASELINE.structure.floors:
         # What has coordinates of its own needs a filter of its own.
         there = run_filter(BASELINE, FILTERED.values, FILTERED.noise, (0,), [acting])

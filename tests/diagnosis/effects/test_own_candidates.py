@@ -19,9 +19,10 @@ from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.user import user_kinds
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, motions, run_filter, whitened
+from pounding.diagnosis.inference.filtering import grouped_signatures, run_filter, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import simulate
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
@@ -137,7 +138,7 @@ def test_scoring_simulator_and_engine_are_the_same_function(kinds: list[type[Eff
 
     def innovations(amplitude: float) -> np.ndarray:
         acting = [(effect, effect.values(amplitude, shape))]
-        gains = [steady.gain for steady in filtered.filters]
+        gains = filtered.gains
         series = model.predict(filtered.values, gains, acting, (0,)).innovations[0]
         return whitened(series, filtered.filters[0]).ravel()
 

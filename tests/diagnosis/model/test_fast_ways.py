@@ -9,12 +9,12 @@ from pounding.diagnosis.effects.storey import DampingChange
 from pounding.diagnosis.inference.filtering import (
     Filtered,
     grouped_signatures,
-    motions,
     run_filter,
     signature_pieces_of_run,
 )
+from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
-from pounding.diagnosis.model import sensitivity
+from pounding.diagnosis.model import closed_loop
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.terms import nuisance_terms
 from tests.diagnosis.models import measured
@@ -31,7 +31,7 @@ def problem() -> tuple[Model, np.ndarray, Filtered]:
 def test_a_linear_frame_goes_through_all_substeps_at_once() -> None:
     """With a law, even one that does nothing, each substep is taken by itself."""
     model, values, filtered = problem()
-    gains = [one.gain for one in filtered.filters]
+    gains = filtered.gains
     whole = model.predict(values, gains)
     each = model.predict(values, gains, [NO_DAMPER])
     for quick, slow in zip(whole.before, each.before, strict=True):
@@ -40,7 +40,7 @@ def test_a_linear_frame_goes_through_all_substeps_at_once() -> None:
 
 def test_innovations_alone_are_those_of_the_whole_prediction() -> None:
     model, values, filtered = problem()
-    gains = [one.gain for one in filtered.filters]
+    gains = filtered.gains
     alone = model.predict(values, gains, [NO_DAMPER], whole=False)
     for quick, slow in zip(
         alone.innovations, model.predict(values, gains, [NO_DAMPER]).innovations, strict=True
@@ -63,7 +63,7 @@ def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.Mon
     groups = [[*columns, []] for columns in groups]
     pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, groups[0], 64)]
     quick = grouped_signatures(model, filtered, groups)
-    monkeypatch.setattr(sensitivity, "ALIKE", 0.0)
+    monkeypatch.setattr(closed_loop, "ALIKE", 0.0)
     for one, other in zip(quick, grouped_signatures(model, filtered, groups), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-6 * np.abs(other).max())
         assert not one[:, -1].any()

@@ -8,18 +8,13 @@ from scipy.integrate import solve_ivp
 
 from pounding import frames
 from pounding.diagnosis.inference.filtering import (
-    grouped_signatures,
-    motions,
-    run_filter,
     whitened,
-    whitened_innovations,
 )
-from pounding.diagnosis.inference.starting import calibrated, starting_noise
+from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.kalman import discretise
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.shifting import shift
-from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.experiments.rig.storey_forces import cubic_spring
 from pounding.frames.response.exact import linear_response
 from tests.diagnosis.models import STEP_S, measured
@@ -94,25 +89,6 @@ def test_discretisation_is_that_of_twice_half_a_step() -> None:
     half, part = discretise(rate, density, 0.005)
     assert step == pytest.approx(half @ half)
     assert covariance == pytest.approx(part + half @ part @ half.T)
-
-
-def test_signatures_are_derivatives_of_the_innovations() -> None:
-    model = measured()
-    noise = starting_noise(model, (0,), 0.003)
-    filtered = run_filter(model, np.zeros(len(model.std)), noise, (0,))
-    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
-    columns = grouped_signatures(model, filtered, groups)[0]
-    start = whitened_innovations(model, filtered)[0]
-    gains = [steady.gain for steady in filtered.filters]
-    for j, parameter in enumerate(model.parameters):
-        if parameter.kind == "channel_delay":
-            continue  # A shift moves the noise as well, which no prediction knows; tested below by itself.
-        moved = np.zeros(len(model.std))
-        moved[j] = 0.02 * model.std[j]
-        there = model.predict(moved, gains, (), (0,)).innovations[0]
-        change = (start - whitened(there, filtered.filters[0]).ravel()) / moved[j]
-        cosine = columns[:, j] @ change / np.linalg.norm(columns[:, j]) / np.linalg.norm(change)
-        assert cosine > 0.98, parameter
 
 
 def test_a_shift_moves_a_series_and_keeps_its_noise() -> None:

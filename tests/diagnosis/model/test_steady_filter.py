@@ -14,6 +14,7 @@ import pytest
 from scipy.linalg import solve_discrete_lyapunov
 
 from pounding.diagnosis.model.kalman import (
+    Gain,
     Noise,
     SteadyFilter,
     discretise,
@@ -136,7 +137,8 @@ def innovations(model: Model, sampled: Sampled) -> Callable[[float], np.ndarray]
     factor = np.linalg.inv(np.linalg.cholesky(sampled.filter.covariance))
 
     def whitened(share: float) -> np.ndarray:
-        gains = [share * sampled.filter.gain]
+        modes = at_rest.modes(at_rest.assemble(np.zeros(len(at_rest.std))))
+        gains = [Gain(share * sampled.filter.gain, modes)]
         found = at_rest.predict(np.zeros(len(at_rest.std)), gains, (), (0,)).innovations[0]
         return np.asarray(found @ factor.T)
 

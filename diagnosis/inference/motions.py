@@ -1,0 +1,104 @@
+"""Motions of the runs of a filtered model, from which signatures are made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.inference.filtering import Filtered, tangents_of
+from pounding.diagnosis.model.kalman import linear_system
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.observations import RunData
+from pounding.diagnosis.model.predictor import ACCELERATION
+from pounding.diagnosis.model.storeys import Modes
+from pounding.diagnosis.model.terms import Motion
+
+
+def motions(model: Model, filtered: Filtered) -> list[Motion]:
+    """Return the motion of each run of a baseline, as predicted and as filtered."""
+    found = []
+    for number, run in enumerate(filtered.runs):
+        data, outputs = model.observed.runs[run], filtered.prediction.outputs[number]
+        modes = filtered.run_modes[number]
+        predicted_pushes, pushes, pushing = _pushes(model, filtered, number)
+        start = _motion(model, modes, filtered.prediction.after[number], data, outputs, pushes, pushing)
+        predicted = _motion(
+            model, modes, filtered.prediction.before[number], data, outputs, predicted_pushes, pushing
+        )
+        found.append(replace(predicted, start=start))
+    return found
+
+
+def _pushes(model: Model, filtered: Filtered, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return modal forces of contacts and laws in a run, each (samples, modes): as predicted, as left, and their rate."""
+    run, modes, before = filtered.runs[number], filtered.run_modes[number], filtered.prediction.before[number]
+    data, n = model.observed.runs[run], len(modes.omega)
+    known, rate = np.zeros((len(before), n)), np.zeros((len(before), n))
+    assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
+    at, near = np.arange(len(before)) * data.step_s, data.step_s / data.substeps
+    for column, (left, right) in enumerate(model.observed.contact_floors):
+        direction = modes.floors[right] - modes.floors[left]
+        late, here, early = (model.contact_force(assembly, run, column, at + by) for by in (near, 0.0, -near))
+        known += np.outer(here, direction)
+        rate += np.outer((late - early) / (2 * near), direction)
+    laws = tangents_of(model, filtered, number)
+    if laws is None:
+        return known, known, rate
+    predicted, left = (known - laws.forces[side::2] @ laws.rows for side in (0, 1))
+    system = model.linear_system(modes)
+    faster = before @ system.rate[n : 2 * n].T - np.outer(data.table, modes.participation) + predicted
+    for j, row in enumerate(laws.rows):
+        by_drift, by_rate = laws.slopes[::2, j, 0, 0], laws.slopes[::2, j, 0, 1]
+        rate -= np.outer(by_drift * (before[:, n : 2 * n] @ row) + by_rate * (faster @ row), row)
+    return predicted, left, rate
+
+
+def _motion(
+    model: Model,
+    modes: Modes,
+    states: np.ndarray,
+    run: RunData,
+    outputs: np.ndarray,
+    pushes: np.ndarray,
+    pushing: np.ndarray,
+) -> Motion:
+    n = len(modes.omega)
+    eta, rate = states[:, :n], states[:, n : 2 * n]
+    floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
+    drift = model.structure.drift
+    return Motion(
+        run=run,
+        eta=eta,
+        eta_rate=rate,
+        floor=floor,
+        floor_rate=floor_rate,
+        drift=floor @ drift.T,
+        drift_rate=floor_rate @ drift.T,
+        acceleration=_acceleration(model, modes, states) + pushes @ modes.floors.T,
+        table_rate=states[:, -1],
+        outputs=outputs,
+        output_rate=_output_rate(model, modes, states, run, pushes, pushing),
+    )
+
+
+def _acceleration(model: Model, modes: Modes, states: np.ndarray) -> np.ndarray:
+    """Return the absolute acceleration of every floor for predicted states, shape (samples, floors)."""
+    floors = np.arange(model.structure.floors)
+    rows = model.structure.drift @ modes.floors
+    system = linear_system(modes, rows, np.full(len(floors), ACCELERATION), floors)
+    return np.asarray(states @ system.output.T)
+
+
+def _output_rate(
+    model: Model, modes: Modes, states: np.ndarray, run: RunData, pushes: np.ndarray, pushing: np.ndarray
+) -> np.ndarray:
+    """Return the rate of each channel that follows from state and forces alone, shape (samples, channels).
+
+    A difference between predicted samples would hold the innovation that it is to be compared with.
+    """
+    system = model.linear_system(modes)
+    table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
+    n = len(modes.omega)
+    pushed = pushes @ system.output[:, n : 2 * n].T + pushing @ system.direct.T
+    return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table) + pushed)

@@ -1,0 +1,233 @@
+"""Laws that answer: what a small force does to a frame changes the forces of the laws in it, and so what it does itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from pounding.diagnosis.model.closed_loop import OwnMotions, pushed
+from pounding.diagnosis.model.kalman import SteadyFilter
+from pounding.diagnosis.model.predictor import CONTRACT
+from pounding.diagnosis.model.tangents import Tangents
+
+
+@dataclass
+class Answers:
+    """Forces of laws that answer each term, as the closed loop of `sensitivity` takes them.
+
+    Attributes:
+        slopes: Of `Tangents`.
+        seen: Drifts and rates that the states show, all drifts first, shape (2 laws, states).
+        ends: What the end of a term adds to these, shape (2 laws, terms).
+        own_ends: What the end of a law adds to these, shape (2 laws, laws).
+        corrected: How far what is shown corrects these, shape (2 laws, channels).
+        pushed: What start and end of each law, all starts first, add to the states in a step, shape (states, 2 laws).
+        direct: What the end of each law adds to what is shown, shape (channels, laws).
+        memory: Change of what each law remembers, for each term, shape (laws, remembered, terms).
+    """
+
+    slopes: np.ndarray
+    seen: np.ndarray
+    ends: np.ndarray
+    own_ends: np.ndarray
+    corrected: np.ndarray
+    pushed: np.ndarray
+    direct: np.ndarray
+    memory: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        steady: SteadyFilter,
+        own: OwnMotions | None,
+        shown: np.ndarray,
+        laws: Tangents,
+        lacking: np.ndarray,
+    ) -> Answers:
+        """Return the answers to terms.
+
+        Args:
+            steady: The filter.
+            own: The motions that are the loop's states; None where these are the filter's own.
+            shown: Matrix by which the innovations are multiplied, shape (channels, channels).
+            laws: The laws.
+            lacking: What the ends of the terms have made of the filter's states, which are less that (`pushed`), taken
+                negative, shape (states, terms).
+        """
+        count, modes = laws.rows.shape
+        states = len(steady.step)
+        seen = np.zeros((2 * count, states))
+        seen[:count, :modes] = laws.rows
+        seen[count:, modes : 2 * modes] = laws.rows
+        seen[count:, -1] = laws.room
+        # With the mean of start and end over the step, as in Newmark's rule of constant acceleration, no joint is too stiff.
+        mean = 0.5 * (steady.force_start + steady.force_end)[:, :modes] @ laws.rows.T
+        inputs, direct = pushed(steady, mean, mean, steady.direct @ laws.rows.T)
+        moved = inputs if own is None else own.forth @ inputs
+        whole = (
+            laws.slopes,
+            seen if own is None else seen @ own.back,
+            -seen @ lacking,
+            -seen @ inputs[2],
+            seen @ steady.gain @ np.linalg.inv(shown),
+            np.hstack([moved[0], moved[1]]),
+            shown @ direct,
+            np.zeros((count, laws.slopes.shape[2] - 1, lacking.shape[1])),
+        )
+        return cls(*map(np.ascontiguousarray, whole))
+
+    def filter(
+        self,
+        first: int,
+        transition: np.ndarray,
+        output: np.ndarray,
+        inputs: np.ndarray,
+        direct: np.ndarray,
+        series: np.ndarray,
+        at_end: np.ndarray,
+        column: np.ndarray,
+        state: np.ndarray,
+        result: np.ndarray,
+        turning: bool,
+    ) -> None:
+        """Run the closed loop once for each term, with laws that answer; `sensitivity` says what the rest is.
+
+        Args:
+            first: Number of the first sample.
+            transition, output, inputs, direct, series, at_end, column, state, result, turning: As without laws.
+        """
+        _filter(
+            transition, np.vstack([output, self.seen]), inputs, np.vstack([direct, self.ends]), series, at_end, column,
+            state, result, turning, self.slopes[2 * first : 2 * (first + len(series))], self.own_ends, self.corrected,
+            self.pushed, self.direct, self.memory,
+        )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _filter(
+    transition: np.ndarray,
+    output: np.ndarray,
+    inputs: np.ndarray,
+    direct: np.ndarray,
+    series: np.ndarray,
+    at_end: np.ndarray,
+    column: np.ndarray,
+    state: np.ndarray,
+    result: np.ndarray,
+    turning: bool,
+    slopes: np.ndarray,
+    own_ends: np.ndarray,
+    corrected: np.ndarray,
+    own_pushed: np.ndarray,
+    own_direct: np.ndarray,
+    memory: np.ndarray,
+) -> None:
+    """Run the closed loop once for each term; `output` and `direct` have drifts and rates below the channels."""
+    samples, terms = series.shape
+    channels, laws = own_direct.shape
+    groups = result.shape[2]
+    shown = np.zeros((channels + 2 * laws, terms))
+    motion = np.zeros((2 * laws, terms))
+    forces = np.zeros((2 * laws, terms))
+    starts, ends = forces[:laws], forces[laws:]
+    push = np.zeros_like(state)
+    moved = np.zeros_like(state)
+    new = np.zeros_like(memory)
+    for k in range(samples):
+        np.dot(output, state, shown)
+        for c in range(channels + 2 * laws):
+            for t in range(terms):
+                shown[c, t] += direct[c, t] * at_end[k, t]
+        # The force at the end of a step is a part of the motion that it answers.
+        before, after = slopes[2 * k], slopes[2 * k + 1]
+        motion[:] = shown[channels:]
+        _answer(before, motion, memory, ends)
+        ends[:] = np.dot(np.linalg.inv(_own_share(before, own_ends)), ends)
+        for i in range(2 * laws):
+            for j in range(laws):
+                for t in range(terms):
+                    motion[i, t] += own_ends[i, j] * ends[j, t]
+        _remember(before, motion, memory, new)
+        for c in range(channels):
+            for j in range(laws):
+                for t in range(terms):
+                    shown[c, t] += own_direct[c, j] * ends[j, t]
+            for i in range(2 * laws):
+                for t in range(terms):
+                    motion[i, t] -= corrected[i, c] * shown[c, t]
+        _answer(after, motion, memory, starts)
+        _remember(after, motion, memory, new)
+        for c in range(channels):
+            for t in range(groups, terms):
+                shown[c, column[t]] += shown[c, t]
+            for g in range(groups):
+                result[k, c, g] = shown[c, g]
+        np.dot(own_pushed, forces, push)
+        for i in range(len(state)):
+            for t in range(terms):
+                push[i, t] += inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
+        if turning:
+            _turn(transition, push, state)
+        else:
+            np.dot(transition, state, moved)
+            state[:] = moved + push
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _turn(turn: np.ndarray, push: np.ndarray, state: np.ndarray) -> None:
+    """Take a step of own motions (`OwnMotions.turn`) with a push, states and push of shape (states, terms)."""
+    states, terms = state.shape
+    pairs = states - turn.shape[1]
+    for i in range(pairs):
+        real, imaginary, j = turn[0, i], turn[1, i], pairs + i
+        for t in range(terms):
+            one, other = state[i, t], state[j, t]
+            state[i, t] = real * one - imaginary * other + push[i, t]
+            state[j, t] = imaginary * one + real * other + push[j, t]
+    for i in range(2 * pairs, states):
+        for t in range(terms):
+            state[i, t] = turn[0, i - pairs] * state[i, t] + push[i, t]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _own_share(slopes: np.ndarray, own_ends: np.ndarray) -> np.ndarray:
+    """Return what forces and the answers to what they do themselves make together, shape (laws, laws)."""
+    laws = own_ends.shape[1]
+    share = np.eye(laws)
+    for i in range(laws):
+        for j in range(laws):
+            share[i, j] += slopes[i, 0, 0] * own_ends[i, j] + slopes[i, 0, 1] * own_ends[laws + i, j]
+    return share
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _answer(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, forces: np.ndarray) -> None:
+    """Fill in the forces, (laws, terms), that answer changes of drifts and rates, (2 laws, terms), and of memories."""
+    laws, terms = forces.shape
+    for i in range(laws):
+        for t in range(terms):
+            forces[i, t] = -(slopes[i, 0, 0] * motion[i, t] + slopes[i, 0, 1] * motion[laws + i, t])
+        for r in range(memory.shape[1]):
+            for t in range(terms):
+                forces[i, t] -= slopes[i, 0, 2 + r] * memory[i, r, t]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _remember(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, new: np.ndarray) -> None:
+    """Change what laws remember, (laws, remembered, terms), by changes of drifts and rates, (2 laws, terms)."""
+    laws, remembered, terms = memory.shape
+    if remembered == 0:
+        return
+    for i in range(laws):
+        for r in range(remembered):
+            by_drift, by_rate = slopes[i, 1 + r, 0], slopes[i, 1 + r, 1]
+            for t in range(terms):
+                new[i, r, t] = by_drift * motion[i, t] + by_rate * motion[laws + i, t]
+            for q in range(remembered):
+                kept = slopes[i, 1 + r, 2 + q]
+                if kept != 0.0:
+                    for t in range(terms):
+                        new[i, r, t] += kept * memory[i, q, t]
+    memory[:] = new

@@ -1,0 +1,70 @@
+"""The closed loop of frames and filter: what pushes do to its states, and the motions of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pounding.diagnosis.model.kalman import SteadyFilter
+
+ALIKE = 1e6
+"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose six digits."""
+
+
+def transition(steady: SteadyFilter) -> np.ndarray:
+    """Return what a step and the filter's correction before it make of the states, shape (states, states).
+
+    Args:
+        steady: The filter.
+    """
+    return np.asarray(steady.step @ (np.eye(len(steady.step)) - steady.gain @ steady.output))
+
+
+def pushed(
+    steady: SteadyFilter, start: np.ndarray, end: np.ndarray, direct: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what forces add to the states, (3, states, forces), and their ends to the channels, (channels, forces).
+
+    The first is of a step's start, the second of the end of the step before; the third is what that end has just made of
+    the states, which are less that: a force so pushes once a step instead of twice.
+
+    Args:
+        steady: The filter.
+        start, end: What a force at the start and at the end of a step makes of the states in it, each (states, forces).
+        direct: What it adds to the channels at once, shape (channels, forces).
+    """
+    back = -steady.step @ steady.gain @ direct
+    return np.stack([start, back + transition(steady) @ end, -end]), direct + steady.output @ end
+
+
+@dataclass(frozen=True)
+class OwnMotions:
+    """Coordinates in which each of a closed loop's own motions goes its own way.
+
+    Attributes:
+        turn: Real and imaginary part of each one's factor in a step, those that turn first, shape (2, motions).
+        forth: From the states to the real parts of those that turn, their imaginary parts, and the others, shape
+            (states, states).
+        back: The way back, shape (states, states).
+    """
+
+    turn: np.ndarray
+    forth: np.ndarray
+    back: np.ndarray
+
+
+def own_motions(closed: np.ndarray) -> OwnMotions | None:
+    """Return the own motions of a closed loop, (states, states), None where they are too alike to be told apart."""
+    factors, vectors = np.linalg.eig(closed)
+    size = np.abs(vectors).max(axis=1)
+    if not np.all(size > 0.0) or np.linalg.cond(vectors / size[:, None]) > ALIKE:
+        return None
+    # Of a conjugate pair one is enough: the real part of twice its contribution is that of both.
+    turns, stays = factors.imag > 0.0, factors.imag == 0.0
+    inverse = np.linalg.inv(vectors)
+    return OwnMotions(
+        np.hstack([[one.real, one.imag] for one in (factors[turns], factors[stays])]),
+        np.concatenate([inverse[turns].real, inverse[turns].imag, inverse[stays].real]),
+        np.hstack([2 * vectors[:, turns].real, -2 * vectors[:, turns].imag, vectors[:, stays].real]),
+    )

@@ -1,0 +1,111 @@
+"""Laws about a motion, to first order: what a small change of the motion changes of their forces and of their memories."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from pounding.calling import MEMORY, called
+from pounding.diagnosis.model.laws import PlacedLaw, placed_arrays
+from pounding.diagnosis.model.storeys import Modes
+
+NUDGE = 1e-5
+"""Change of drift, rate and memory by which slopes are taken, as a share of the largest."""
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """Laws along a run's motion, as predicted before each sample and as the filter leaves it there: two rows a sample.
+
+    Attributes:
+        rows: Modal row of the drift on which each law acts, shape (laws, modes).
+        room: 1 where it acts on the rate in the room, which has the table's in it, else 0, shape (laws,).
+        forces: Force of each law [N], shape (2 samples, laws).
+        slopes: Of this force and of what the law remembers then, by drift, rate and what it remembered, shape
+            (2 samples, laws, 1 + remembered, 2 + remembered).
+    """
+
+    rows: np.ndarray
+    room: np.ndarray
+    forces: np.ndarray
+    slopes: np.ndarray
+
+
+def tangents(
+    placed: Sequence[PlacedLaw], modes: Modes, states: tuple[np.ndarray, np.ndarray], step_s: float
+) -> Tangents | None:
+    """Return the slopes of laws along a run, None where there is no law.
+
+    Args:
+        placed: The laws at their places.
+        modes: Modes of the run.
+        states: Its states as predicted and as the filter leaves them, each (samples, states).
+        step_s: Sampling step [s].
+    """
+    if not placed:
+        return None
+    samples = len(states[0])
+    laws, rows, room, parameters = placed_arrays(placed, modes.floors, step_s * (samples - 1))
+    n = len(modes.omega)
+    both = np.stack(states, axis=1).reshape(2 * samples, -1)
+    drift = both[:, :n] @ rows.T
+    rate = both[:, n : 2 * n] @ rows.T + both[:, -1:] * room
+    remembered = MEMORY if any(one.law.remembers for one in placed) else 0
+    forces = np.zeros((2 * samples, len(placed)))
+    slopes = np.zeros((2 * samples, len(placed), 1 + remembered, 2 + remembered))
+    for j, address in enumerate(laws):
+        motion = np.ascontiguousarray(drift[:, j]), np.ascontiguousarray(rate[:, j])
+        _slopes(address, parameters[j], *motion, step_s, NUDGE, forces[:, j], slopes[:, j])
+    used = 1 + np.flatnonzero(slopes[:, :, 1:].any(axis=(0, 1, 3)))
+    slopes = slopes[:, :, np.r_[0, used]][..., np.r_[0, 1, 1 + used]]
+    # Where the motion has blown up there is no slope.
+    return Tangents(rows, room, forces, np.where(np.isfinite(slopes), slopes, 0.0))
+
+
+@njit(cache=True)
+def _slopes(
+    address: int,
+    parameters: np.ndarray,
+    drift: np.ndarray,
+    rate: np.ndarray,
+    step_s: float,
+    nudge: float,
+    forces: np.ndarray,
+    slopes: np.ndarray,
+) -> None:
+    """Fill in the forces of one law, shape (2 samples,), and their slopes (2 samples, 1 + remembered, 2 + remembered)."""
+    remembered = slopes.shape[1] - 1
+    memory = np.zeros((drift.size, MEMORY))
+    there, new = np.zeros(MEMORY), np.zeros(MEMORY)
+    for k in range(drift.size):
+        new[:] = memory[k]
+        forces[k] = called(address, parameters, memory[k], drift[k], rate[k], step_s * (k // 2), new)
+        if k + 1 < drift.size:
+            memory[k + 1] = new
+    size = np.zeros(2 + remembered)
+    size[0], size[1] = np.abs(drift).max(), np.abs(rate).max()
+    for i in range(remembered):
+        size[2 + i] = np.abs(memory[:, i]).max()
+    size *= nudge
+    for k in range(drift.size):
+        time = step_s * (k // 2)
+        for i in range(2 + remembered):
+            if size[i] == 0.0:
+                continue
+            for side in (1.0, -1.0):
+                by = side / (2.0 * size[i])
+                d, v = drift[k], rate[k]
+                there[:] = memory[k]
+                if i == 0:
+                    d += side * size[0]
+                elif i == 1:
+                    v += side * size[1]
+                else:
+                    there[i - 2] += side * size[i]
+                new[:] = 0.0
+                slopes[k, 0, i] += by * called(address, parameters, there, d, v, time, new)
+                for j in range(remembered):
+                    slopes[k, 1 + j, i] += by * new[j]

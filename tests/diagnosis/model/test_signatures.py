@@ -1,0 +1,63 @@
+"""Signatures beside small differences of the prediction: what the inference takes for slopes are its slopes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.effects.every_storey import AllCubicStiffness
+from pounding.diagnosis.effects.storey import CoulombFriction, CubicStiffness, DampingChange, Hysteresis
+from pounding.diagnosis.inference import filtering
+from pounding.diagnosis.inference.filtering import Filtered, grouped_signatures, run_filter, whitened
+from pounding.diagnosis.inference.motions import motions
+from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.terms import nuisance_terms
+from tests.diagnosis.models import measured
+
+LAWS: dict[str, list[tuple[Effect, np.ndarray]]] = {
+    "no law": [],
+    "cubic spring": [(CubicStiffness(index=1, frame="bench", storey=2), np.array([2e10]))],
+    "damper": [(DampingChange(index=1, frame="bench", storey=2), np.array([200.0, 0.0]))],
+    "hysteresis": [(Hysteresis(index=0, frame="bench", storey=1), np.array([25.0, 3e4, 2.0, 0.0]))],
+    "friction": [(CoulombFriction(index=0, frame="bench", storey=1), np.array([4.0, 4.0, 0.0]))],
+    "cubic springs": [(AllCubicStiffness(index=0, frame="bench"), np.array([3e5, 0.2]))],
+}
+
+
+@pytest.mark.parametrize("level", [0.1, 0.003])
+@pytest.mark.parametrize("law", LAWS)
+def test_signatures_are_slopes_of_the_innovations(
+    law: str, level: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever acts, and however far the filter corrects a frame that is not quite the measured one."""
+    model = measured(LAWS[law])
+    values = 0.5 * model.std * np.random.default_rng(5).standard_normal(len(model.std))
+    filtered = run_filter(model, values, starting_noise(model, (0,), level), (0,), LAWS[law])
+    slopes = np.array([slope(model, filtered, j) for j in range(len(model.std))]).T
+    # A shift moves the noise as well, which no prediction knows; `test_kalman` has it by itself.
+    told = np.array([parameter.kind != "channel_delay" for parameter in model.parameters])
+
+    def error() -> np.ndarray:
+        groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
+        columns = grouped_signatures(model, filtered, groups)[0]
+        return np.linalg.norm(columns - slopes, axis=0)[told] / np.linalg.norm(slopes, axis=0)[told]
+
+    found = error()
+    assert np.median(found) < 0.05
+    assert found.max() < 0.12
+    if filtered.effects and level < 0.1:
+        monkeypatch.setattr(filtering, "tangents_of", lambda *_: None)
+        assert np.median(error()) > 2 * np.median(found)
+
+
+def slope(model: Model, filtered: Filtered, j: int) -> np.ndarray:
+    """Return the slope of whitened innovations by a nuisance parameter, downwards, from a small change to either side."""
+    there = []
+    for side in (-1.0, 1.0):
+        moved = filtered.values.copy()
+        moved[j] += side * 0.01 * model.std[j]
+        found = model.predict(moved, filtered.gains, filtered.effects, (0,), whole=False).innovations[0]
+        there.append(whitened(found, filtered.filters[0]).ravel())
+    return np.asarray((there[0] - there[1]) / (0.02 * model.std[j]))
