@@ -168,22 +168,20 @@ class Refinement:
     """[probability] Nuisance parameters stay so near to the baseline that, of all in a model whose priors are right, one
     lies further away with this probability: some 3.3 prior standard deviations of a frame with five storeys, 3.6 of a
     pair. What lies beyond is no nuisance. Origin: theory: the usual rate of false alarms, shared by all parameters."""
-    last: int = 6
-    """[-] The last descent may have so many times as many steps. Origin: chosen."""
+    each: int = 3
+    """[-] A descent has so many steps at each size of the latent forces. Origin: chosen."""
+    last: int = 18
+    """[-] It has so many at most where these stay as they are. Origin: chosen."""
     by_motion: int = 24
     """[-] The calibration of the null model by its motion alone has so many steps. Origin: chosen."""
     law_error: float = 0.02
     """[share of the size] The law of an effect on a frame, its place and the frame's mass are known no better: standard
     errors contain it. Origin: fitted; twelve sizes, nine of own cases and those of column E of the benchmark, were 0.3 to
     4 % off whatever the data said."""
-    onwards: int = 24
-    """[-] A refinement goes on for at most so many steps. Origin: chosen."""
-    rescalings: int = 3
-    """[times] At most so often a refinement estimates the model discrepancy's scale again. Origin: chosen."""
     least_latent_n: float = 1e-4
     """[N] A smaller latent force is none. Origin: chosen."""
     likelier: float = 1.0
-    """[ln likelihood] Gain from which on smaller latent forces are kept. Origin: chosen."""
+    """[ln likelihood] Gain from which on smaller latent forces are kept, and a refinement goes on. Origin: chosen."""
     table_noise_likelier: float = 0.5
     """[ln likelihood] Gain from which on half or twice the table's noise is kept. Origin: chosen."""
     worse: float = 5.0

@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Trials, descend
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Trials, descend
 from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -92,7 +92,6 @@ def refine(
     effects: Sequence[Effect] = (),
     values: Sequence[np.ndarray] = (),
     widths: Sequence[np.ndarray] | None = None,
-    iterations: int = 3,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
 ) -> Fit:
@@ -105,7 +104,6 @@ def refine(
         values: SI parameters of each effect to start from, each of shape (parameters,).
         widths: Prior standard deviations of those that are not logarithmic [SI], each of shape (parameters,); as
             large as `values` by default.
-        iterations: Gauss-Newton steps for each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
     """
@@ -115,35 +113,17 @@ def refine(
     )
     theta = _start(model, filtered, coordinates, nuisance)
     start = Histories(model, _at(model, filtered, coordinates, theta), coordinates)
-    histories, theta = _rescaled(*_descended(start, theta, iterations))
+    histories, theta = _rescaled(*_descended(start, theta, SETTINGS.refinement.each))
     if not thorough:
         return _finished(histories, theta)
     # What the histories have worked out is much, and only good for these.
-    current, coordinates = histories.filtered, histories.coordinates
-    del start, histories
-    while current.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
-        noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
-        trial = run_filter(model, current.values, noise, current.runs, current.effects)
-        trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
-        descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
-        trial = descended.filtered
-        if trial.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
-            break
-        current, theta = trial, moved
-    histories, theta = _quieted(Histories(model, current, coordinates), theta, iterations)
-    histories, theta = _onwards(histories, theta, iterations)
-    # What has more freedom than the start cannot be less likely: where it is, a bad start was taken for noise.
-    gained = np.inf if histories.filtered.log_likelihood < filtered.log_likelihood else 0.0
+    del start
+    gained = np.inf
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
-        histories, theta = _quieted(histories, theta, iterations)
+        for further in (_calmed, _quieted, _rescaled):
+            histories, theta = _descended(*further(histories, theta), SETTINGS.refinement.last)
         gained = histories.filtered.log_likelihood - before
-    for _ in range(SETTINGS.refinement.rescalings):
-        before = histories.filtered.discrepancy
-        histories, theta = _rescaled(histories, theta)
-        if histories.filtered.discrepancy == before:
-            break
-        histories, theta = _descended(histories, theta, SETTINGS.refinement.last * iterations)
     return _finished(histories, theta)
 
 
@@ -172,17 +152,19 @@ def _descended(
     return histories.fresh(), theta
 
 
-def _onwards(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
-    """Return the fit after further steps with a damping that follows what helps, its noise estimated anew if they gained.
-
-    In a long, bent valley, as between a frame's masses and the model discrepancy, steps that begin afresh creep, and what is
-    missing for it is taken for an effect.
-    """
-    before = histories.filtered.log_likelihood
-    histories, theta = _descended(histories, theta, SETTINGS.refinement.onwards, Marquardt())
-    if histories.filtered.log_likelihood < before + SETTINGS.refinement.likelier:
-        return histories, theta
-    return _quieted(histories, theta, iterations)
+def _calmed(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
+    """Return the fit with latent forces as small as the data like, each size of them after a few steps."""
+    model, coordinates = histories.model, histories.coordinates
+    while histories.filtered.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
+        current = histories.filtered
+        noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
+        trial = run_filter(model, current.values, noise, current.runs, current.effects)
+        trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
+        descended, moved = _descended(Histories(model, trial, coordinates), theta, SETTINGS.refinement.each)
+        if descended.filtered.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
+            break
+        histories, theta = descended, moved
+    return histories, theta
 
 
 def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
@@ -228,11 +210,11 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
     )
 
 
-def _quieted(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
-    """Return the fit after its noise was estimated, that of the table first, and the last descent with it."""
+def _quieted(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
+    """Return the fit with its noise estimated, that of the table first."""
     model, coordinates = histories.model, histories.coordinates
-    quiet = Histories(model, _quieter(model, _table_noise(model, histories.filtered)), coordinates)
-    return _descended(quiet, theta, SETTINGS.refinement.last * iterations)
+    quiet = _quieter(model, _table_noise(model, histories.filtered))
+    return Histories(model, quiet, coordinates), theta
 
 
 def _quieter(model: Model, filtered: Filtered) -> Filtered:
@@ -246,7 +228,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
     """Return the baseline with the table's noise that the data like best."""
     best = filtered
     for factor in (0.5, 2.0):
-        for _ in range(3):
+        while True:
             noise = tuple(replace(one, table=factor * one.table) for one in best.noise)
             trial = run_filter(model, best.values, noise, best.runs, best.effects)
             if model.observed.contact_events:
