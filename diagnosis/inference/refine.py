@@ -121,8 +121,10 @@ def refine(
     gained = np.inf
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
-        for further in (_calmed, _quieted, _rescaled):
-            histories, theta = _descended(*further(histories, theta), SETTINGS.refinement.last)
+        for estimated in (_quieted, _rescaled):
+            changed, moved = estimated(histories, theta)
+            if changed is not histories:
+                histories, theta = _descended(changed, moved, SETTINGS.refinement.last)
         gained = histories.filtered.log_likelihood - before
     return _finished(histories, theta)
 
@@ -211,17 +213,20 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
 
 
 def _quieted(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
-    """Return the fit with its noise estimated, that of the table first."""
-    model, coordinates = histories.model, histories.coordinates
-    quiet = _quieter(model, _table_noise(model, histories.filtered))
-    return Histories(model, quiet, coordinates), theta
+    """Return the fit with its latent forces calmed and its noise estimated, that of the table first."""
+    histories, theta = _calmed(histories, theta)
+    quiet = _quieter(histories.model, _table_noise(histories.model, histories.filtered))
+    if quiet is histories.filtered:
+        return histories, theta
+    return Histories(histories.model, quiet, histories.coordinates), theta
 
 
 def _quieter(model: Model, filtered: Filtered) -> Filtered:
     """Return the filtered model with the noise of its channels that its innovations show, where that is likelier."""
     noise = matched_noise(model, filtered)
     trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-    return max(filtered, trial, key=lambda one: one.log_likelihood)
+    likelier = trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.likelier
+    return trial if likelier else filtered
 
 
 def _table_noise(model: Model, filtered: Filtered) -> Filtered:
