@@ -182,8 +182,8 @@ class Refinement:
     """[N] A smaller latent force is none. Origin: chosen."""
     likelier: float = 1.0
     """[ln likelihood] Gain from which on smaller latent forces are kept, and a refinement goes on. Origin: chosen."""
-    table_noise_likelier: float = 0.5
-    """[ln likelihood] Gain from which on half or twice the table's noise is kept. Origin: chosen."""
+    noise_likelier: float = 0.5
+    """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
     worse: float = 5.0
     """[ln likelihood] Loss at which a step is taken back. Origin: chosen."""
     enough: float = 0.2

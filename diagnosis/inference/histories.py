@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,12 +13,14 @@ from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     run_filter,
     run_signatures,
+    tangents_of,
     whitened_innovations,
     whitened_runs,
 )
 from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products, product
 from pounding.diagnosis.model.model import Acting, Model
+from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
 
@@ -204,21 +207,38 @@ class Histories(Likelihood):
                         found[number][:, first] = column[:, 0] * slopes[first]
             else:
                 for j in range(first, first + len(effect.quantities)):
-                    for store, column in zip(found, self._difference(theta, j), strict=True):
+                    for store, column in zip(found, self._by_small_change(theta, j), strict=True):
                         store[:, j] = column
             first += len(effect.quantities)
         return found
 
-    def _difference(self, theta: np.ndarray, number: int) -> list[np.ndarray]:
-        """Return for each run the whitened derivative with respect to one of the effects' coordinates, by a small change."""
-        filtered, coordinates = self.filtered, self.coordinates
+    def _by_small_change(self, theta: np.ndarray, number: int) -> list[np.ndarray]:
+        """Return for each run the whitened derivative with respect to one of the effects' coordinates, (n,)."""
+        model, filtered, coordinates = self.model, self.filtered, self.coordinates
         delta = coordinates.nudge(theta, number)
         moved = theta.copy()
         moved[len(coordinates.scale) + number] += delta
-        gains = filtered.gains
-        prediction = self.model.predict(
-            filtered.values, gains, coordinates.acting(moved), filtered.runs, whole=False
-        )
+        acting = coordinates.acting(moved)
+        here, there = (model.assemble(filtered.values, one) for one in (filtered.effects, acting))
+        if not here.differs_in_laws_alone(there):
+            return self._difference(acting, delta)
+        # As above: what yields of a storey and the storey's stiffness are nearly the same, and a valley lies between them.
+        changed = replace(filtered, effects=acting)
+        found = []
+        for run, series in enumerate(filtered.prediction.innovations):
+            before, after = (tangents_of(model, one, run) for one in (filtered, changed))
+            if before is None or after is None:
+                found.append(np.zeros(series.size))
+                continue
+            forces = (before.forces - after.forces) / delta
+            terms = [Term(forces[1::2, i], row, end=forces[::2, i]) for i, row in enumerate(before.rows)]
+            found.append(run_signatures(model, filtered, run, [terms])[:, 0])
+        return found
+
+    def _difference(self, acting: Sequence[tuple[Acting, np.ndarray]], delta: float) -> list[np.ndarray]:
+        """Return for each run the whitened derivative by a small change of the effects that act, (n,)."""
+        filtered = self.filtered
+        prediction = self.model.predict(filtered.values, filtered.gains, acting, filtered.runs, whole=False)
         both = zip(filtered.prediction.innovations, prediction.innovations, strict=True)
         with np.errstate(over="ignore", invalid="ignore"):
             columns = [

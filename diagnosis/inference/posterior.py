@@ -283,7 +283,7 @@ def descend(
             # Where an effect blows up there is no direction to go.
             break
         before = after = posterior.cost(theta)
-        moved = theta
+        moved, settled = theta, None
         for damping, share in trials.steps(last):
             step = posterior.step(gram, slope, theta, damping)
             trial = theta + share * step
@@ -291,14 +291,15 @@ def descend(
             bent = damping == 0.0 and share == 1.0 and np.isfinite(after) and after >= before
             if bent and 0.5 * float((slope - theta) @ step) > enough:
                 trial, after = posterior.led_back(gram, theta, trial, after)
-            if after < before:
+            # What helps as long as nothing else follows the parameters may be of no help when all does.
+            if after < before and (settled := posterior.settled(trial)) is not None:
                 moved, last = trial, damping
                 break
+        after = before if settled is None else after
         if posterior.kinked and before - after < SETTINGS.refinement.strides_below:
-            moved, after = _along_each(posterior, moved, min(after, before))
-        if after >= before:
-            break
-        settled = posterior.settled(moved)
+            there, lower = _along_each(posterior, moved, after)
+            if lower < after and (along := posterior.settled(there)) is not None:
+                moved, after, settled = there, lower, along
         if settled is None:
             break
         posterior, theta = settled, moved

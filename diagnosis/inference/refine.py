@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from pounding.diagnosis.inference.discrepancy import Linearised
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Trials, descend
+from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Trials, descend
 from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -92,6 +93,7 @@ def refine(
     effects: Sequence[Effect] = (),
     values: Sequence[np.ndarray] = (),
     widths: Sequence[np.ndarray] | None = None,
+    iterations: int = SETTINGS.refinement.each,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
 ) -> Fit:
@@ -104,6 +106,7 @@ def refine(
         values: SI parameters of each effect to start from, each of shape (parameters,).
         widths: Prior standard deviations of those that are not logarithmic [SI], each of shape (parameters,); as
             large as `values` by default.
+        iterations: Steps at each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
     """
@@ -113,7 +116,7 @@ def refine(
     )
     theta = _start(model, filtered, coordinates, nuisance)
     start = Histories(model, _at(model, filtered, coordinates, theta), coordinates)
-    histories, theta = _rescaled(*_descended(start, theta, SETTINGS.refinement.each))
+    histories, theta = _rescaled(*_descended(start, theta, iterations))
     if not thorough:
         return _finished(histories, theta)
     # What the histories have worked out is much, and only good for these.
@@ -121,10 +124,10 @@ def refine(
     gained = np.inf
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
-        for estimated in (_quieted, _rescaled):
+        for estimated in (partial(_quieted, iterations=iterations), _rescaled):
             changed, moved = estimated(histories, theta)
             if changed is not histories:
-                histories, theta = _descended(changed, moved, SETTINGS.refinement.last)
+                histories, theta = _descended(changed, moved, SETTINGS.refinement.last, Marquardt())
         gained = histories.filtered.log_likelihood - before
     return _finished(histories, theta)
 
@@ -154,7 +157,7 @@ def _descended(
     return histories.fresh(), theta
 
 
-def _calmed(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
+def _calmed(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
     """Return the fit with latent forces as small as the data like, each size of them after a few steps."""
     model, coordinates = histories.model, histories.coordinates
     while histories.filtered.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
@@ -162,7 +165,7 @@ def _calmed(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndar
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
-        descended, moved = _descended(Histories(model, trial, coordinates), theta, SETTINGS.refinement.each)
+        descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
         if descended.filtered.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
             break
         histories, theta = descended, moved
@@ -212,9 +215,9 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
     )
 
 
-def _quieted(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
+def _quieted(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
     """Return the fit with its latent forces calmed and its noise estimated, that of the table first."""
-    histories, theta = _calmed(histories, theta)
+    histories, theta = _calmed(histories, theta, iterations)
     quiet = _quieter(histories.model, _table_noise(histories.model, histories.filtered))
     if quiet is histories.filtered:
         return histories, theta
@@ -225,7 +228,7 @@ def _quieter(model: Model, filtered: Filtered) -> Filtered:
     """Return the filtered model with the noise of its channels that its innovations show, where that is likelier."""
     noise = matched_noise(model, filtered)
     trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-    likelier = trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.likelier
+    likelier = trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.noise_likelier
     return trial if likelier else filtered
 
 
@@ -238,7 +241,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
             trial = run_filter(model, best.values, noise, best.runs, best.effects)
             if model.observed.contact_events:
                 trial = _run_by_run(model, best, trial)
-            if trial.log_likelihood < best.log_likelihood + SETTINGS.refinement.table_noise_likelier:
+            if trial.log_likelihood < best.log_likelihood + SETTINGS.refinement.noise_likelier:
                 break
             best = trial
     return best

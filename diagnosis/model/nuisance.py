@@ -80,6 +80,22 @@ class Assembly:
     influence: list[float] = field(default_factory=list)
     """Motion of each such coordinate when the table moves by one."""
 
+    def differs_in_laws_alone(self, other: Assembly) -> bool:
+        """Return whether another assembly has the same laws at the same places, of other parameters, and is else the same.
+
+        Args:
+            other: The other assembly.
+        """
+        pairs = [
+            (vars(self)[key], vars(other)[key]) for key in vars(self) if key not in ("laws", "extensions")
+        ]
+        placed = len(self.laws) == len(other.laws) and all(
+            one.law is two.law and one.in_room == two.in_room and np.array_equal(one.row, two.row)
+            for one, two in zip(self.laws, other.laws, strict=False)
+        )
+        extended = self.extensions or other.extensions
+        return placed and not extended and all(np.array_equal(one, two) for one, two in pairs)
+
     def copy(self) -> Assembly:
         """Return a copy that shares nothing which changes."""
         changing: dict[str, Any] = {
