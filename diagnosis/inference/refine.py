@@ -127,7 +127,10 @@ def refine(
         for estimated in (partial(_quieted, iterations=iterations), _rescaled):
             changed, moved = estimated(histories, theta)
             if changed is not histories:
-                histories, theta = _descended(changed, moved, SETTINGS.refinement.last, Marquardt())
+                histories, theta = _descended(changed, moved, SETTINGS.refinement.last)
+        if histories.filtered.log_likelihood < before + SETTINGS.refinement.likelier:
+            # Steps that begin afresh creep in a long, bent valley, as between a frame's masses and the discrepancy.
+            histories, theta = _descended(histories, theta, SETTINGS.refinement.last, Marquardt())
         gained = histories.filtered.log_likelihood - before
     return _finished(histories, theta)
 
@@ -166,7 +169,7 @@ def _calmed(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[H
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
         descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
-        if descended.filtered.log_likelihood < current.log_likelihood + SETTINGS.refinement.likelier:
+        if not descended.filtered.log_likelihood > current.log_likelihood + SETTINGS.refinement.likelier:
             break
         histories, theta = descended, moved
     return histories, theta
@@ -241,7 +244,7 @@ def _table_noise(model: Model, filtered: Filtered) -> Filtered:
             trial = run_filter(model, best.values, noise, best.runs, best.effects)
             if model.observed.contact_events:
                 trial = _run_by_run(model, best, trial)
-            if trial.log_likelihood < best.log_likelihood + SETTINGS.refinement.noise_likelier:
+            if not trial.log_likelihood > best.log_likelihood + SETTINGS.refinement.noise_likelier:
                 break
             best = trial
     return best

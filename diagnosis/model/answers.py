@@ -96,7 +96,15 @@ class Answers:
 
         Args:
             first: Number of the first sample.
-            transition, output, inputs, direct, series, at_end, column, state, result, turning: As without laws.
+            transition: Transition of the loop, shape (states, states), or the factors of its own motions, (2, motions).
+            output: What the states show, shape (channels, states).
+            inputs: What a unit of each term's series, and of its end, adds to the states, shape (2, states, terms).
+            direct: What its end adds to what is shown, shape (channels, terms).
+            series, at_end: Size of each term at the samples, shape (samples, terms).
+            column: Group of each term, shape (terms,).
+            state: States before the first sample, which become those after the last one, shape (states, terms).
+            result: Filled with what is shown, shape (samples, channels, groups).
+            turning: Whether the states are the loop's own motions.
         """
         _filter(
             transition, np.vstack([output, self.seen]), inputs, np.vstack([direct, self.ends]), series, at_end, column,
