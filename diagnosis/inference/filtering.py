@@ -177,7 +177,7 @@ def log_likelihood(
     filters: Sequence[SteadyFilter],
     runs: Sequence[int],
 ) -> float:
-    """Return the Gaussian log likelihood of the innovations, missing samples left out.
+    """Return the Gaussian log likelihood of the innovations, missing samples left out; -inf where the model blew up.
 
     Args:
         model: The baseline model.
@@ -189,9 +189,10 @@ def log_likelihood(
     white = whitened_runs(model, innovations, filters, runs)
     for series, steady, run in zip(white, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
-        total -= 0.5 * float(np.sum(series**2))
+        with np.errstate(over="ignore", invalid="ignore"):
+            total -= 0.5 * float(np.sum(series**2))
         total -= float(np.sum(good.sum(axis=0) * np.log(np.diag(steady.factor))))
-    return total
+    return total if np.isfinite(total) else -np.inf
 
 
 def whitened_runs(
