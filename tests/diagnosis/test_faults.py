@@ -122,7 +122,7 @@ SELDOM = (pytest.mark.slow, pytest.mark.guard)
     ("columns", "names", "rate"),
     [
         ((2,), {"a2"}, -0.01),
-        ((4, 5), {"d1", "d3"}, -0.01),
+        pytest.param((4, 5), {"d1", "d3"}, -0.01, marks=SELDOM),
         pytest.param((5,), {"d3"}, 0.008, marks=pytest.mark.slow),
         pytest.param((5,), {"d3"}, -0.01, marks=SELDOM),
         pytest.param((2,), {"a2"}, 0.008, marks=SELDOM),

@@ -50,6 +50,8 @@ def case_of(since: Effects, always: Effects, runs: int = 4) -> Case:
     return Case("bench", Path("bench"), (FRAME,), tuple(recorded), CHANNELS)
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_a_small_loss_since_is_named_and_the_report_says_from_when(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

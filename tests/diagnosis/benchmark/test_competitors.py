@@ -67,6 +67,7 @@ def test_sparse_regression_sees_a_plain_cubic_spring(plain_cubic: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_refitting_sees_a_plain_cubic_spring(plain_cubic: Path) -> None:
     report = COMPETITORS["refit"](plain_cubic)
     (claim,) = report.effects

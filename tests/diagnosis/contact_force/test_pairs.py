@@ -95,7 +95,7 @@ SELDOM = (pytest.mark.slow, pytest.mark.guard)
 @pytest.mark.parametrize(
     ("measured", "true", "effect", "parameter", "wanted", "within"),
     [
-        (True, *GAP),
+        pytest.param(True, *GAP, marks=SELDOM),
         # `test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_does_not` says the same on three runs.
         pytest.param(True, *DAMPING, marks=SELDOM),
         pytest.param(True, *STIFFNESS, marks=SELDOM),
@@ -360,6 +360,8 @@ def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
     assert found_again(measured, (0, 1)) is measured
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_a_softer_contact_that_a_slow_logger_cannot_show_asks_for_a_faster_one() -> None:
     _, found, concluded = judged(colliding(replace(CONTACT, stiffness=1.5e7)))
     assert concluded.verdict == "nothing_missing"
