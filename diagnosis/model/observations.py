@@ -143,13 +143,14 @@ class Observations:
 
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:
-    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing.
+    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing, infinite beyond numbers.
 
     Args:
         values: Series, shape (samples, ...).
     """
     count = np.isfinite(values).sum(axis=0)
-    total = np.nansum(np.square(values), axis=0)
+    with np.errstate(over="ignore"):
+        total = np.nansum(np.square(values), axis=0)
     mean = np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
     return np.asarray(np.sqrt(mean))
 
