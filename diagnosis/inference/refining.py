@@ -46,7 +46,9 @@ def keep(found: Findings, fit: Fit) -> None:
         fit: The fit.
     """
     judged = judge_in(found, fit)
-    if np.isfinite(judged.ln_bayes):
+    # What blows up as soon as no filter corrects it explains nothing.
+    moves = np.isfinite(judged.channel_misfit[0]) | ~np.isfinite(found.null.channel_misfit[0])
+    if np.isfinite(judged.ln_bayes) and moves.all():
         found.judged.append(judged)
     ranked = sorted(found.judged, key=lambda one: -one.ln_bayes)
     best_of = {one.effects: one for one in reversed(ranked)}

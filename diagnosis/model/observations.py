@@ -143,7 +143,7 @@ class Observations:
 
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:
-    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing, infinite beyond numbers.
+    """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing.
 
     Args:
         values: Series, shape (samples, ...).
