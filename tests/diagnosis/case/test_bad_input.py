@@ -134,6 +134,7 @@ def test_a_single_run_says_that_nothing_was_held_out(
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_unit_typed_wrong_is_read_off_the_gain(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = (folder / "case.toml").read_text(encoding="utf-8")
     before, after = text.split('name = "a2"')
@@ -148,6 +149,7 @@ def test_a_unit_typed_wrong_is_read_off_the_gain(folder: Path, capsys: pytest.Ca
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_ten_seconds_of_zeros_at_the_end_do_no_harm(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def still(header: list[str], values: np.ndarray) -> tuple[list[str], np.ndarray]:
         zeros = np.zeros((int(10 / STEP_S), len(header)))
