@@ -168,9 +168,9 @@ class Refinement:
     """[probability] Nuisance parameters stay so near to the baseline that, of all in a model whose priors are right, one
     lies further away with this probability: some 3.3 prior standard deviations of a frame with five storeys, 3.6 of a
     pair. What lies beyond is no nuisance. Origin: theory: the usual rate of false alarms, shared by all parameters."""
-    each: int = 3
+    calming_steps: int = 3
     """[-] A descent has so many steps at each size of the latent forces. Origin: chosen."""
-    last: int = 18
+    steps: int = 18
     """[-] It has so many at most where these stay as they are. Origin: chosen."""
     by_motion: int = 24
     """[-] The calibration of the null model by its motion alone has so many steps. Origin: chosen."""

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
     Filtered,
@@ -196,43 +197,71 @@ class Histories(Likelihood):
             for series in filtered.prediction.innovations
         ]
         slopes = coordinates.slopes(theta)
+        terms: dict[int, list[list[Term]]] = {}
         first = 0
         for effect in coordinates.effects:
-            if effect.linear:
-                # As the nuisance parameters' columns are made: two that mean the same must not differ by an approximation.
-                for number, motion in enumerate(motions(model, filtered)):
-                    if model.acts(filtered.runs[number]):
-                        terms = effect.terms(model, filtered.run_modes[number], motion, ())
-                        column = run_signatures(model, filtered, number, [terms])
-                        found[number][:, first] = column[:, 0] * slopes[first]
-            else:
-                for j in range(first, first + len(effect.quantities)):
-                    for store, column in zip(found, self._by_small_change(theta, j), strict=True):
-                        store[:, j] = column
+            for j in range(first, first + len(effect.quantities)):
+                if effect.linear:
+                    terms[j] = self._linear_terms(effect)
+                    continue
+                acting, delta = self._nudged(theta, j)
+                slopes[j] = 1.0
+                by_force = self._law_terms(acting, delta)
+                if by_force is not None:
+                    terms[j] = by_force
+                    continue
+                for store, column in zip(found, self._difference(acting, delta), strict=True):
+                    store[:, j] = column
             first += len(effect.quantities)
+        which = list(terms)
+        for number, store in enumerate(found):
+            groups = [terms[j][number] for j in which]
+            if any(groups):
+                store[:, which] = run_signatures(model, filtered, number, groups) * slopes[which].astype(
+                    np.float32
+                )
         return found
 
-    def _by_small_change(self, theta: np.ndarray, number: int) -> list[np.ndarray]:
-        """Return for each run the whitened derivative with respect to one of the effects' coordinates, (n,)."""
-        model, filtered, coordinates = self.model, self.filtered, self.coordinates
-        delta = coordinates.nudge(theta, number)
+    def _linear_terms(self, effect: Effect) -> list[list[Term]]:
+        """Return the terms of a linear effect in each run.
+
+        As the nuisance parameters' columns are made: two that mean the same must not differ by an approximation.
+        """
+        model, filtered = self.model, self.filtered
+        both = zip(filtered.runs, filtered.run_modes, motions(model, filtered), strict=True)
+        return [
+            effect.terms(model, modes, motion, ()) if model.acts(run) else [] for run, modes, motion in both
+        ]
+
+    def _nudged(self, theta: np.ndarray, number: int) -> tuple[tuple[tuple[Acting, np.ndarray], ...], float]:
+        """Return the effects as they act with a little more of one of their coordinates, and how much more."""
+        delta = self.coordinates.nudge(theta, number)
         moved = theta.copy()
-        moved[len(coordinates.scale) + number] += delta
-        acting = coordinates.acting(moved)
+        moved[len(self.coordinates.scale) + number] += delta
+        return self.coordinates.acting(moved), delta
+
+    def _law_terms(
+        self, acting: tuple[tuple[Acting, np.ndarray], ...], delta: float
+    ) -> list[list[Term]] | None:
+        """Return the terms of a small change that is one of laws alone, in each run; None where it changes more.
+
+        As above: what yields of a storey and the storey's stiffness are nearly the same, and a valley lies between them.
+        """
+        model, filtered = self.model, self.filtered
         here, there = (model.assemble(filtered.values, one) for one in (filtered.effects, acting))
         if not here.differs_in_laws_alone(there):
-            return self._difference(acting, delta)
-        # As above: what yields of a storey and the storey's stiffness are nearly the same, and a valley lies between them.
+            return None
         changed = replace(filtered, effects=acting)
-        found = []
-        for run, series in enumerate(filtered.prediction.innovations):
-            before, after = (tangents_of(model, one, run) for one in (filtered, changed))
+        found: list[list[Term]] = []
+        for number in range(len(filtered.runs)):
+            before, after = (tangents_of(model, one, number) for one in (filtered, changed))
             if before is None or after is None:
-                found.append(np.zeros(series.size))
+                found.append([])
                 continue
             forces = (before.forces - after.forces) / delta
-            terms = [Term(forces[1::2, i], row, end=forces[::2, i]) for i, row in enumerate(before.rows)]
-            found.append(run_signatures(model, filtered, run, [terms])[:, 0])
+            found.append(
+                [Term(forces[1::2, i], row, end=forces[::2, i]) for i, row in enumerate(before.rows)]
+            )
         return found
 
     def _difference(self, acting: Sequence[tuple[Acting, np.ndarray]], delta: float) -> list[np.ndarray]:

@@ -93,7 +93,7 @@ def refine(
     effects: Sequence[Effect] = (),
     values: Sequence[np.ndarray] = (),
     widths: Sequence[np.ndarray] | None = None,
-    iterations: int = SETTINGS.refinement.each,
+    iterations: int = SETTINGS.refinement.calming_steps,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
 ) -> Fit:
@@ -127,10 +127,10 @@ def refine(
         for estimated in (partial(_quieted, iterations=iterations), _rescaled):
             changed, moved = estimated(histories, theta)
             if changed is not histories:
-                histories, theta = _descended(changed, moved, SETTINGS.refinement.last)
+                histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
         if histories.filtered.log_likelihood < before + SETTINGS.refinement.likelier:
             # Steps that begin afresh creep in a long, bent valley, as between a frame's masses and the discrepancy.
-            histories, theta = _descended(histories, theta, SETTINGS.refinement.last, Marquardt())
+            histories, theta = _descended(histories, theta, SETTINGS.refinement.steps, Marquardt())
         gained = histories.filtered.log_likelihood - before
     return _finished(histories, theta)
 

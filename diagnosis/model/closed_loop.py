@@ -22,7 +22,7 @@ def transition(steady: SteadyFilter) -> np.ndarray:
 
 
 def pushed(
-    steady: SteadyFilter, start: np.ndarray, end: np.ndarray, direct: np.ndarray
+    steady: SteadyFilter, closed: np.ndarray, start: np.ndarray, end: np.ndarray, direct: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return what forces add to the states, (3, states, forces), and their ends to the channels, (channels, forces).
 
@@ -31,11 +31,12 @@ def pushed(
 
     Args:
         steady: The filter.
+        closed: Its `transition`, shape (states, states).
         start, end: What a force at the start and at the end of a step makes of the states in it, each (states, forces).
         direct: What it adds to the channels at once, shape (channels, forces).
     """
     back = -steady.step @ steady.gain @ direct
-    return np.stack([start, back + transition(steady) @ end, -end]), direct + steady.output @ end
+    return np.stack([start, back + closed @ end, -end]), direct + steady.output @ end
 
 
 @dataclass(frozen=True)
@@ -68,3 +69,24 @@ def own_motions(closed: np.ndarray) -> OwnMotions | None:
         np.concatenate([inverse[turns].real, inverse[turns].imag, inverse[stays].real]),
         np.hstack([2 * vectors[:, turns].real, -2 * vectors[:, turns].imag, vectors[:, stays].real]),
     )
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The closed loop with terms that push it, in whatever coordinates its states are.
+
+    Attributes:
+        transition: Transition, shape (states, states); where the states are `turning`, `OwnMotions.turn`, (2, motions).
+        output: What the states show, shape (channels, states).
+        inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2, states, terms).
+        direct: What its end adds to what is shown, shape (channels, terms).
+        column: Group of each term, shape (terms,); the first terms are those of one group after the other.
+        turning: Whether the states are those of `OwnMotions`.
+    """
+
+    transition: np.ndarray
+    output: np.ndarray
+    inputs: np.ndarray
+    direct: np.ndarray
+    column: np.ndarray
+    turning: bool

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.answers import Answers
-from pounding.diagnosis.model.closed_loop import own_motions, pushed, transition
+from pounding.diagnosis.model.closed_loop import Loop, own_motions, pushed, transition
 from pounding.diagnosis.model.kalman import SteadyFilter
+from pounding.diagnosis.model.law_feedback import LawFeedback
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
 
@@ -82,20 +82,21 @@ def signature_pieces(
         if term.output is not None:
             output[:, j] = term.output
     seen = np.array([not term.inertial for term in terms], float)
+    closed = transition(steady)
     inputs, direct = pushed(
         steady,
+        closed,
         steady.force_start @ force,
         steady.force_end @ force,
         steady.direct @ force[:modes] * seen + output,
     )
-    closed = transition(steady)
     own = own_motions(closed)
-    if own is None:
-        turn, seen, moved = closed, shown @ steady.output, inputs
-    else:
-        turn, seen, moved = own.turn, shown @ steady.output @ own.back, own.forth @ inputs
-    loop = [np.ascontiguousarray(one) for one in (turn, seen, moved[:2], shown @ direct)]
-    answers = None if laws is None else Answers.of(steady, own, shown, laws, inputs[2])
+    turn, show, moved = closed, shown @ steady.output, inputs
+    if own is not None:
+        turn, show, moved = own.turn, show @ own.back, own.forth @ inputs
+    whole = np.ascontiguousarray
+    loop = Loop(whole(turn), whole(show), whole(moved[:2]), whole(shown @ direct), column, own is not None)
+    feedback = None if laws is None else LawFeedback.of(steady, closed, own, shown, laws, inputs[2])
     ends = [term.series if term.end is None else term.end for term in terms]
     state = moved[2] * np.array([end[0] for end in ends])
     samples = len(ends[0])
@@ -104,11 +105,13 @@ def signature_pieces(
         series = np.array([term.series[rows] for term in terms]).T.copy()
         at_end = np.array([end[rows] for end in ends]).T.copy()
         result = np.empty((len(series), channels, len(groups)), np.float32)
-        whole = (*loop, series, at_end, column, state, result, own is not None)
-        if answers is None:
-            _filter(*whole)
+        if feedback is None:
+            _filter(
+                loop.transition, loop.output, loop.inputs, loop.direct, series, at_end, column, state, result,
+                loop.turning,
+            )  # fmt: skip
         else:
-            answers.filter(first, *whole)
+            feedback.filter(loop, first, series, at_end, state, result)
         yield result
 
 
@@ -142,17 +145,11 @@ def _filter(
     """Run the closed loop once for each term, and add up what those of a group show.
 
     Args:
-        transition: Transition of the closed loop, shape (states, states); where the states are `turning`,
-            `OwnMotions.turn`, shape (2, motions).
-        output: What the states show, shape (channels, states).
-        inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2, states, terms).
-        direct: What its end adds to what is shown, shape (channels, terms).
+        transition, output, inputs, direct, column, turning: Of `Loop`.
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
-        column: Group of each term, shape (terms,); the first terms are those of one group after the other.
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
             shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
-        turning: Whether the states are those of `OwnMotions`.
     """
     samples, terms = series.shape
     channels, states = output.shape

@@ -1,4 +1,4 @@
-"""Laws that answer: what a small force does to a frame changes the forces of the laws in it, and so what it does itself."""
+"""The feedback of laws: what a small force does to a frame changes the forces of the laws in it, and so what it does."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.closed_loop import OwnMotions, pushed
+from pounding.diagnosis.model.closed_loop import Loop, OwnMotions, pushed
 from pounding.diagnosis.model.kalman import SteadyFilter
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
 
 
 @dataclass
-class Answers:
-    """Forces of laws that answer each term, as the closed loop of `sensitivity` takes them.
+class LawFeedback:
+    """The feedback of laws about a motion to each term: tangent stiffness, damping and memory in the closed loop.
 
     Attributes:
         slopes: Of `Tangents`.
@@ -41,15 +41,17 @@ class Answers:
     def of(
         cls,
         steady: SteadyFilter,
+        closed: np.ndarray,
         own: OwnMotions | None,
         shown: np.ndarray,
         laws: Tangents,
         lacking: np.ndarray,
-    ) -> Answers:
-        """Return the answers to terms.
+    ) -> LawFeedback:
+        """Return the feedback to terms.
 
         Args:
             steady: The filter.
+            closed: Transition of its closed loop, shape (states, states).
             own: The motions that are the loop's states; None where these are the filter's own.
             shown: Matrix by which the innovations are multiplied, shape (channels, channels).
             laws: The laws.
@@ -64,7 +66,7 @@ class Answers:
         seen[count:, -1] = laws.room
         # With the mean of start and end over the step, as in Newmark's rule of constant acceleration, no joint is too stiff.
         mean = 0.5 * (steady.force_start + steady.force_end)[:, :modes] @ laws.rows.T
-        inputs, direct = pushed(steady, mean, mean, steady.direct @ laws.rows.T)
+        inputs, direct = pushed(steady, closed, mean, mean, steady.direct @ laws.rows.T)
         moved = inputs if own is None else own.forth @ inputs
         whole = (
             laws.slopes,
@@ -80,36 +82,27 @@ class Answers:
 
     def filter(
         self,
+        loop: Loop,
         first: int,
-        transition: np.ndarray,
-        output: np.ndarray,
-        inputs: np.ndarray,
-        direct: np.ndarray,
         series: np.ndarray,
         at_end: np.ndarray,
-        column: np.ndarray,
         state: np.ndarray,
         result: np.ndarray,
-        turning: bool,
     ) -> None:
-        """Run the closed loop once for each term, with laws that answer; `sensitivity` says what the rest is.
+        """Run the closed loop once for each term, with the laws' feedback.
 
         Args:
+            loop: The loop without laws.
             first: Number of the first sample.
-            transition: Transition of the loop, shape (states, states), or the factors of its own motions, (2, motions).
-            output: What the states show, shape (channels, states).
-            inputs: What a unit of each term's series, and of its end, adds to the states, shape (2, states, terms).
-            direct: What its end adds to what is shown, shape (channels, terms).
             series, at_end: Size of each term at the samples, shape (samples, terms).
-            column: Group of each term, shape (terms,).
             state: States before the first sample, which become those after the last one, shape (states, terms).
             result: Filled with what is shown, shape (samples, channels, groups).
-            turning: Whether the states are the loop's own motions.
         """
+        output, direct = np.vstack([loop.output, self.seen]), np.vstack([loop.direct, self.ends])
+        slopes = self.slopes[2 * first : 2 * (first + len(series))]
         _filter(
-            transition, np.vstack([output, self.seen]), inputs, np.vstack([direct, self.ends]), series, at_end, column,
-            state, result, turning, self.slopes[2 * first : 2 * (first + len(series))], self.own_ends, self.corrected,
-            self.pushed, self.direct, self.memory,
+            loop.transition, output, loop.inputs, direct, series, at_end, loop.column, state, result, loop.turning,
+            slopes, self.own_ends, self.corrected, self.pushed, self.direct, self.memory,
         )  # fmt: skip
 
 
