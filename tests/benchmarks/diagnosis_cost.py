@@ -90,20 +90,27 @@ def made(setting: Setting) -> Case:
         runs.append(Run(f"run{number + 1}.csv", None, times, step, values))
     frame = CaseFrame(setting.frame, FLOORS[setting.frame])
     case = Case("cost", Path(), (frame,), tuple(runs), tuple(channels))
-    structure = Structure(baseline_frames(case))
-    model = Model(structure, observe(case, structure), case.prior)
-    effect = CubicStiffness(index=1, frame=setting.frame, storey=2)
-    still = np.zeros(len(model.std))
-    states = model.predict(still).before[0]
-    modes = model.modes(model.assemble(still))
-    drift = states[:, : len(modes.omega)] @ (structure.drift @ modes.floors)[1]
-    stiffness = STIFFENED * effect.stiffness(model) / (2 * float(drift.std())) ** 2
-    moved = model.predict(
-        0.3 * model.std * rng.standard_normal(len(still)), None, [(effect, np.array([stiffness]))]
-    )
+    model = modelled(case)
+    moved = model.predict(0.3 * model.std * rng.standard_normal(len(model.std)), None, [stiffening(model)])
     for run, shown in zip(runs, moved.outputs, strict=True):
         run.values[:, 1:] = shown + NOISE * shown.std(axis=0) * rng.standard_normal(shown.shape)
     return case
+
+
+def modelled(case: Case) -> Model:
+    """Return the baseline model of a case, with its data."""
+    structure = Structure(baseline_frames(case))
+    return Model(structure, observe(case, structure), case.prior)
+
+
+def stiffening(model: Model) -> tuple[CubicStiffness, np.ndarray]:
+    """Return the cubic spring of a case and its coefficient [N/m^3], (1,), as the motion of the baseline has it."""
+    effect = CubicStiffness(index=1, frame=model.structure.frames[0].name, storey=2)
+    still = np.zeros(len(model.std))
+    states = model.predict(still).before[0]
+    modes = model.modes(model.assemble(still))
+    drift = states[:, : len(modes.omega)] @ (model.structure.drift @ modes.floors)[1]
+    return effect, np.array([STIFFENED * effect.stiffness(model) / (2 * float(drift.std())) ** 2])
 
 
 def shaking(rng: np.random.Generator, samples: int, step_s: float) -> np.ndarray:

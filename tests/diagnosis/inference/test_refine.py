@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from pounding.diagnosis.effects.storey import CubicStiffness
+from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.starting import starting_noise
+from tests.benchmarks.diagnosis_cost import BASE, made, modelled
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem
 
 STARTS = (0.7, 1.4)
 """Multiples of the true size from which a refinement starts."""
+TRUE_SPRING = 9.62e8
+"""Cubic spring of the benchmark's frame of ten storeys [N/m^3]: `stiffening` of its baseline."""
 
 
 @pytest.mark.parametrize("problem", PROBLEMS, ids=str)
@@ -52,3 +60,19 @@ def test_the_null_model_of_its_own_data_stays_at_the_baseline() -> None:
     assert np.abs(null.filtered.values / NOTHING.model().std).max() < 0.5
     again = refine(NOTHING.model(), null.filtered, (), (), ())
     assert again.log_posterior == pytest.approx(null.log_posterior, abs=0.5)
+
+
+@pytest.mark.slow
+def test_where_a_fit_of_a_tall_frame_begins_does_not_matter() -> None:
+    """Slopes that were not the likelihood's ended it in places that depended on the forces it began with."""
+    model = modelled(made(replace(BASE, frame="10")))
+    effect = CubicStiffness(index=1, frame="10", storey=2)
+    begins = (
+        run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), level), (0, 1))
+        for level in (0.1, 0.003)
+    )
+    one, other = (refine(model, begin, (effect,), (np.array([1e9]),)) for begin in begins)
+    assert one.log_posterior == pytest.approx(other.log_posterior, abs=5.0)
+    for fit in (one, other):
+        assert fit.std[0][0] < 0.025 * fit.values[0][0]
+        assert abs(fit.values[0][0] - TRUE_SPRING) < 2 * fit.std[0][0]
