@@ -227,6 +227,12 @@ def best(found: Findings) -> Judged:
     return found.judged[0] if found.judged and found.judged[0].ln_bayes > 0 else found.null
 
 
+def ahead(found: Findings) -> float:
+    """Return the log likelihood of the likeliest fit of effects of the catalogue, minus infinity without any."""
+    named = [one for one in found.judged if not any(effect.rival for effect in one.effects)]
+    return max((one.fit.filtered.log_likelihood for one in named), default=-np.inf)
+
+
 def unexplained(found: Findings, judged: Judged) -> bool:
     """Return whether a fit leaves much more than noise of a frame in the training runs."""
     return leaves_much(found.model, judged.channel_misfit[0], judged.fit.filtered, found.training)

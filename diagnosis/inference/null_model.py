@@ -29,17 +29,23 @@ def best_null(model: Model, null: Fit) -> Fit:
         return null
     noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
     start = run_filter(model, np.zeros(len(model.std)), noise, runs)
-    return max(null, refine(model, start), key=lambda fit: fit.log_posterior)
+    again = refine(model, start, ahead=filtered.log_likelihood)
+    return max(null, again, key=lambda fit: fit.log_posterior)
 
 
-def null_again(found: Findings) -> Fit:
-    """Return the null model calibrated again from where the likeliest effect led, or the one at hand."""
+def null_again(found: Findings, worth: float) -> Fit:
+    """Return the null model calibrated again from where the likeliest effect led, or the one at hand.
+
+    Args:
+        found: What was found about the one at hand.
+        worth: Gain in log likelihood from which on it is worth to search again.
+    """
     null, model = found.null.fit, found.model
     if best(found) is found.null:
         return null
     led = best(found).fit.filtered
     starts = [run_filter(model, led.values, noise, led.runs) for noise in (led.noise, null.filtered.noise)]
-    tried = [refine(model, start) for start in starts]
+    tried = [refine(model, start, ahead=null.filtered.log_likelihood + worth) for start in starts]
     return max([null, *tried], key=lambda fit: fit.log_posterior)
 
 

@@ -96,6 +96,7 @@ def refine(
     iterations: int = SETTINGS.refinement.calming_steps,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
+    ahead: float = -np.inf,
 ) -> Fit:
     """Return the best fit of effects together with the nuisance parameters, the latent forces as small as they may be.
 
@@ -109,6 +110,7 @@ def refine(
         iterations: Steps at each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
+        ahead: Log likelihood of another fit of these data; one that will not come near it is not converged.
     """
     usual = [np.maximum(np.abs(one), 1e-12) for one in values]
     coordinates = Coordinates.of(
@@ -128,7 +130,10 @@ def refine(
             changed, moved = estimated(histories, theta)
             if changed is not histories:
                 histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
-        if histories.filtered.log_likelihood < before + SETTINGS.refinement.likelier:
+        reached = histories.filtered.log_likelihood
+        if reached + SETTINGS.refinement.catches_up * max(reached - before, 0.0) < ahead:
+            break
+        if reached < before + SETTINGS.refinement.likelier:
             # Steps that begin afresh creep in a long, bent valley, as between a frame's masses and the discrepancy.
             histories, theta = _descended(histories, theta, SETTINGS.refinement.steps, Marquardt())
         gained = histories.filtered.log_likelihood - before

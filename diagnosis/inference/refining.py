@@ -10,7 +10,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, judge_in
+from pounding.diagnosis.inference.findings import Findings, ahead, judge_in
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
@@ -101,9 +101,10 @@ def refined(
             (*with_fit.values, values),
             (*before, width),
             nuisance=moved,
+            ahead=ahead(found),
         )
     if start is not None:
-        return refine(model, start.filtered, (effect,), (start.values[0],), (width,), thorough=thorough)
+        return refine(model, start.filtered, (effect,), (start.values[0],), (width,), ahead=ahead(found))
     values, nuisance = _better_start(found, filtered, one)
     return refine(model, filtered, (effect,), (values,), (width,), thorough=thorough, nuisance=nuisance)
 

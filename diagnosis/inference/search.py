@@ -61,8 +61,8 @@ def search(
     runs = (model.since(training), tuple(held_out))
     found = _refined_best(model, null, effects, runs, progress)
     for _ in range(SETTINGS.search.restarts):
-        again = null_again(found)
         worth = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
+        again = null_again(found, worth)
         if again.log_posterior < null.log_posterior + worth:
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
@@ -116,9 +116,11 @@ def _refined_best(
     def told(i: int) -> None:
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * order.index(i))
 
-    for fits in each(found, further, order, told):
-        for fit in fits:
-            keep(found, fit)
+    # What leads is refined first: of the others only those that come near it need be.
+    for together in (order[:1], order[1:]):
+        for fits in each(found, further, together, told):
+            for fit in fits:
+                keep(found, fit)
     for one in before.judged if before is not None else []:
         keep(found, one.fit)
     turned(found, effects)
