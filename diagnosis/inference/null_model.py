@@ -44,9 +44,9 @@ def null_again(found: Findings, worth: float) -> Fit:
     if best(found) is found.null:
         return null
     led = best(found).fit.filtered
-    starts = [run_filter(model, led.values, noise, led.runs) for noise in (led.noise, null.filtered.noise)]
-    tried = [refine(model, start, ahead=null.filtered.log_likelihood + worth) for start in starts]
-    return max([null, *tried], key=lambda fit: fit.log_posterior)
+    start = run_filter(model, led.values, led.noise, led.runs)
+    again = refine(model, start, ahead=null.filtered.log_likelihood + worth)
+    return max(null, again, key=lambda fit: fit.log_posterior)
 
 
 def by_its_motion(model: Model, fit: Fit) -> Fit:
