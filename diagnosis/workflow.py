@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import msgspec
+from threadpoolctl import threadpool_limits
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
@@ -185,11 +186,13 @@ def find(
         own: Kinds of effects of the user's, beside the catalogue.
         false_alarms: Share of the cases without an effect in which one may be named.
     """
-    found, decision = _find(case, progress, own, false_alarms)
-    cell = None if found.pair is None else found.pair.cell
-    if cell is not None and cell.corrected and _wrong_sensor(decision):
-        found, decision = _find(case, progress, own, false_alarms, against_motion=False)
-    return found, decision
+    # Thousands of small matrices: threads inside the BLAS only get in the way of our own, and cost three times the CPU.
+    with threadpool_limits(1, user_api="blas"):
+        found, decision = _find(case, progress, own, false_alarms)
+        cell = None if found.pair is None else found.pair.cell
+        if cell is not None and cell.corrected and _wrong_sensor(decision):
+            found, decision = _find(case, progress, own, false_alarms, against_motion=False)
+        return found, decision
 
 
 def _wrong_sensor(decision: Decision) -> bool:

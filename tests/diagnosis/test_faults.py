@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
 from pounding.diagnosis.decision import verdict
@@ -58,6 +59,19 @@ def diagnosis(case: Case) -> Diagnosis:
 
 def diagnosed(case: Case) -> Conclusion:
     return diagnosis(case).conclusion
+
+
+def test_the_linear_algebra_has_no_threads_of_its_own(plain: Case) -> None:
+    """Whoever calls it from Python sets no variables first, and paid three times the CPU."""
+    threads = []
+
+    def told(what: str, share: float) -> None:
+        threads.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
+        raise InterruptedError
+
+    with threadpool_limits(2, user_api="blas"), pytest.raises(InterruptedError):
+        find(plain, told)
+    assert set(threads) == {1}
 
 
 def test_nothing_is_missing_in_the_plain_case(plain: Case) -> None:
