@@ -33,20 +33,18 @@ def best_null(model: Model, null: Fit) -> Fit:
     return max(null, again, key=lambda fit: fit.log_posterior)
 
 
-def null_again(found: Findings, worth: float) -> Fit:
-    """Return the null model calibrated again from where the likeliest effect led, or the one at hand.
+def null_again(found: Findings) -> Fit | None:
+    """Return the null model calibrated again from where the likeliest effect led, None if it is not worth a new search.
 
     Args:
         found: What was found about the one at hand.
-        worth: Gain in log likelihood from which on it is worth to search again.
     """
     null, model = found.null.fit, found.model
-    if best(found) is found.null:
-        return null
     led = best(found).fit.filtered
     start = run_filter(model, led.values, led.noise, led.runs)
-    again = refine(model, start, ahead=null.filtered.log_likelihood + worth)
-    return max(null, again, key=lambda fit: fit.log_posterior)
+    gain = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
+    again = refine(model, start, ahead=null.filtered.log_likelihood + gain)
+    return again if again.log_posterior >= null.log_posterior + gain else None
 
 
 def by_its_motion(model: Model, fit: Fit) -> Fit:

@@ -1,8 +1,9 @@
-"""Refinement of what leads from where something alike leads: other optima that a descent does not reach by itself."""
+"""Other starts of what leads, and of what is alike: optima that a descent does not reach by itself."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -13,26 +14,42 @@ from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, best
+from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, widths
+from pounding.diagnosis.inference.refining import widths
 from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
+Start = Callable[[], Fit | None]
+"""A refinement that is still to be done; None where it led to something else than was asked for."""
 
-def from_baseline(found: Findings) -> None:
+
+def other_starts(found: Findings, effects: Sequence[Effect]) -> list[Start]:
+    """Return other starts of the likeliest effects and of what is alike, each independent of the others.
+
+    Args:
+        found: The findings.
+        effects: The candidates.
+    """
+    leading = best(found)
+    if not leading.effects:
+        return []
+    kinds = (_turned, _ticked, _weighed, _faded)
+    return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading, effects))]
+
+
+def from_baseline(found: Findings) -> Fit:
     """Refine what leads once more from the baseline frame.
 
     A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may end in a
     local optimum with a part of the effect.
 
     Args:
-        found: The findings, to which the fit is added.
+        found: The findings.
     """
     fit = best(found).fit
-    if fit.effects:
-        still = np.zeros(len(found.model.std))
-        keep(found, refine(found.model, found.null.fit.filtered, fit.effects, fit.values, nuisance=still))
+    still = np.zeros(len(found.model.std))
+    return refine(found.model, found.null.fit.filtered, fit.effects, fit.values, nuisance=still)
 
 
 def softer(found: Findings, fit: Fit) -> Fit:
@@ -46,84 +63,62 @@ def softer(found: Findings, fit: Fit) -> Fit:
     return refine(found.model, found.null.fit.filtered, fit.effects, (values,))
 
 
-def turned(found: Findings, effects: Sequence[Effect]) -> None:
-    """Refine floors that turn from where a mass on a spring led: the frequency of turning is as sharp as that of a mass.
-
-    Args:
-        found: The findings, to which the fits are added.
-        effects: The candidates.
-    """
-    leading = best(found)
+def _turned(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+    """Yield floors that turn, from where a mass on a spring led: the frequency of turning is as sharp as that of a mass."""
     if [effect.name for effect in leading.effects] != ["appendage"]:
         return
-    rival, fit = leading.effects[0], leading.fit
+    model, rival, fit = found.model, leading.effects[0], leading.fit
     for effect in effects:
         if isinstance(effect, TorsionalEccentricity) and effect.frame == rival.frame:
-            values = effect.like_appendage(found.model, fit.filtered.values, rival.index, fit.values[0])
-            turned = refine(found.model, fit.filtered, (effect,), (values,), nuisance=fit.filtered.values)
-            keep(found, turned)
+            values = effect.like_appendage(model, fit.filtered.values, rival.index, fit.values[0])
+            yield partial(refine, model, fit.filtered, (effect,), (values,), nuisance=fit.filtered.values)
 
 
-def ticked(found: Findings) -> None:
-    """Refine clocks of another rate where an effect of table or sensors leads.
+def _ticked(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+    """Yield clocks of another rate where an effect of table or sensors leads.
 
     They start from the baseline model, as what is rescued: a null model that follows a table out of step bears no other.
-
-    Args:
-        found: The findings, to which the fits are added.
     """
-    leading = best(found).effects
-    if not leading or any(effect.where not in ("", "channel", "logger") for effect in leading):
+    del effects
+    if any(effect.where not in ("", "channel", "logger") for effect in leading.effects):
         return
     start = anew(found)
-
-    def ticked(tried: tuple[Effect, np.ndarray]) -> Fit:
-        clock, values = tried
+    for clock, values in clocks(found.model, start, leading.effects)[: SETTINGS.search.rescues]:
         filtered = run_filter(found.model, start.values, start.noise, found.fitted, [(clock, values)])
         width = widths(found.model, clock, found.sizes, ())
-        return refine(found.model, filtered, (clock,), (values,), (width,))
-
-    for fit in each(found, ticked, clocks(found.model, start, leading)[: SETTINGS.search.rescues]):
-        keep(found, fit)
+        yield partial(refine, found.model, filtered, (clock,), (values,), (width,))
 
 
-def weighed(found: Findings) -> None:
-    """Refine the mass of a whole frame from where its stiffness led, or the other way round: a table tells only their ratio.
+def _weighed(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+    """Yield the mass of a whole frame from where its stiffness led, or the other way round.
 
-    Contact forces would tell them apart.
-
-    Args:
-        found: The findings, to which the fit is added.
+    A table tells only their ratio; contact forces would tell them apart.
     """
-    leading, model = best(found), found.model
+    del effects
     other = same_motion(leading.effects[0]) if len(leading.effects) == 1 else None
-    if other is None or model.observed.contact_floors:
+    if other is None or found.model.observed.contact_floors:
         return
     fit = leading.fit
     values = 1.0 / (1.0 + fit.values[0]) - 1.0
-    keep(found, refine(model, fit.filtered, (other,), (values,), nuisance=fit.filtered.values))
+    yield partial(refine, found.model, fit.filtered, (other,), (values,), nuisance=fit.filtered.values)
 
 
-def faded(found: Findings) -> None:
-    """Refine friction that has faded by half or more at the usual rate, from where plain friction led.
+def _faded(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+    """Yield friction that has faded by half or more at the usual rate, from where plain friction led.
 
     That of dry parts fades a little beside what breaks them loose: only what fades as a whole is no Coulomb friction.
-
-    Args:
-        found: The findings, to which the fits are added.
     """
-    leading = best(found)
+    del effects
     if len(leading.effects) != 1 or not isinstance(leading.effects[0], CoulombFriction):
         return
     plain, fit = leading.effects[0], leading.fit
     rival = FadingFriction(index=plain.index, frame=plain.frame, storey=plain.storey)
     usual = float(found.sizes.drift_rate[plain.index])
 
-    def fading(share: float) -> Fit:
+    def fading(share: float) -> Fit | None:
         force, stiffness = fit.values[0][:2]
         values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual])
-        return refine(found.model, fit.filtered, (rival,), (values,))
+        faded = refine(found.model, fit.filtered, (rival,), (values,))
+        return faded if faded.values[0][2] < usual else None
 
-    for faded in each(found, fading, SETTINGS.search.faded):
-        if faded.values[0][2] < usual:
-            keep(found, faded)
+    yield from (partial(fading, share) for share in SETTINGS.search.faded)

@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
-from pounding.diagnosis.inference.other_starts import faded, from_baseline, softer, ticked, turned, weighed
+from pounding.diagnosis.inference.other_starts import Start, other_starts, softer
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
@@ -59,15 +59,12 @@ def search(
     null = best_null(model, refine(model, start))
     model, null = unswapped(model, null, training)
     runs = (model.since(training), tuple(held_out))
-    found = _refined_best(model, null, effects, runs, progress)
+    found, again = _refined_best(model, null, effects, runs, progress)
     for _ in range(SETTINGS.search.restarts):
-        worth = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
-        again = null_again(found, worth)
-        if again.log_posterior < null.log_posterior + worth:
+        if again is None:
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
-        null = again
-        found = _refined_best(model, null, effects, runs, progress, found)
+        found, again = _refined_best(model, again, effects, runs, progress, found)
     if found.judged:
         progress("looking for a second effect", 0.75)
         second(found, effects)
@@ -83,8 +80,11 @@ def _refined_best(
     runs: tuple[tuple[int, ...], tuple[int, ...]],
     progress: Progress,
     before: Findings | None = None,
-) -> Findings:
-    """Return the findings of single effects about a null model, those about another one before it among them."""
+) -> tuple[Findings, Fit | None]:
+    """Return the findings of single effects about a null model, those about another one before it among them.
+
+    The second is a null model that is likelier, None without any.
+    """
     progress("scoring the catalogue", 0.25)
     sizes = scales(model, null.filtered)
     scores = score(model, null.filtered, effects, sizes)
@@ -123,16 +123,34 @@ def _refined_best(
                 keep(found, fit)
     for one in before.judged if before is not None else []:
         keep(found, one.fit)
-    turned(found, effects)
-    ticked(found)
-    weighed(found)
-    from_baseline(found)
+    again = _led_further(found, effects)
     if before is None and (unexplained(found, best(found)) or bent(model, best(found).fit.filtered)):
         # What starts from the baseline model is the same about any null model.
         progress("trying larger effects", 0.65)
+        led = best(found).effects
         rescue(found, effects)
-    faded(found)
-    return found
+        if best(found).effects != led:
+            again = _led_further(found, effects)
+    return found, again
+
+
+def _led_further(found: Findings, effects: Sequence[Effect]) -> Fit | None:
+    """Refine what leads, and what is alike, from other starts until nothing else leads; return the null model from there."""
+    while True:
+        led = best(found).effects
+        if not led:
+            return None
+        starts: list[Start] = [partial(null_again, found), *other_starts(found, effects)]
+        again, *fits = each(found, _refine_from, starts)
+        for fit in fits:
+            if fit is not None:
+                keep(found, fit)
+        if best(found).effects == led:
+            return again
+
+
+def _refine_from(start: Start) -> Fit | None:
+    return start()
 
 
 def _chosen(scores: Scores) -> list[Score]:

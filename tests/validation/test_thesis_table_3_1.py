@@ -96,7 +96,9 @@ def test_p_delta_lowers_the_first_frequency_most():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FRAMES)
+@pytest.mark.parametrize(
+    "name", [name if name.startswith("5") else pytest.param(name, marks=pytest.mark.guard) for name in FRAMES]
+)
 def test_joints_of_the_frame_files_are_fitted_again(name):
     frame = thesis_frame(name)
     for calibration, shipped in frame.joints.stiffness_n_m_per_rad.items():

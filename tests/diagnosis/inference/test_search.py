@@ -46,8 +46,7 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     empty = score(model, null.filtered, [mass], scales(model, null.filtered))
     found = Findings(model, judged, empty, scales(model, null.filtered), (0,), (1,))
     found.judged = [replace(judge(model, stuck, null, (0,), (1,)), ln_bayes=1.0)]
-    from_baseline(found)
-    fit = found.judged[0].fit
+    fit = from_baseline(found)
     assert fit.log_posterior > stuck.log_posterior + 100.0
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
 

@@ -53,6 +53,9 @@ WORDS = {
 }
 """The words of each verb, and of what else may take long: a benchmark, a calibration, a study in processes."""
 
+USUAL = ("shake", "pound", "experiment", "diagnose", "benchmark", "study")
+"""What runs longest, in one process and in several; the others are for `make guard`."""
+
 LONGEST_S = 4.0
 """Random moments lie in so long a time after the start: imports, preparation and work."""
 
@@ -69,7 +72,9 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("verb", WORDS)
+@pytest.mark.parametrize(
+    "verb", [verb if verb in USUAL else pytest.param(verb, marks=pytest.mark.guard) for verb in WORDS]
+)
 def test_an_interrupted_verb_says_so_and_leaves_nothing_half_made(
     verb: str, case: Path, tmp_path: Path, chance: random.Random
 ) -> None:

@@ -104,6 +104,7 @@ def test_a_worker_that_dies_costs_nothing_and_its_cases_run_elsewhere(tmp_path, 
     np.testing.assert_array_equal(data.twice, 2.0 * np.arange(400))
 
 
+@pytest.mark.guard
 def test_a_worker_that_freezes_loses_its_cases_to_another_one(tmp_path):
     with cluster() as made:
         once_begun(tmp_path / "s", made.workers[0], signal.SIGSTOP)
@@ -111,6 +112,7 @@ def test_a_worker_that_freezes_loses_its_cases_to_another_one(tmp_path):
     np.testing.assert_array_equal(data.twice, 2.0 * np.arange(30))
 
 
+@pytest.mark.guard
 def test_a_scheduler_that_freezes_is_one_sentence_within_its_time(tmp_path, caplog):
     with cluster() as made:
         once_begun(tmp_path / "s", made.scheduler, signal.SIGSTOP)
@@ -131,6 +133,7 @@ def test_a_case_that_kills_its_workers_is_named_and_those_beside_it_are_finished
     np.testing.assert_array_equal(others.value, [0.0, 1.0, 3.0, 4.0, 5.0])
 
 
+@pytest.mark.guard
 def test_when_no_worker_is_left_the_case_that_killed_them_is_named(tmp_path):
     with cluster() as made, pytest.raises(ExperimentError) as caught:
         sweep(cases.deadly, {"x": range(6)}, folder=tmp_path / "s", scheduler=made.address, timeout_s=8.0)
