@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from pounding.diagnosis.model.kalman import Gain, Noise, SteadyFilter, steady_filter
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model, Prediction
 from pounding.diagnosis.model.sensitivity import Term, signature_pieces
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.tangents import Tangents, tangents
+from pounding.diagnosis.model.tangents import Tangents, law_forces, tangents
 
 AT_ONCE = 512
 """Samples whose signatures are worked out at a time: those of all terms of a long run fill the memory."""
@@ -177,7 +178,9 @@ def log_likelihood(
     filters: Sequence[SteadyFilter],
     runs: Sequence[int],
 ) -> float:
-    """Return the Gaussian log likelihood of the innovations, missing samples left out; -inf where the model blew up.
+    """Return the Gaussian log likelihood of the innovations, missing samples left out.
+
+    It is -inf where the model blew up, and where noise of too different sizes leaves no filter.
 
     Args:
         model: The baseline model.
@@ -186,7 +189,10 @@ def log_likelihood(
         runs: Numbers of the runs.
     """
     total = 0.0
-    white = whitened_runs(model, innovations, filters, runs)
+    try:
+        white = whitened_runs(model, innovations, filters, runs)
+    except np.linalg.LinAlgError:
+        return -np.inf
     for series, steady, run in zip(white, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -290,10 +296,30 @@ def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | Non
         filtered: The filtered model.
         number: Number of the run among those of the filtered model.
     """
+    return tangents(*_laws_along(model, filtered, number, filtered.effects))
+
+
+def forces_of(
+    model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the forces of other laws along a run's motion, and where they act, as `law_forces`.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+        effects: The effects with these laws, each with its SI parameters, shape (parameters,).
+    """
+    return law_forces(*_laws_along(model, filtered, number, effects))
+
+
+def _laws_along(
+    model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
+) -> tuple[Sequence[PlacedLaw], Modes, tuple[np.ndarray, np.ndarray], float]:
     run, prediction = filtered.runs[number], filtered.prediction
-    laws = model.assemble(filtered.values, filtered.effects if model.acts(run) else ()).laws
+    laws = model.assemble(filtered.values, effects if model.acts(run) else ()).laws
     states = prediction.before[number], prediction.after[number]
-    return tangents(laws, filtered.run_modes[number], states, model.observed.runs[run].step_s)
+    return laws, filtered.run_modes[number], states, model.observed.runs[run].step_s
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
@@ -302,17 +328,25 @@ def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
     return [white.ravel() for white in whitened_runs(model, innovations, filtered.filters, filtered.runs)]
 
 
-def matched_noise(model: Model, filtered: Filtered) -> tuple[Noise, ...]:
-    """Return the noise with each channel's variance moved to what the innovations show."""
+def matched_noise(model: Model, filtered: Filtered, before: Filtered | None = None) -> tuple[Noise, ...]:
+    """Return the noise with each channel's variance moved to what the innovations show.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        before: The same with other noise: what is expected less than with that is now the channel's own.
+    """
     found = []
     for number, run in enumerate(filtered.runs):
-        noise, steady = filtered.noise[number], filtered.filters[number]
+        noise = filtered.noise[number]
         measured = np.isfinite(model.observed.runs[run].measured)
         count = np.maximum(measured.sum(axis=0), 1)
         seen = np.sum(filtered.prediction.innovations[number] ** 2, axis=0) / count
-        expected = np.diag(steady.covariance)
+        expected = own = np.diag(filtered.filters[number].covariance)
+        if before is not None:
+            expected = np.maximum(own, np.diag(before.filters[number].covariance))
         floor = 1e-4 * np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=1.0)
         ratio = np.clip(seen / expected, 0.1, 10.0)
-        channel = np.where(np.isfinite(noise.channel), noise.channel * np.sqrt(ratio), np.inf)
-        found.append(replace(noise, channel=np.maximum(channel, floor)))
+        square = np.where(np.isfinite(noise.channel), noise.channel**2 + expected - own, np.inf)
+        found.append(replace(noise, channel=np.maximum(np.sqrt(square * ratio), floor)))
     return tuple(found)

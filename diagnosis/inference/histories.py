@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -11,10 +10,10 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
     Filtered,
+    forces_of,
     grouped_signatures,
     run_filter,
     run_signatures,
-    tangents_of,
     whitened_innovations,
     whitened_runs,
 )
@@ -251,17 +250,13 @@ class Histories(Likelihood):
         here, there = (model.assemble(filtered.values, one) for one in (filtered.effects, acting))
         if not here.differs_in_laws_alone(there):
             return None
-        changed = replace(filtered, effects=acting)
         found: list[list[Term]] = []
         for number in range(len(filtered.runs)):
-            before, after = (tangents_of(model, one, number) for one in (filtered, changed))
-            if before is None or after is None:
-                found.append([])
-                continue
-            forces = (before.forces - after.forces) / delta
-            found.append(
-                [Term(forces[1::2, i], row, end=forces[::2, i]) for i, row in enumerate(before.rows)]
+            (before, rows), (after, _) = (
+                forces_of(model, filtered, number, one) for one in (filtered.effects, acting)
             )
+            change = (before - after) / delta
+            found.append([Term(change[1::2, i], row, end=change[::2, i]) for i, row in enumerate(rows)])
         return found
 
     def _difference(self, acting: Sequence[tuple[Acting, np.ndarray]], delta: float) -> list[np.ndarray]:

@@ -172,7 +172,9 @@ def _calmed(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[H
         current = histories.filtered
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
-        trial = run_filter(model, current.values, matched_noise(model, trial), trial.runs, trial.effects)
+        trial = run_filter(
+            model, current.values, matched_noise(model, trial, current), trial.runs, trial.effects
+        )
         descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
         if not descended.filtered.log_likelihood > current.log_likelihood + SETTINGS.refinement.likelier:
             break

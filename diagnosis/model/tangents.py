@@ -34,6 +34,56 @@ class Tangents:
     slopes: np.ndarray
 
 
+@dataclass(frozen=True)
+class _Along:
+    """Laws along a run: each sample twice, as predicted and as the filter leaves it.
+
+    Attributes:
+        laws: Address of each law. parameters: Its parameters, shape (laws, parameters).
+        rows, room: Of `Tangents`.
+        drift, rate: On which each law acts, shape (laws, 2 samples) [m] and [m/s].
+        step_s: Sampling step [s].
+    """
+
+    laws: np.ndarray
+    parameters: np.ndarray
+    rows: np.ndarray
+    room: np.ndarray
+    drift: np.ndarray
+    rate: np.ndarray
+    step_s: float
+
+    @classmethod
+    def of(
+        cls, placed: Sequence[PlacedLaw], modes: Modes, states: tuple[np.ndarray, np.ndarray], step_s: float
+    ) -> _Along:
+        samples, n = len(states[0]), len(modes.omega)
+        laws, rows, room, parameters = placed_arrays(placed, modes.floors, step_s * (samples - 1))
+        both = np.stack(states, axis=1).reshape(2 * samples, -1)
+        drift = rows @ both[:, :n].T
+        rate = rows @ both[:, n : 2 * n].T + room[:, None] * both[:, -1]
+        return cls(laws, parameters, rows, room, drift, rate, step_s)
+
+
+def law_forces(
+    placed: Sequence[PlacedLaw], modes: Modes, states: tuple[np.ndarray, np.ndarray], step_s: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the forces of laws along a run [N], (2 samples, laws), and the modal rows on which they act, (laws, modes).
+
+    Args:
+        placed: The laws at their places.
+        modes: Modes of the run.
+        states: Its states as predicted and as the filter leaves them, each (samples, states).
+        step_s: Sampling step [s].
+    """
+    along = _Along.of(placed, modes, states, step_s)
+    forces = np.zeros((2 * len(states[0]), len(placed)))
+    for j, address in enumerate(along.laws):
+        memory = np.zeros((len(forces), MEMORY))
+        _forces(address, along.parameters[j], along.drift[j], along.rate[j], step_s, forces[:, j], memory)
+    return forces, along.rows
+
+
 def tangents(
     placed: Sequence[PlacedLaw], modes: Modes, states: tuple[np.ndarray, np.ndarray], step_s: float
 ) -> Tangents | None:
@@ -47,22 +97,38 @@ def tangents(
     """
     if not placed:
         return None
-    samples = len(states[0])
-    laws, rows, room, parameters = placed_arrays(placed, modes.floors, step_s * (samples - 1))
-    n = len(modes.omega)
-    both = np.stack(states, axis=1).reshape(2 * samples, -1)
-    drift = both[:, :n] @ rows.T
-    rate = both[:, n : 2 * n] @ rows.T + both[:, -1:] * room
+    along = _Along.of(placed, modes, states, step_s)
     remembered = MEMORY if any(one.law.remembers for one in placed) else 0
-    forces = np.zeros((2 * samples, len(placed)))
-    slopes = np.zeros((2 * samples, len(placed), 1 + remembered, 2 + remembered))
-    for j, address in enumerate(laws):
-        motion = np.ascontiguousarray(drift[:, j]), np.ascontiguousarray(rate[:, j])
-        _slopes(address, parameters[j], *motion, step_s, NUDGE, forces[:, j], slopes[:, j])
+    forces = np.zeros((2 * len(states[0]), len(placed)))
+    slopes = np.zeros((*forces.shape, 1 + remembered, 2 + remembered))
+    for j, address in enumerate(along.laws):
+        motion = along.parameters[j], along.drift[j], along.rate[j], step_s
+        memory = np.zeros((len(forces), MEMORY))
+        _forces(address, *motion, forces[:, j], memory)
+        _slopes(address, *motion, NUDGE, memory, slopes[:, j])
     used = 1 + np.flatnonzero(slopes[:, :, 1:].any(axis=(0, 1, 3)))
     slopes = slopes[:, :, np.r_[0, used]][..., np.r_[0, 1, 1 + used]]
     # Where the motion has blown up there is no slope.
-    return Tangents(rows, room, forces, np.where(np.isfinite(slopes), slopes, 0.0))
+    return Tangents(along.rows, along.room, forces, np.where(np.isfinite(slopes), slopes, 0.0))
+
+
+@njit(cache=True)
+def _forces(
+    address: int,
+    parameters: np.ndarray,
+    drift: np.ndarray,
+    rate: np.ndarray,
+    step_s: float,
+    forces: np.ndarray,
+    memory: np.ndarray,
+) -> None:
+    """Fill in the forces of one law, shape (2 samples,), and what it remembered before each, (2 samples, remembered)."""
+    new = np.zeros(memory.shape[1])
+    for k in range(drift.size):
+        new[:] = memory[k]
+        forces[k] = called(address, parameters, memory[k], drift[k], rate[k], step_s * (k // 2), new)
+        if k + 1 < drift.size:
+            memory[k + 1] = new
 
 
 @njit(cache=True)
@@ -73,18 +139,12 @@ def _slopes(
     rate: np.ndarray,
     step_s: float,
     nudge: float,
-    forces: np.ndarray,
+    memory: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Fill in the forces of one law, shape (2 samples,), and their slopes (2 samples, 1 + remembered, 2 + remembered)."""
+    """Fill in the slopes of one law's forces and memories, shape (2 samples, 1 + remembered, 2 + remembered)."""
     remembered = slopes.shape[1] - 1
-    memory = np.zeros((drift.size, MEMORY))
     there, new = np.zeros(MEMORY), np.zeros(MEMORY)
-    for k in range(drift.size):
-        new[:] = memory[k]
-        forces[k] = called(address, parameters, memory[k], drift[k], rate[k], step_s * (k // 2), new)
-        if k + 1 < drift.size:
-            memory[k + 1] = new
     size = np.zeros(2 + remembered)
     size[0], size[1] = np.abs(drift).max(), np.abs(rate).max()
     for i in range(remembered):

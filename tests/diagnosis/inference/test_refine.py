@@ -11,6 +11,7 @@ from pounding.diagnosis.effects.storey import CubicStiffness
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.predictor import ACCELERATION
 from tests.benchmarks.diagnosis_cost import BASE, made, modelled
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem
 
@@ -60,6 +61,28 @@ def test_the_null_model_of_its_own_data_stays_at_the_baseline() -> None:
     assert np.abs(null.filtered.values / NOTHING.model().std).max() < 0.5
     again = refine(NOTHING.model(), null.filtered, (), (), ())
     assert again.log_posterior == pytest.approx(null.log_posterior, abs=0.5)
+
+
+@pytest.mark.parametrize("problem", PROBLEMS[:3], ids=str)
+def test_latent_forces_give_back_what_they_took_of_the_noise(problem: Problem) -> None:
+    """Noise of accelerations and latent forces are hard to tell apart: fits ended with all of it in the forces."""
+    model, start = problem.model(), problem.null().filtered
+    (noise,) = starting_noise(model, (0,), 0.1)
+    taken = replace(
+        noise, channel=np.where(model.observed.quantity == ACCELERATION, 0.02, 1.0) * noise.channel
+    )
+    size = np.array(problem.truth)
+    fits = [
+        refine(
+            model,
+            run_filter(model, start.values, [one], start.runs),
+            (problem.effect,),
+            (size,),
+            (np.abs(size),),
+        )
+        for one in (noise, taken)
+    ]
+    assert fits[1].log_posterior == pytest.approx(fits[0].log_posterior, abs=5.0)
 
 
 @pytest.mark.slow
