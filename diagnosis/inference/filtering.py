@@ -302,7 +302,7 @@ def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | Non
 def forces_of(
     model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the forces of other laws along a run's motion, and where they act, as `law_forces`.
+    """Return the forces of other laws along a run's motion [N], (2 samples, laws), and their modal rows, (laws, modes).
 
     Args:
         model: The baseline model.
