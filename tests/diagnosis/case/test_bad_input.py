@@ -121,6 +121,8 @@ def test_out_that_is_a_file_is_refused_and_kept(folder: Path, capsys: pytest.Cap
     assert out.read_text() == "mine"
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_a_single_run_says_that_nothing_was_held_out(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

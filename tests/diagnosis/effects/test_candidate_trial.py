@@ -52,6 +52,8 @@ def test_compiled_code_that_never_ends_is_given_up_with_status_2(
     )
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_no_process_is_left_of_what_never_ends(own: Path) -> None:
     own.write_text(NUMBERED + "while True: pass")
     with pytest.raises(CaseError, match=r"own.py was given up after 8 s"):

@@ -33,6 +33,7 @@ def finished(folder: Path) -> dict[Path, int]:
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_a_killed_campaign_goes_on_and_ends_as_if_it_had_not_been(
     tmp_path: Path, chance: random.Random
 ) -> None:

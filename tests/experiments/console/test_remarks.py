@@ -35,6 +35,8 @@ def said(cache: Path, show: bool, terminal: bool) -> str:
     return run.stderr
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_it_is_said_once_on_a_machine_and_only_at_a_terminal(tmp_path: Path) -> None:
     assert said(tmp_path / "library", show=False, terminal=True) == ""
     assert said(tmp_path / "file", show=True, terminal=False) == ""
