@@ -235,11 +235,13 @@ def _quieted(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[
 
 
 def _quieter(model: Model, filtered: Filtered) -> Filtered:
-    """Return the filtered model with the noise of its channels that its innovations show, where that is likelier."""
-    noise = matched_noise(model, filtered)
-    trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-    likelier = trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.noise_likelier
-    return trial if likelier else filtered
+    """Return the filtered model with the noise of its channels that its innovations show, as far as that is likelier."""
+    while True:
+        noise = matched_noise(model, filtered)
+        trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
+        if not trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.noise_likelier:
+            return filtered
+        filtered = trial
 
 
 def _table_noise(model: Model, filtered: Filtered) -> Filtered:
