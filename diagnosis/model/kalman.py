@@ -223,6 +223,11 @@ def _first_order_hold(rate: np.ndarray, force: np.ndarray, step_s: float) -> tup
     return held - ramp, ramp
 
 
+LEAST = (1e-12, 1e-9, 1e-6)
+"""Noise of each state over what drives it, one after the other until there is a steady covariance: what nothing drives,
+and noisy channels hardly see, has none to many digits."""
+
+
 def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     """Return the steady predicted covariance for unit measurement noise."""
     # States of very different size (metres, newtons) spoil the solver, so each is scaled to about one.
@@ -231,10 +236,11 @@ def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np
     scaled_step = step * size[None, :] / size[:, None]
     scaled_covariance = covariance / np.outer(size, size)
     scaled_output = output * size
-    scaled_covariance += 1e-12 * np.eye(n)
-    solution = _doubling(scaled_step, scaled_output, scaled_covariance)
-    if solution is None:
-        solution = solve_discrete_are(scaled_step.T, scaled_output.T, scaled_covariance, np.eye(len(output)))
+    for least in LEAST:
+        solution = _doubling(scaled_step, scaled_output, scaled_covariance + least * np.eye(n))
+        if solution is not None:
+            return np.asarray(solution * np.outer(size, size))
+    solution = solve_discrete_are(scaled_step.T, scaled_output.T, scaled_covariance, np.eye(len(output)))
     return np.asarray(solution * np.outer(size, size))
 
 
