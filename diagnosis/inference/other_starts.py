@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.effects.every_storey import EveryStorey
 from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
@@ -16,7 +17,7 @@ from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import widths
+from pounding.diagnosis.inference.refining import refined, widths
 from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
@@ -34,7 +35,7 @@ def other_starts(found: Findings, effects: Sequence[Effect]) -> list[Start]:
     leading = best(found)
     if not leading.effects:
         return []
-    kinds = (_turned, _ticked, _weighed, _faded)
+    kinds = (_everywhere, _turned, _ticked, _weighed, _faded)
     return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading, effects))]
 
 
@@ -61,6 +62,22 @@ def softer(found: Findings, fit: Fit) -> Fit:
     """
     values = SETTINGS.search.softer * fit.values[0]
     return refine(found.model, found.null.fit.filtered, fit.effects, (values,))
+
+
+def _everywhere(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+    """Yield the law that leads in one storey in all storeys of its frame, where that has not been refined to the end.
+
+    To first order, about a null model that has taken a part of it, a law in all storeys may look like nothing while some of
+    its storeys look like that law.
+    """
+    del effects
+    known = {one.effects for one in found.judged}
+    for one in found.scores.ranked:
+        whole = one.effect
+        if not isinstance(whole, EveryStorey) or (whole,) in known:
+            continue
+        if [(type(effect), effect.frame) for effect in leading.effects] == [(whole.alone, whole.frame)]:
+            yield partial(refined, found, found.null.fit.filtered, one)
 
 
 def _turned(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:

@@ -106,7 +106,16 @@ def refined(
     if start is not None:
         return refine(model, start.filtered, (effect,), (start.values[0],), (width,), ahead=ahead(found))
     values, nuisance = _better_start(found, filtered, one)
-    return refine(model, filtered, (effect,), (values,), (width,), thorough=thorough, nuisance=nuisance)
+    return refine(
+        model,
+        filtered,
+        (effect,),
+        (values,),
+        (width,),
+        thorough=thorough,
+        nuisance=nuisance,
+        ahead=ahead(found),
+    )
 
 
 def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.ndarray, np.ndarray]:

@@ -10,9 +10,10 @@ import pytest
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, judge
-from pounding.diagnosis.inference.other_starts import from_baseline, softer
+from pounding.diagnosis.inference.findings import Findings, best, judge
+from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
 from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.refining import keep, refined
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
@@ -49,6 +50,26 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     fit = from_baseline(found)
     assert fit.log_posterior > stuck.log_posterior + 100.0
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
+
+
+def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
+    """However little it looks like, to first order, beside a null model that has taken a part of it."""
+    friction = [one for one in candidates(measured()) if one.name.endswith("coulomb_friction")]
+    whole = next(one for one in friction if one.name == "all_coulomb_friction")
+    alone = next(one for one in friction if one.storey == 1)
+    model = measured([(whole, np.array([1.5e-5, 10.0, 0.0, 0.0]))], runs=2)
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    led = refine(model, null.filtered, (alone,), (np.array([0.5, 10.0, 0.0]),))
+    base = judge(model, null, null, (0,), (1,))
+    found = Findings(model, base, score(model, null.filtered, friction, sizes), sizes, (0,), (1,))
+    keep(found, led)
+    for fit in [start() for start in other_starts(found, friction)]:
+        if fit is not None:
+            keep(found, fit)
+    assert best(found).effects == (whole,)
+    assert best(found).fit.log_posterior > led.log_posterior + 30.0
+    assert not [one for one in other_starts(found, friction) if getattr(one, "func", None) is refined]
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]
