@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -71,9 +72,8 @@ def own_motions(closed: np.ndarray) -> OwnMotions | None:
     )
 
 
-@dataclass(frozen=True)
-class Loop:
-    """The closed loop with terms that push it, in whatever coordinates its states are.
+class Loop(NamedTuple):
+    """The closed loop with terms that push it, in whatever coordinates its states are, as compiled functions take it.
 
     Attributes:
         transition: Transition, shape (states, states); where the states are `turning`, `OwnMotions.turn`, (2, motions).

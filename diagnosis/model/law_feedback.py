@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -13,24 +13,21 @@ from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
 
 
-@dataclass
-class LawFeedback:
+class LawFeedback(NamedTuple):
     """The feedback of laws about a motion to each term: tangent stiffness, damping and memory in the closed loop.
 
     Attributes:
+        loop: The loop without it, whose `output` and `direct` have the laws' drifts, then their rates, below the channels.
         slopes: Of `Tangents`.
-        seen: Drifts and rates that the states show, all drifts first, shape (2 laws, states).
-        ends: What the end of a term adds to these, shape (2 laws, terms).
-        own_ends: What the end of a law adds to these, shape (2 laws, laws).
+        own_ends: What the end of a law adds to drifts and rates, shape (2 laws, laws).
         corrected: How far what is shown corrects these, shape (2 laws, channels).
         pushed: What start and end of each law, all starts first, add to the states in a step, shape (states, 2 laws).
         direct: What the end of each law adds to what is shown, shape (channels, laws).
         memory: Change of what each law remembers, for each term, shape (laws, remembered, terms).
     """
 
+    loop: Loop
     slopes: np.ndarray
-    seen: np.ndarray
-    ends: np.ndarray
     own_ends: np.ndarray
     corrected: np.ndarray
     pushed: np.ndarray
@@ -40,6 +37,7 @@ class LawFeedback:
     @classmethod
     def of(
         cls,
+        loop: Loop,
         steady: SteadyFilter,
         closed: np.ndarray,
         own: OwnMotions | None,
@@ -50,6 +48,7 @@ class LawFeedback:
         """Return the feedback to terms.
 
         Args:
+            loop: The loop without laws.
             steady: The filter.
             closed: Transition of its closed loop, shape (states, states).
             own: The motions that are the loop's states; None where these are the filter's own.
@@ -68,64 +67,41 @@ class LawFeedback:
         mean = 0.5 * (steady.force_start + steady.force_end)[:, :modes] @ laws.rows.T
         inputs, direct = pushed(steady, closed, mean, mean, steady.direct @ laws.rows.T)
         moved = inputs if own is None else own.forth @ inputs
+        shows = seen if own is None else seen @ own.back
         whole = (
             laws.slopes,
-            seen if own is None else seen @ own.back,
-            -seen @ lacking,
             -seen @ inputs[2],
             seen @ steady.gain @ np.linalg.inv(shown),
             np.hstack([moved[0], moved[1]]),
             shown @ direct,
             np.zeros((count, laws.slopes.shape[2] - 1, lacking.shape[1])),
         )
-        return cls(*map(np.ascontiguousarray, whole))
-
-    def filter(
-        self,
-        loop: Loop,
-        first: int,
-        series: np.ndarray,
-        at_end: np.ndarray,
-        state: np.ndarray,
-        result: np.ndarray,
-    ) -> None:
-        """Run the closed loop once for each term, with the laws' feedback.
-
-        Args:
-            loop: The loop without laws.
-            first: Number of the first sample.
-            series, at_end: Size of each term at the samples, shape (samples, terms).
-            state: States before the first sample, which become those after the last one, shape (states, terms).
-            result: Filled with what is shown, shape (samples, channels, groups).
-        """
-        output, direct = np.vstack([loop.output, self.seen]), np.vstack([loop.direct, self.ends])
-        slopes = self.slopes[2 * first : 2 * (first + len(series))]
-        _filter(
-            loop.transition, output, loop.inputs, direct, series, at_end, loop.column, state, result, loop.turning,
-            slopes, self.own_ends, self.corrected, self.pushed, self.direct, self.memory,
-        )  # fmt: skip
+        below = loop._replace(
+            output=np.vstack([loop.output, shows]), direct=np.vstack([loop.direct, -seen @ lacking])
+        )
+        return cls(below, *map(np.ascontiguousarray, whole))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
-def _filter(
-    transition: np.ndarray,
-    output: np.ndarray,
-    inputs: np.ndarray,
-    direct: np.ndarray,
+def filter_with_laws(
+    feedback: LawFeedback,
+    first: int,
     series: np.ndarray,
     at_end: np.ndarray,
-    column: np.ndarray,
     state: np.ndarray,
     result: np.ndarray,
-    turning: bool,
-    slopes: np.ndarray,
-    own_ends: np.ndarray,
-    corrected: np.ndarray,
-    own_pushed: np.ndarray,
-    own_direct: np.ndarray,
-    memory: np.ndarray,
 ) -> None:
-    """Run the closed loop once for each term; `output` and `direct` have drifts and rates below the channels."""
+    """Run the closed loop once for each term, with the laws' feedback, and add up what those of a group show.
+
+    Args:
+        feedback: The loop with it.
+        first: Number of the first sample.
+        series, at_end: Size of each term at the samples, shape (samples, terms).
+        state: States before the first sample, which become those after the last one, shape (states, terms).
+        result: Filled with what is shown, shape (samples, channels, groups).
+    """
+    transition, output, inputs, direct, column, turning = feedback.loop
+    _, slopes, own_ends, corrected, own_pushed, own_direct, memory = feedback
     samples, terms = series.shape
     channels, laws = own_direct.shape
     groups = result.shape[2]
@@ -142,7 +118,7 @@ def _filter(
             for t in range(terms):
                 shown[c, t] += direct[c, t] * at_end[k, t]
         # The force at the end of a step is a part of the motion that it answers.
-        before, after = slopes[2 * k], slopes[2 * k + 1]
+        before, after = slopes[2 * (first + k)], slopes[2 * (first + k) + 1]
         motion[:] = shown[channels:]
         _answer(before, motion, memory, ends)
         ends[:] = np.dot(np.linalg.inv(_own_share(before, own_ends)), ends)

@@ -10,7 +10,7 @@ from numba import njit
 
 from pounding.diagnosis.model.closed_loop import Loop, own_motions, pushed, transition
 from pounding.diagnosis.model.kalman import SteadyFilter
-from pounding.diagnosis.model.law_feedback import LawFeedback
+from pounding.diagnosis.model.law_feedback import LawFeedback, filter_with_laws
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
 
@@ -91,12 +91,19 @@ def signature_pieces(
         steady.direct @ force[:modes] * seen + output,
     )
     own = own_motions(closed)
-    turn, show, moved = closed, shown @ steady.output, inputs
+    turn, shows, moved = closed, shown @ steady.output, inputs
     if own is not None:
-        turn, show, moved = own.turn, show @ own.back, own.forth @ inputs
-    whole = np.ascontiguousarray
-    loop = Loop(whole(turn), whole(show), whole(moved[:2]), whole(shown @ direct), column, own is not None)
-    feedback = None if laws is None else LawFeedback.of(steady, closed, own, shown, laws, inputs[2])
+        turn, shows, moved = own.turn, shows @ own.back, own.forth @ inputs
+    contiguous = np.ascontiguousarray
+    loop = Loop(
+        transition=contiguous(turn),
+        output=contiguous(shows),
+        inputs=contiguous(moved[:2]),
+        direct=contiguous(shown @ direct),
+        column=column,
+        turning=own is not None,
+    )
+    feedback = None if laws is None else LawFeedback.of(loop, steady, closed, own, shown, laws, inputs[2])
     ends = [term.series if term.end is None else term.end for term in terms]
     state = moved[2] * np.array([end[0] for end in ends])
     samples = len(ends[0])
@@ -106,12 +113,9 @@ def signature_pieces(
         at_end = np.array([end[rows] for end in ends]).T.copy()
         result = np.empty((len(series), channels, len(groups)), np.float32)
         if feedback is None:
-            _filter(
-                loop.transition, loop.output, loop.inputs, loop.direct, series, at_end, column, state, result,
-                loop.turning,
-            )  # fmt: skip
+            _filter(loop, series, at_end, state, result)
         else:
-            feedback.filter(loop, first, series, at_end, state, result)
+            filter_with_laws(feedback, first, series, at_end, state, result)
         yield result
 
 
@@ -131,26 +135,18 @@ def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _filter(
-    transition: np.ndarray,
-    output: np.ndarray,
-    inputs: np.ndarray,
-    direct: np.ndarray,
-    series: np.ndarray,
-    at_end: np.ndarray,
-    column: np.ndarray,
-    state: np.ndarray,
-    result: np.ndarray,
-    turning: bool,
+    loop: Loop, series: np.ndarray, at_end: np.ndarray, state: np.ndarray, result: np.ndarray
 ) -> None:
     """Run the closed loop once for each term, and add up what those of a group show.
 
     Args:
-        transition, output, inputs, direct, column, turning: Of `Loop`.
+        loop: The loop.
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
             shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
     """
+    transition, output, inputs, direct, column, turning = loop
     samples, terms = series.shape
     channels, states = output.shape
     groups = result.shape[2]
