@@ -184,7 +184,7 @@ class Refinement:
     """[ln likelihood] Gain from which on smaller latent forces are kept, and a refinement goes on. Origin: chosen."""
     catches_up: float = 3.0
     """[gain of a round] A refinement goes on only if so many times what its last round gained would take it past the fit
-    that is ahead. Origin: chosen; rounds gain a half to a hundredth of the one before."""
+    that is ahead, as if each gained three quarters of the one before. Origin: chosen."""
     noise_likelier: float = 0.5
     """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
     worse: float = 5.0

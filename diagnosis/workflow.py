@@ -186,7 +186,7 @@ def find(
         own: Kinds of effects of the user's, beside the catalogue.
         false_alarms: Share of the cases without an effect in which one may be named.
     """
-    # Thousands of small matrices: threads inside the BLAS only get in the way of our own, and cost three times the CPU.
+    # Thousands of small matrices: threads inside the BLAS only get in the way of our own.
     with threadpool_limits(1, user_api="blas"):
         found, decision = _find(case, progress, own, false_alarms)
         cell = None if found.pair is None else found.pair.cell

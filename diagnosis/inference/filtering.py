@@ -178,9 +178,7 @@ def log_likelihood(
     filters: Sequence[SteadyFilter],
     runs: Sequence[int],
 ) -> float:
-    """Return the Gaussian log likelihood of the innovations, missing samples left out.
-
-    It is -inf where the model blew up, and where noise of too different sizes leaves no filter.
+    """Return the Gaussian log likelihood of the innovations, missing samples left out; -inf where the model blew up.
 
     Args:
         model: The baseline model.
@@ -189,10 +187,7 @@ def log_likelihood(
         runs: Numbers of the runs.
     """
     total = 0.0
-    try:
-        white = whitened_runs(model, innovations, filters, runs)
-    except np.linalg.LinAlgError:
-        return -np.inf
+    white = whitened_runs(model, innovations, filters, runs)
     for series, steady, run in zip(white, filters, runs, strict=True):
         good = np.isfinite(model.observed.runs[run].measured)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -334,7 +329,8 @@ def matched_noise(model: Model, filtered: Filtered, before: Filtered | None = No
     Args:
         model: The baseline model.
         filtered: The filtered model.
-        before: The same with other noise: what is expected less than with that is now the channel's own.
+        before: The same with larger latent forces: the variance that a channel's innovations were expected to have more with
+            these is the channel's own now.
     """
     found = []
     for number, run in enumerate(filtered.runs):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
 
-from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EveryStorey
 from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
@@ -25,18 +24,17 @@ Start = Callable[[], Fit | None]
 """A refinement that is still to be done; None where it led to something else than was asked for."""
 
 
-def other_starts(found: Findings, effects: Sequence[Effect]) -> list[Start]:
+def other_starts(found: Findings) -> list[Start]:
     """Return other starts of the likeliest effects and of what is alike, each independent of the others.
 
     Args:
         found: The findings.
-        effects: The candidates.
     """
     leading = best(found)
     if not leading.effects:
         return []
     kinds = (_everywhere, _turned, _ticked, _weighed, _faded)
-    return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading, effects))]
+    return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading))]
 
 
 def from_baseline(found: Findings) -> Fit:
@@ -64,13 +62,12 @@ def softer(found: Findings, fit: Fit) -> Fit:
     return refine(found.model, found.null.fit.filtered, fit.effects, (values,))
 
 
-def _everywhere(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+def _everywhere(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield the law that leads in one storey in all storeys of its frame, where that has not been refined to the end.
 
     To first order, about a null model that has taken a part of it, a law in all storeys may look like nothing while some of
     its storeys look like that law.
     """
-    del effects
     known = {one.effects for one in found.judged}
     for one in found.scores.ranked:
         whole = one.effect
@@ -80,23 +77,22 @@ def _everywhere(found: Findings, leading: Judged, effects: Sequence[Effect]) -> 
             yield partial(refined, found, found.null.fit.filtered, one)
 
 
-def _turned(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+def _turned(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield floors that turn, from where a mass on a spring led: the frequency of turning is as sharp as that of a mass."""
     if [effect.name for effect in leading.effects] != ["appendage"]:
         return
     model, rival, fit = found.model, leading.effects[0], leading.fit
-    for effect in effects:
+    for effect in found.candidates:
         if isinstance(effect, TorsionalEccentricity) and effect.frame == rival.frame:
             values = effect.like_appendage(model, fit.filtered.values, rival.index, fit.values[0])
             yield partial(refine, model, fit.filtered, (effect,), (values,), nuisance=fit.filtered.values)
 
 
-def _ticked(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+def _ticked(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield clocks of another rate where an effect of table or sensors leads.
 
     They start from the baseline model, as what is rescued: a null model that follows a table out of step bears no other.
     """
-    del effects
     if any(effect.where not in ("", "channel", "logger") for effect in leading.effects):
         return
     start = anew(found)
@@ -106,12 +102,11 @@ def _ticked(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iter
         yield partial(refine, found.model, filtered, (clock,), (values,), (width,))
 
 
-def _weighed(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+def _weighed(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield the mass of a whole frame from where its stiffness led, or the other way round.
 
     A table tells only their ratio; contact forces would tell them apart.
     """
-    del effects
     other = same_motion(leading.effects[0]) if len(leading.effects) == 1 else None
     if other is None or found.model.observed.contact_floors:
         return
@@ -120,12 +115,11 @@ def _weighed(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Ite
     yield partial(refine, found.model, fit.filtered, (other,), (values,), nuisance=fit.filtered.values)
 
 
-def _faded(found: Findings, leading: Judged, effects: Sequence[Effect]) -> Iterator[Start]:
+def _faded(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield friction that has faded by half or more at the usual rate, from where plain friction led.
 
     That of dry parts fades a little beside what breaks them loose: only what fades as a whole is no Coulomb friction.
     """
-    del effects
     if len(leading.effects) != 1 or not isinstance(leading.effects[0], CoulombFriction):
         return
     plain, fit = leading.effects[0], leading.fit

@@ -123,24 +123,24 @@ def _refined_best(
                 keep(found, fit)
     for one in before.judged if before is not None else []:
         keep(found, one.fit)
-    again = _led_further(found, effects)
+    again = _led_further(found)
     if before is None and (unexplained(found, best(found)) or bent(model, best(found).fit.filtered)):
         # What starts from the baseline model is the same about any null model.
         progress("trying larger effects", 0.65)
         led = best(found).effects
         rescue(found, effects)
         if best(found).effects != led:
-            again = _led_further(found, effects)
+            again = _led_further(found)
     return found, again
 
 
-def _led_further(found: Findings, effects: Sequence[Effect]) -> Fit | None:
+def _led_further(found: Findings) -> Fit | None:
     """Refine what leads, and what is alike, from other starts until nothing else leads; return the null model from there."""
     while True:
         led = best(found).effects
         if not led:
             return None
-        starts: list[Start] = [partial(null_again, found), *other_starts(found, effects)]
+        starts: list[Start] = [partial(null_again, found), *other_starts(found)]
         again, *fits = each(found, _refine_from, starts)
         for fit in fits:
             if fit is not None:

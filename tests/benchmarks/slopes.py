@@ -1,16 +1,15 @@
 """How far signatures are from slopes: as they are, without the laws' feedback, and with a gain that is one of modes.
 
 For each law of `tests/diagnosis/model/test_signatures.py` and three storeys of a bench, the relative error of each nuisance
-parameter's signature beside a small difference of the prediction; the noise of the table's delay, which no prediction
-knows, is left out.
+parameter's signature beside a small difference of the prediction. Delays of channels are left out: they move the noise, too,
+which no prediction knows.
 
     python -m tests.benchmarks.slopes
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from unittest.mock import patch
 
 import numpy as np
@@ -28,27 +27,12 @@ LEVELS = (0.1, 0.003)
 """Latent forces, as a share of the storeys' shear: a filter that corrects much, and one that corrects little."""
 
 
-@contextmanager
-def without_feedback() -> Iterator[None]:
-    """Take the laws' feedback out of the signatures."""
-    with patch.object(filtering, "tangents_of", lambda *_: None):
-        yield
-
-
-@contextmanager
-def gain_of_modes() -> Iterator[None]:
-    """Let the likelihood's gain correct modes alike, whatever their shapes, instead of floors."""
-    with patch.object(Gain, "at", lambda self, _: self.modal):
-        yield
-
-
-@contextmanager
-def as_they_are() -> Iterator[None]:
-    """Change nothing."""
-    yield
-
-
-WAYS = {"as they are": as_they_are, "no feedback": without_feedback, "gain of modes": gain_of_modes}
+WAYS: dict[str, AbstractContextManager[object]] = {
+    "as they are": nullcontext(),
+    "no feedback": patch.object(filtering, "tangents_of", lambda *_: None),
+    "gain of modes": patch.object(Gain, "at", lambda self, _: self.modal),
+}
+"""Signatures as they are, without the laws' feedback, and beside a gain that corrects modes alike instead of floors."""
 
 
 def main() -> None:
@@ -61,7 +45,7 @@ def main() -> None:
             filtered = run_filter(model, values, starting_noise(model, (0,), level), (0,), acting)
             shown = []
             for way in WAYS.values():
-                with way():
+                with way:
                     found = 100 * errors(model, filtered)
                 shown.append(f"{np.median(found):.1f} / {found.max():.1f}")
             table.add_row(law, f"{level:g}", *shown)

@@ -62,7 +62,7 @@ def diagnosed(case: Case) -> Conclusion:
 
 
 def test_the_linear_algebra_has_no_threads_of_its_own(plain: Case) -> None:
-    """Whoever calls it from Python sets no variables first, and paid three times the CPU."""
+    """Whoever calls it from Python sets no variables of the environment first."""
     threads = []
 
     def told(what: str, share: float) -> None:

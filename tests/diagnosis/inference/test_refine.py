@@ -7,18 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding.diagnosis.effects.storey import CubicStiffness
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.predictor import ACCELERATION
-from tests.benchmarks.diagnosis_cost import BASE, made, modelled
+from tests.benchmarks.diagnosis_cost import BASE, made, modelled, stiffening
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem
 
 STARTS = (0.7, 1.4)
 """Multiples of the true size from which a refinement starts."""
-TRUE_SPRING = 9.62e8
-"""Cubic spring of the benchmark's frame of ten storeys [N/m^3]: `stiffening` of its baseline."""
 
 
 @pytest.mark.parametrize("problem", PROBLEMS, ids=str)
@@ -89,13 +86,13 @@ def test_latent_forces_give_back_what_they_took_of_the_noise(problem: Problem) -
 def test_where_a_fit_of_a_tall_frame_begins_does_not_matter() -> None:
     """Slopes that were not the likelihood's ended it in places that depended on the forces it began with."""
     model = modelled(made(replace(BASE, frame="10")))
-    effect = CubicStiffness(index=1, frame="10", storey=2)
+    effect, truth = stiffening(model)
     begins = (
         run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), level), (0, 1))
         for level in (0.1, 0.003)
     )
-    one, other = (refine(model, begin, (effect,), (np.array([1e9]),)) for begin in begins)
+    one, other = (refine(model, begin, (effect,), (1.04 * truth,)) for begin in begins)
     assert one.log_posterior == pytest.approx(other.log_posterior, abs=5.0)
     for fit in (one, other):
         assert fit.std[0][0] < 0.025 * fit.values[0][0]
-        assert abs(fit.values[0][0] - TRUE_SPRING) < 2 * fit.std[0][0]
+        assert abs(fit.values[0][0] - truth[0]) < 2 * fit.std[0][0]

@@ -64,12 +64,12 @@ def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     base = judge(model, null, null, (0,), (1,))
     found = Findings(model, base, score(model, null.filtered, friction, sizes), sizes, (0,), (1,))
     keep(found, led)
-    for fit in [start() for start in other_starts(found, friction)]:
+    for fit in [start() for start in other_starts(found)]:
         if fit is not None:
             keep(found, fit)
     assert best(found).effects == (whole,)
     assert best(found).fit.log_posterior > led.log_posterior + 30.0
-    assert not [one for one in other_starts(found, friction) if getattr(one, "func", None) is refined]
+    assert not [one for one in other_starts(found) if getattr(one, "func", None) is refined]
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]
