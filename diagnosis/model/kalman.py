@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import expm, solve_discrete_are
+from scipy.linalg import expm
 
+from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.predictor import (
     ABSOLUTE_DISPLACEMENT,
     ACCELERATION,
@@ -160,6 +161,9 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
         system: The system.
         noise: Latent forces and noise of table and channels.
         step_s: Sampling step [s].
+
+    Raises:
+        CaseError: Noise and motion are of too different sizes for a filter.
     """
     states = len(system.rate)
     density = noise_density(states, noise)
@@ -224,12 +228,16 @@ def _first_order_hold(rate: np.ndarray, force: np.ndarray, step_s: float) -> tup
 
 
 LEAST = (1e-12, 1e-9, 1e-6)
-"""Noise of each state over what drives it, one after the other until there is a steady covariance: what nothing drives,
-and noisy channels hardly see, has none to many digits."""
+"""Covariances that every state has at least, over what drives the driven ones, tried in turn: what nothing drives, and noisy
+channels hardly see, has no steady covariance to many digits."""
 
 
 def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Return the steady predicted covariance for unit measurement noise."""
+    """Return the steady predicted covariance for unit measurement noise, shape (states, states).
+
+    Raises:
+        CaseError: There is none.
+    """
     # States of very different size (metres, newtons) spoil the solver, so each is scaled to about one.
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-30))
     n = len(step)
@@ -240,8 +248,10 @@ def _riccati(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np
         solution = _doubling(scaled_step, scaled_output, scaled_covariance + least * np.eye(n))
         if solution is not None:
             return np.asarray(solution * np.outer(size, size))
-    solution = solve_discrete_are(scaled_step.T, scaled_output.T, scaled_covariance, np.eye(len(output)))
-    return np.asarray(solution * np.outer(size, size))
+    raise CaseError(
+        "no filter follows from the noise of the channels, which is far too large or too small beside their motion; "
+        "check the channels' units in case.toml"
+    )
 
 
 def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> np.ndarray | None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_discrete_lyapunov
 
+from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.kalman import (
     Gain,
     Noise,
@@ -107,6 +108,16 @@ def test_its_covariances_are_those_that_its_gain_has(sampled: Sampled) -> None:
     assert crossed == pytest.approx(p @ (sampled.output * sampled.size).T, abs=1e-9 * np.abs(crossed).max())
     left = p - crossed @ np.linalg.solve(steady.covariance, crossed.T)
     assert np.diag(steady.updated) / sampled.size**2 == pytest.approx(np.diag(left), rel=1e-6)
+
+
+def test_noise_that_leaves_no_filter_is_said_in_one_sentence(model: Model) -> None:
+    system = model.linear_system(model.modes(model.assemble(np.zeros(len(model.std)))))
+    noise = Noise(np.full(3, 1e200), 0.005, 0.02 * model.observed.rms(model.observed.runs[0]))
+    with (
+        np.errstate(all="ignore"),
+        pytest.raises(CaseError, match="no filter follows from the noise of the channels"),
+    ):
+        steady_filter(system, noise, STEP_S)
 
 
 def test_no_other_gain_has_smaller_innovations(sampled: Sampled) -> None:
