@@ -9,18 +9,24 @@ from pounding.diagnosis.inference.null_model import no_more_discrepant
 
 
 def unhide(found: Findings) -> None:
-    """Judge the likeliest effect against a baseline model with no more discrepancy than the effect leaves.
+    """Judge all by a model discrepancy that is no larger than the likeliest candidate leaves it.
 
     The scale of the discrepancy belongs to the frame. Where the evidence, which is averaged over all scales, says that an
-    effect and a small scale are far likelier than a large scale alone, the large one is no reason to say nothing. Frames
-    that touch and reference runs have discrepancies of their own.
+    effect and a small scale are far likelier than a large scale alone, the large one is no reason to say nothing, nor to
+    name another effect that needs it, too. Frames that touch and reference runs have discrepancies of their own.
 
     Args:
-        found: What the search found; its null model is exchanged where that is so.
+        found: What the search found; its null model and its candidates are exchanged where that is so.
     """
     likeliest = best(found)
     needed, least = thresholds(found)
     if found.pair is not None or found.reference or likeliest.ln_bayes < needed:
         return
-    if signal_to_noise(found, likeliest) < least:
-        found.null = no_more_discrepant(found, likeliest)
+    if signal_to_noise(found, likeliest) >= least:
+        return
+    scale = likeliest.fit.filtered.discrepancy
+    found.judged = sorted(
+        (one if one.ln_bayes < needed else no_more_discrepant(found, one, scale) for one in found.judged),
+        key=lambda one: -one.ln_bayes,
+    )
+    found.null = no_more_discrepant(found, found.null, scale)

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best, fit_misfits, judge, leaves_much
 from pounding.diagnosis.inference.misfit import own_error
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
-from pounding.diagnosis.inference.refine import Fit, calibrated_further, refine
+from pounding.diagnosis.inference.refine import Fit, calibrated_at_scale, calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.inference.swapped import exchange, exchanged
 from pounding.diagnosis.model.kalman import Noise
@@ -83,29 +82,30 @@ def _tolerant(model: Model, filtered: Filtered) -> list[Noise]:
     ]
 
 
-def no_more_discrepant(found: Findings, judged: Judged) -> Judged:
-    """Return the null model calibrated with the model discrepancy's scale of effects, if that is smaller.
+def no_more_discrepant(found: Findings, judged: Judged, scale: float) -> Judged:
+    """Return effects, or the null model, calibrated with a model discrepancy of a smaller scale, or as they are.
 
-    Its likelihood stays that of the likeliest null model.
+    Effects lose the evidence that only a larger scale gave them. The null model keeps its own, with which all are compared.
 
     Args:
         found: What the search found.
-        judged: The effects.
+        judged: The effects, or the null model.
+        scale: The scale [-].
     """
-    model, null = found.model, found.null.fit
-    scale = judged.fit.filtered.discrepancy
-    if scale >= null.filtered.discrepancy:
-        return found.null
-    reach = box_of(len(model.std)) * model.spread(scale)
-    start = run_filter(
-        model,
-        np.clip(null.filtered.values, -reach, reach),
-        null.filtered.with_discrepancy(scale).noise,
-        null.filtered.runs,
-    )
-    narrow = calibrated_further(model, start, SETTINGS.refinement.by_motion, Marquardt())
-    fit = by_its_motion(model, replace(null, filtered=narrow))
-    return judge(model, fit, null, found.training, found.held_out)
+    model, wide = found.model, judged.fit.filtered
+    if scale >= wide.discrepancy:
+        return judged
+    narrow = calibrated_at_scale(model, wide, scale, SETTINGS.refinement.by_motion)
+    fit = by_its_motion(model, replace(judged.fit, filtered=narrow))
+    again = judge(model, fit, judged.fit, found.training, found.held_out)
+    lost = _log_density(model, wide) - _log_density(model, narrow) if judged.effects else 0.0
+    return replace(again, ln_bayes=judged.ln_bayes - max(lost, 0.0), beside=judged.beside)
+
+
+def _log_density(model: Model, filtered: Filtered) -> float:
+    """Return the log likelihood with the log density of the nuisance parameters, up to what is common."""
+    strain = filtered.values / model.spread(filtered.discrepancy)
+    return filtered.log_likelihood - 0.5 * float(strain @ strain)
 
 
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:

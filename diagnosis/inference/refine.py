@@ -10,8 +10,8 @@ import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.constancy import between_windows
-from pounding.diagnosis.inference.coordinates import Coordinates, box_of
-from pounding.diagnosis.inference.discrepancy import Linearised
+from pounding.diagnosis.inference.coordinates import Coordinates
+from pounding.diagnosis.inference.discrepancy import Linearised, wider
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
@@ -123,13 +123,17 @@ def refine(
         return _finished(histories, theta)
     # What the histories have worked out is much, and only good for these.
     del start
-    gained = np.inf
+    gained, scales = np.inf, {filtered.discrepancy}
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
         for estimated in (partial(_quieted, iterations=iterations), _rescaled):
             changed, moved = estimated(histories, theta)
             if changed is not histories:
                 histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
+        if histories.filtered.discrepancy not in scales:
+            # A smaller scale takes from the likelihood what it gives to the prior: this round tells nothing.
+            scales.add(histories.filtered.discrepancy)
+            continue
         reached = histories.filtered.log_likelihood
         if reached + SETTINGS.refinement.catches_up * max(reached - before, 0.0) < ahead:
             break
@@ -154,6 +158,21 @@ def calibrated_further(
     fixed = Coordinates.of(model, (), (), (), filtered.effects, filtered.discrepancy)
     start = Histories(model, filtered, fixed)
     return _descended(start, fixed.theta(filtered.values), iterations, trials)[0].filtered
+
+
+def calibrated_at_scale(model: Model, filtered: Filtered, scale: float, iterations: int) -> Filtered:
+    """Return the filtered model calibrated with another scale of the model discrepancy; noise and effects stay as they are.
+
+    Args:
+        model: The baseline model.
+        filtered: Where to start.
+        scale: The scale [-].
+        iterations: Largest number of Gauss-Newton steps.
+    """
+    fixed = Coordinates.of(model, (), (), (), filtered.effects, filtered.discrepancy)
+    start, theta = Histories(model, filtered, fixed), fixed.theta(filtered.values)
+    gram, slope = fixed.posterior(_terms(start)).normal_equations(theta)
+    return _descended(*_at_scale(start, theta, gram, slope, scale), iterations, Marquardt())[0].filtered
 
 
 def _descended(
@@ -191,11 +210,32 @@ def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.nd
     scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likeliest()
     if scale == filtered.discrepancy:
         return histories, theta
+    return _at_scale(histories, theta, gram, slope, scale)
+
+
+def _at_scale(
+    histories: Histories, theta: np.ndarray, gram: np.ndarray, slope: np.ndarray, scale: float
+) -> tuple[Histories, np.ndarray]:
+    """Return the fit with another scale of the model discrepancy, and theta in its units.
+
+    What no longer fits into a smaller scale, others take over as far as slopes say.
+
+    Args:
+        histories: The fit.
+        theta: Its parameters, shape (parameters,).
+        gram, slope: Information (parameters, parameters) and slope (parameters,) of the data there.
+        scale: The scale [-].
+    """
+    model, filtered, coordinates = histories.model, histories.filtered, histories.coordinates
     moved = replace(coordinates, scale=model.spread(scale))
-    box = box_of(len(model.std))
-    own = np.clip(coordinates.nuisance(theta) / moved.scale, -box, box)
-    theta = np.concatenate([own, theta[len(own) :]])
-    return Histories(model, _at(model, filtered.with_discrepancy(scale), moved, theta), moved), theta
+    by = wider(model.discrepant, len(theta), scale / filtered.discrepancy)
+    gram, slope, there = gram * np.outer(by, by), slope * by, theta / by
+    posterior = moved.posterior(())
+    inside = np.clip(there, posterior.lower, posterior.upper)
+    onwards = inside + posterior.step(gram, slope - gram @ (inside - there), inside, 0.0)
+    rescaled = filtered.with_discrepancy(scale)
+    trials = [(Histories(model, _at(model, rescaled, moved, one), moved), one) for one in (inside, onwards)]
+    return min(trials, key=lambda trial: moved.posterior(_terms(trial[0])).cost(trial[1]))
 
 
 def _terms(histories: Histories) -> list[Histories | NumbersTerm]:

@@ -13,13 +13,18 @@ from pounding.diagnosis.inference.search import search
 from tests.diagnosis.models import measured
 
 LOSS = -0.3
+DAMPING = 2.5
 
 
-def findings(lost: float) -> Findings:
-    """Return what is found of the storeys of a frame of which the second lost a share of its stiffness."""
+def findings(lost: float, damping: float = 0.0) -> Findings:
+    """Return what is found of the storeys of a frame of which the second lost a share of its stiffness.
+
+    It may have gained a little damping [N s/m], too.
+    """
     blank = measured(samples=50, runs=1)
-    second = next(one for one in candidates(blank) if (one.name, one.storey) == ("stiffness_change", 2))
-    effects = [(second, np.array([lost]))] if lost else []
+    second = {one.name: one for one in candidates(blank) if one.storey == 2}
+    effects = [(second["stiffness_change"], np.array([lost]))] if lost else []
+    effects += [(second["damping_change"], np.array([damping, 0.0]))] if damping else []
     model = measured(effects, noise=0.01, samples=1500)
     storeys = [one for one in candidates(model) if one.name in ("stiffness_change", "damping_change")]
     return search(model, storeys, (0,), (1,), lambda *_: None)
@@ -37,6 +42,25 @@ def test_a_storey_that_a_wide_discrepancy_imitates_is_named() -> None:
     assert found.null.misfit[1] > 2 * imitated.misfit[1]
     # What the evidence says is of the likeliest null model still.
     assert found.null.fit.log_posterior == imitated.fit.log_posterior
+
+
+def test_a_little_damping_is_not_named_in_its_place() -> None:
+    found = findings(LOSS, DAMPING)
+    single = [one.label() for one in found.judged if len(one.effects) == 1]
+    assert single[0] == "damping change, storey 2 of bench"
+    unhide(found)
+    named = decide(found)
+    assert (named.verdict, named.judged.label()) == ("effect_named", "stiffness change, storey 2 of bench")
+
+
+def test_a_second_effect_that_makes_the_discrepancy_needless_is_likelier_than_the_first_alone() -> None:
+    # The scale of the discrepancy goes down by a factor of 256 at once, and what was in it must find its place.
+    found = findings(LOSS, 4.0)
+    alone = next(one for one in found.judged if one.label() == "damping change, storey 2 of bench")
+    both = next(one for one in found.judged if len(one.effects) == 2)
+    assert both.label() == "damping change, storey 2 of bench and stiffness change, storey 2 of bench"
+    assert both.fit.filtered.discrepancy < 0.1 * alone.fit.filtered.discrepancy
+    assert both.ln_bayes > alone.ln_bayes + 10.0
 
 
 def test_where_nothing_is_likely_nothing_changes() -> None:
