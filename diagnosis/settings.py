@@ -187,6 +187,10 @@ class Refinement:
     that is ahead, as if each gained three quarters of the one before. Origin: chosen."""
     noise_likelier: float = 0.5
     """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
+    noise_steps: int = 10
+    """[steps] Fisher's scoring of the noise. Origin: chosen."""
+    least_noise: float = 1e-4
+    """[rms] No channel has less noise. Origin: chosen."""
     worse: float = 5.0
     """[ln likelihood] Loss at which a step is taken back. Origin: chosen."""
     enough: float = 0.2

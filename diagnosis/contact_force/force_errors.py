@@ -16,7 +16,8 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.ndimage import maximum_filter1d
 
 from pounding.diagnosis.contact_force import pairs
-from pounding.diagnosis.inference.filtering import Filtered, matched_noise, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
+from pounding.diagnosis.inference.likeliest_noise import likeliest_noise
 from pounding.diagnosis.inference.misfit import expected_noise
 from pounding.diagnosis.inference.refine import calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated
@@ -106,9 +107,7 @@ def _told(
 def _quieter(model: Model, filtered: Filtered) -> Filtered:
     """Return frames and noise of each channel as they are with better forces."""
     start = run_filter(model, filtered.values, filtered.noise, filtered.runs, filtered.effects)
-    noise = matched_noise(model, start)
-    start = run_filter(model, start.values, noise, start.runs, start.effects)
-    return calibrated_further(model, start, 2)
+    return calibrated_further(model, likeliest_noise(model, start), 2)
 
 
 def _of_all_runs(model: Model, filtered: Filtered) -> Filtered:

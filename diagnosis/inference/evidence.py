@@ -12,7 +12,9 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import (
     AT_ONCE,
+    LARGEST_SLOPE,
     Filtered,
+    feedbacks,
     signature_pieces_of_run,
     whitened_innovations,
 )
@@ -115,19 +117,14 @@ def score(
     free = len(model.std) + (present[0].shape[1] if present else 0)
     total = free + len(columns)
     gram, slope = np.zeros((total, total)), np.zeros(total)
-    residuals = whitened_innovations(model, filtered)
     spread = model.spread(filtered.discrepancy)
     for number, motion in enumerate(motions(model, filtered)):
         modes, acts = filtered.run_modes[number], model.acts(filtered.runs[number])
         groups: list[list[Term]] = nuisance_terms(model, modes, motion)
         groups += [effect.terms(model, modes, motion, shape) if acts else [] for effect, shape in columns]
-        # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
-        for rows, signature in signature_pieces_of_run(model, filtered, number, groups, AT_ONCE):
-            wide = signature * np.concatenate([spread, width])
-            if present:
-                nuisance = len(spread)
-                wide = np.hstack([wide[:, :nuisance], present[number][rows], wide[:, nuisance:]])
-            add_products(gram, slope, wide, residuals[number][rows])
+        ours, pulls = _products(model, filtered, number, groups, np.concatenate([spread, width]), present)
+        gram += ours
+        slope += pulls
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)
@@ -137,6 +134,32 @@ def score(
         gram += block.T @ block
         slope += block.T @ numbers.residual(filtered.values, filtered.effects)
     return _rank(model, filtered, columns, width, gram, slope, free)
+
+
+def _products(
+    model: Model,
+    filtered: Filtered,
+    number: int,
+    groups: list[list[Term]],
+    width: np.ndarray,
+    present: Sequence[np.ndarray],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return products of a run's columns with themselves and its innovations; those that are present stand in between."""
+    residual = whitened_innovations(model, filtered)[number]
+    nuisance, free = len(model.std), present[0].shape[1] if present else 0
+    total = len(width) + free
+    gram, slope = np.zeros((total, total)), np.zeros(total)
+    for feedback in feedbacks(model, filtered, number):
+        gram[:], slope[:] = 0.0, 0.0
+        # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
+        for rows, signature in signature_pieces_of_run(model, filtered, number, groups, AT_ONCE, feedback):
+            wide = signature * width
+            if present:
+                wide = np.hstack([wide[:, :nuisance], present[number][rows], wide[:, nuisance:]])
+            add_products(gram, slope, wide, residual[rows])
+        if np.all(np.diag(gram) < LARGEST_SLOPE**2):
+            break
+    return gram, slope
 
 
 def _number_columns(

@@ -21,6 +21,10 @@ AT_ONCE = 512
 """Samples whose signatures are worked out at a time: those of all terms of a long run fill the memory."""
 
 
+LARGEST_SLOPE = 1e12
+"""Whitened derivative from which on what it is of has blown up."""
+
+
 class Kept:
     """A prediction that may be put away, and is made again when it is asked for: a long run's is large.
 
@@ -254,13 +258,35 @@ def run_signatures(
         columns: For each column the terms whose signatures are summed.
     """
     whole = np.empty((filtered.prediction.innovations[number].size, len(columns)), np.float32)
-    for rows, signatures in signature_pieces_of_run(model, filtered, number, columns, AT_ONCE):
-        whole[rows] = signatures
+    for feedback in feedbacks(model, filtered, number):
+        for rows, signatures in signature_pieces_of_run(model, filtered, number, columns, AT_ONCE, feedback):
+            whole[rows] = signatures
+        if np.all(np.abs(whole) < LARGEST_SLOPE):
+            break
     return whole
 
 
+def feedbacks(model: Model, filtered: Filtered, number: int) -> tuple[Tangents | None, ...]:
+    """Return forces and slopes of the laws that act in a run, and None for where signatures blow up with them.
+
+    A filter that corrects a stuck joint may be unstable to first order. That it slips bounds it, and slopes do not see that.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+    """
+    laws = tangents_of(model, filtered, number)
+    return (None,) if laws is None else (laws, None)
+
+
 def signature_pieces_of_run(
-    model: Model, filtered: Filtered, number: int, columns: Sequence[list[Term]], piece: int
+    model: Model,
+    filtered: Filtered,
+    number: int,
+    columns: Sequence[list[Term]],
+    piece: int,
+    feedback: Tangents | None,
 ) -> Iterator[tuple[slice, np.ndarray]]:
     """Yield `run_signatures` of some samples at a time: which rows these are, and the rows, shape (rows, columns).
 
@@ -270,13 +296,14 @@ def signature_pieces_of_run(
         number: Number of the run among those of the filtered model.
         columns: For each column the terms whose signatures are summed.
         piece: Samples at a time.
+        feedback: Forces and slopes of the laws that act; None leaves their answers out.
     """
     steady = filtered.filters[number]
     good = np.isfinite(model.observed.runs[filtered.runs[number]].measured)
     channels = good.shape[1]
     shown = steady.whitening if good.all() else np.eye(channels)
     first = 0
-    for each in signature_pieces(steady, columns, shown, piece, tangents_of(model, filtered, number)):
+    for each in signature_pieces(steady, columns, shown, piece, feedback):
         last = first + len(each)
         seen = each if good.all() else whitened(each, steady, good[first:last])
         yield slice(first * channels, last * channels), seen.reshape(-1, each.shape[2])
@@ -321,28 +348,3 @@ def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:
     """Return the whitened innovations of each run, shape (samples * channels,)."""
     innovations = filtered.prediction.innovations
     return [white.ravel() for white in whitened_runs(model, innovations, filtered.filters, filtered.runs)]
-
-
-def matched_noise(model: Model, filtered: Filtered, before: Filtered | None = None) -> tuple[Noise, ...]:
-    """Return the noise with each channel's variance moved to what the innovations show.
-
-    Args:
-        model: The baseline model.
-        filtered: The filtered model.
-        before: The same with larger latent forces: the variance that a channel's innovations were expected to have more with
-            these is the channel's own now.
-    """
-    found = []
-    for number, run in enumerate(filtered.runs):
-        noise = filtered.noise[number]
-        measured = np.isfinite(model.observed.runs[run].measured)
-        count = np.maximum(measured.sum(axis=0), 1)
-        seen = np.sum(filtered.prediction.innovations[number] ** 2, axis=0) / count
-        expected = own = np.diag(filtered.filters[number].covariance)
-        if before is not None:
-            expected = np.maximum(own, np.diag(before.filters[number].covariance))
-        floor = 1e-4 * np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=1.0)
-        ratio = np.clip(seen / expected, 0.1, 10.0)
-        square = np.where(np.isfinite(noise.channel), noise.channel**2 + expected - own, np.inf)
-        found.append(replace(noise, channel=np.maximum(np.sqrt(square * ratio), floor)))
-    return tuple(found)

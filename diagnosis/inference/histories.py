@@ -9,6 +9,7 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import (
+    LARGEST_SLOPE,
     Filtered,
     forces_of,
     grouped_signatures,
@@ -23,9 +24,6 @@ from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
-
-LARGEST_SLOPE = 1e12
-"""Whitened derivative from which on the simulation has blown up."""
 
 
 class Histories(Likelihood):

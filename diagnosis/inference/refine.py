@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
@@ -12,8 +11,9 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.constancy import between_windows
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.discrepancy import Linearised, wider
-from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, matched_noise, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.histories import Histories
+from pounding.diagnosis.inference.likeliest_noise import likeliest_noise
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
 from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Trials, descend
 from pounding.diagnosis.model.free_memory import give_back
@@ -123,20 +123,27 @@ def refine(
         return _finished(histories, theta)
     # What the histories have worked out is much, and only good for these.
     del start
-    gained, scales = np.inf, {filtered.discrepancy}
+    gained, scales, calm = np.inf, {filtered.discrepancy}, False
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
-        for estimated in (partial(_quieted, iterations=iterations), _rescaled):
-            changed, moved = estimated(histories, theta)
-            if changed is not histories:
-                histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
-        if histories.filtered.discrepancy not in scales:
-            # A smaller scale takes from the likelihood what it gives to the prior: this round tells nothing.
+        if not calm:
+            histories, theta = _calmed(histories, theta, iterations)
+        louder = histories.filtered.log_likelihood
+        histories = _with_noise(histories)
+        by_noise = histories.filtered.log_likelihood - louder
+        histories, theta = _descended(histories, theta, SETTINGS.refinement.steps)
+        changed, moved = _rescaled(histories, theta)
+        if changed is not histories:
+            histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
+        reached = histories.filtered.log_likelihood
+        # What noise gave once it will not give again.
+        if reached + SETTINGS.refinement.catches_up * max(reached - before - by_noise, 0.0) < ahead:
+            break
+        calm = histories.filtered.discrepancy in scales
+        if not calm:
+            # What a smaller scale takes from the likelihood it gives to the prior: only rounds at one scale compare.
             scales.add(histories.filtered.discrepancy)
             continue
-        reached = histories.filtered.log_likelihood
-        if reached + SETTINGS.refinement.catches_up * max(reached - before, 0.0) < ahead:
-            break
         if reached < before + SETTINGS.refinement.likelier:
             # Steps that begin afresh creep in a long, bent valley, as between a frame's masses and the discrepancy.
             histories, theta = _descended(histories, theta, SETTINGS.refinement.steps, Marquardt())
@@ -191,9 +198,7 @@ def _calmed(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[H
         current = histories.filtered
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
-        trial = run_filter(
-            model, current.values, matched_noise(model, trial, current), trial.runs, trial.effects
-        )
+        trial = likeliest_noise(model, trial, latent=False)
         descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
         if not descended.filtered.log_likelihood > current.log_likelihood + SETTINGS.refinement.likelier:
             break
@@ -207,6 +212,9 @@ def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.nd
     if not model.discrepant.any():
         return histories, theta
     gram, slope = coordinates.posterior(_terms(histories)).normal_equations(theta)
+    if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
+        # Where an effect blows up there is no other scale to go to.
+        return histories, theta
     scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likeliest()
     if scale == filtered.discrepancy:
         return histories, theta
@@ -265,53 +273,12 @@ def _at(model: Model, filtered: Filtered, coordinates: Coordinates, theta: np.nd
     )
 
 
-def _quieted(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
-    """Return the fit with its latent forces calmed and its noise estimated, that of the table first."""
-    histories, theta = _calmed(histories, theta, iterations)
-    quiet = _quieter(histories.model, _table_noise(histories.model, histories.filtered))
+def _with_noise(histories: Histories) -> Histories:
+    """Return the fit with the likeliest noise and latent forces."""
+    quiet = likeliest_noise(histories.model, histories.filtered)
     if quiet is histories.filtered:
-        return histories, theta
-    return Histories(histories.model, quiet, histories.coordinates), theta
-
-
-def _quieter(model: Model, filtered: Filtered) -> Filtered:
-    """Return the filtered model with the noise of its channels that its innovations show, as far as that is likelier."""
-    while True:
-        noise = matched_noise(model, filtered)
-        trial = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-        if not trial.log_likelihood > filtered.log_likelihood + SETTINGS.refinement.noise_likelier:
-            return filtered
-        filtered = trial
-
-
-def _table_noise(model: Model, filtered: Filtered) -> Filtered:
-    """Return the baseline with the table's noise that the data like best."""
-    best = filtered
-    for factor in (0.5, 2.0):
-        while True:
-            noise = tuple(replace(one, table=factor * one.table) for one in best.noise)
-            trial = run_filter(model, best.values, noise, best.runs, best.effects)
-            if model.observed.contact_events:
-                trial = _run_by_run(model, best, trial)
-            if not trial.log_likelihood > best.log_likelihood + SETTINGS.refinement.noise_likelier:
-                break
-            best = trial
-    return best
-
-
-def _run_by_run(model: Model, one: Filtered, other: Filtered) -> Filtered:
-    """Return a baseline with the likelier noise in each run: what an impact adds is no noise of a run without one."""
-    likely = [
-        [
-            log_likelihood(model, [series], [steady], [run])
-            for series, steady, run in zip(each.prediction.innovations, each.filters, each.runs, strict=True)
-        ]
-        for each in (one, other)
-    ]
-    noise = [
-        (one, other)[later > first].noise[i] for i, (first, later) in enumerate(zip(*likely, strict=True))
-    ]
-    return run_filter(model, one.values, noise, one.runs, one.effects)
+        return histories
+    return Histories(histories.model, quiet, histories.coordinates)
 
 
 def _finished(histories: Histories, theta: np.ndarray) -> Fit:
@@ -320,7 +287,8 @@ def _finished(histories: Histories, theta: np.ndarray) -> Fit:
     posterior = coordinates.posterior(terms)
     gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
-    any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
+    # Its scale is the likeliest: where slopes promise more of another one, they are those of no maximum.
+    any_scale = min(Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained(), 0.0)
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
     scaled, between = np.linalg.inv(gram + np.eye(len(gram))), np.zeros(len(gram) - own)
     if coordinates.effects:

@@ -92,15 +92,14 @@ def refined(
     width = widths(model, effect, found.sizes, one.shape)
     if with_fit is not None:
         before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
-        moved = np.clip(filtered.values + one.nuisance, -limit, limit)
+        values, nuisance = _better_start(found, filtered, one)
         return refine(
             model,
             filtered,
             (*with_fit.effects, effect),
             (*with_fit.values, values),
             (*before, width),
-            nuisance=moved,
+            nuisance=nuisance,
             ahead=ahead(found),
         )
     if start is not None:
@@ -121,7 +120,8 @@ def refined(
 def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.ndarray, np.ndarray]:
     """Return effect and nuisance parameters from which to refine: as scored, or a shape or size that predicts better.
 
-    The score is linear in the amplitude and knows the shape on a coarse grid only.
+    What acts in the filtered model acts beside it. The score is linear in the amplitude and knows the shape on a coarse
+    grid only.
     """
     model, effect = found.model, one.effect
     shapes = effect.grid(found.sizes)
@@ -143,7 +143,7 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
         values, nuisance = start
         with np.errstate(over="ignore", invalid="ignore"):
             found_there = run_filter(
-                model, nuisance, filtered.noise, filtered.runs, [(effect, values)]
+                model, nuisance, filtered.noise, filtered.runs, [*filtered.effects, (effect, values)]
             ).log_likelihood
         return found_there if np.isfinite(found_there) else -np.inf
 

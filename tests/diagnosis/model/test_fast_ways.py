@@ -61,7 +61,7 @@ def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.Mon
     model, _, filtered = problem()
     groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
     groups = [[*columns, []] for columns in groups]
-    pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, groups[0], 64)]
+    pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, groups[0], 64, None)]
     quick = grouped_signatures(model, filtered, groups)
     monkeypatch.setattr(closed_loop, "ALIKE", 0.0)
     for one, other in zip(quick, grouped_signatures(model, filtered, groups), strict=True):

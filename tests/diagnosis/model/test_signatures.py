@@ -9,7 +9,16 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import AllCubicStiffness
 from pounding.diagnosis.effects.storey import CoulombFriction, CubicStiffness, DampingChange, Hysteresis
 from pounding.diagnosis.inference import filtering
-from pounding.diagnosis.inference.filtering import Filtered, grouped_signatures, run_filter, whitened
+from pounding.diagnosis.inference.filtering import (
+    LARGEST_SLOPE,
+    Filtered,
+    grouped_signatures,
+    run_filter,
+    run_signatures,
+    signature_pieces_of_run,
+    tangents_of,
+    whitened,
+)
 from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
@@ -41,6 +50,20 @@ def test_signatures_are_slopes_of_the_innovations(
     if filtered.effects and level < 0.1:
         monkeypatch.setattr(filtering, "tangents_of", lambda *_: None)
         assert np.median(errors(model, filtered)) > 2 * np.median(found)
+
+
+def test_signatures_stay_finite_where_the_filter_of_a_stuck_joint_is_unstable() -> None:
+    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0]))]
+    model = measured(stuck, runs=1)
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.1), (0,), stuck)
+    (motion,) = motions(model, filtered)
+    groups = nuisance_terms(model, filtered.modes, motion)
+    plain, largest = (
+        max(np.abs(rows).max() for _, rows in signature_pieces_of_run(model, filtered, 0, groups, 512, one))
+        for one in (None, tangents_of(model, filtered, 0))
+    )
+    assert largest > LARGEST_SLOPE > 1e6 * plain
+    assert np.abs(run_signatures(model, filtered, 0, groups)).max() == plain
 
 
 def errors(model: Model, filtered: Filtered) -> np.ndarray:
