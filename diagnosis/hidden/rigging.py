@@ -74,7 +74,7 @@ class Rig:
                 difference of two linear scenarios.
         """
         if coarsely:
-            shaking = _coarse(self.shakings[run], self.log)
+            shaking = _coarse(self.shakings[run], self.log.finer)
             return observed(scenario, happen(scenario, shaking, run), self.channels)
         return observed(scenario, self.happened(scenario, run), self.channels)[:: self.log.finer]
 
@@ -95,10 +95,14 @@ class Rig:
         return sampled(observed(scenario, self.happened(scenario, run), self.channels), self.log)
 
 
-def _coarse(shaking: Motion, log: Logger) -> Motion:
-    """Return a motion at the logger's rate, or at `SIGHT_HZ` where that is lower: free frames have no impacts."""
-    stride = max(log.finer, int(1 / (shaking.step_s * SIGHT_HZ)))
+def _coarse(shaking: Motion, stride: int) -> Motion:
+    """Return a motion with one sample in so many."""
     return Motion(shaking.source, shaking.step_s * stride, shaking.acceleration[::stride])
+
+
+def _sight(shaking: Motion, log: Logger) -> Motion:
+    """Return a motion at the logger's rate, or at `SIGHT_HZ` where that is lower: free frames have no impacts."""
+    return _coarse(shaking, max(log.finer, int(1 / (shaking.step_s * SIGHT_HZ))))
 
 
 def draw_rig(
@@ -142,7 +146,7 @@ def draw_rig(
     shakings = tuple(motions.draw(rng, RUNS, duration, log.fine_step_s, source))
     bare, error = set_up(rng, frames, channels, world.scenario), None
     if world.settle is not None:
-        seen = Sight(channels, tuple(_coarse(shaking, log) for shaking in shakings))
+        seen = Sight(channels, tuple(_sight(shaking, log) for shaking in shakings))
         bare, error = world.settle(rng, bare, seen, model_error)
     if not pair:
         return Rig(bare, (), channels, log, shakings, world, error)

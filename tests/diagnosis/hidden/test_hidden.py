@@ -18,6 +18,7 @@ from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis, loosening
 from pounding.diagnosis.hidden.hide import VISIBILITY, Hidden, hide
+from pounding.diagnosis.hidden.instruments import PAIR_RATES_HZ
 from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
 from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.reference import Typical
@@ -217,6 +218,16 @@ def test_effects_of_a_pair(effect: str, tmp_path: Path) -> None:
         # The truth of the effect is against what the case states.
         offset = 1e-3 * truth["parameters"][0]["value"]
         assert hidden.truth["touches"][0]["gap_m"] == pytest.approx(case.contacts[0].gap_m + offset, abs=1e-9)
+
+
+@pytest.mark.parametrize("rate", PAIR_RATES_HZ)
+def test_frames_apart_are_looked_at_coarsely_at_the_rate_of_the_logger(rate: float) -> None:
+    """At 2 kHz an effect of a pair could not be hidden: half the samples were looked at."""
+    world = replace(OWN, pair_rates_hz=(rate,))
+    rig = draw_rig(np.random.default_rng(1), ["10", "5B"], "artificial", 0.6, world=world)
+    fine, coarse = (rig.clean(rig.apart, 0, coarsely=coarsely) for coarsely in (False, True))
+    assert coarse.shape == fine.shape
+    assert np.std(coarse - fine) < 0.05 * np.std(fine)
 
 
 def test_a_contact_effect_needs_a_pair() -> None:
