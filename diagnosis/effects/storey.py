@@ -351,7 +351,7 @@ class Bumper(StoreyEffect):
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
         """Return gaps [m] on both sides."""
-        shares = (0.1, 0.25, 0.4, 0.55, 0.7, 0.84)
+        shares = (0.1, 0.25, 0.4, 0.55, 0.7, 0.84, 0.95)
         ends = (float(scales.highest[self.index]), float(scales.lowest[self.index]))
         return [(end * share,) for end in ends for share in shares]
 
