@@ -79,7 +79,9 @@ def test_errors_of_a_force_are_told_by_the_motion_in_fitted_and_held_out_runs() 
     assert likely[2] > likely[1]
     struck = [channel.endswith("a3") for channel in right.observed.names]
     noise = fitted(found).filtered.noise[0].channel / found.observed.rms(found.observed.runs[0])
-    np.testing.assert_allclose(noise[struck], 0.01, rtol=0.15)
+    # Forces that are told by these very channels take a part of their noise.
+    assert (noise[struck] < 0.0115).all()
+    assert (noise[struck] > 0.008).all()
     # The other run's motion follows from its forces again, to the noise of one per cent: the frames are right, and nothing
     # was fitted to it. Samples of a cell leave more, however right they are: between them a touch is no line.
     off = [float(np.median(held_out(one)[~np.array(struck)])) for one in (wrong, right, found)]
