@@ -87,6 +87,8 @@ class Start:
     """[rms of the table] Noise of the table's channel. Origin: chosen."""
     least_noise: float = 0.003
     """[rms of the channel] The least noise that is believed of a channel. Origin: chosen."""
+    least_table: float = 1e-6
+    """[m/s^2] The table's channel never has less noise. Origin: chosen."""
 
 
 @dataclass(frozen=True)
@@ -189,8 +191,8 @@ class Refinement:
     """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
     noise_steps: int = 10
     """[steps] Fisher's scoring of the noise. Origin: chosen."""
-    least_noise: float = 1e-4
-    """[rms] No channel has less noise. Origin: chosen."""
+    least_channel: float = 1e-4
+    """[rms of the channel] No refinement gives a channel less noise. Origin: chosen."""
     worse: float = 5.0
     """[ln likelihood] Loss at which a step is taken back. Origin: chosen."""
     enough: float = 0.2

@@ -56,8 +56,14 @@ class Linearised:
         return float(SCALES[np.argmax(self.log_weights())])
 
     def gained(self) -> float:
-        """Return the log evidence averaged over `SCALES` less that at the own scale; nothing without a discrepancy."""
-        return averaged(self.log_weights()) - self._log_weight(1.0) if self.discrepant.any() else 0.0
+        """Return the log evidence averaged over `SCALES` less that at the own scale; nothing without a discrepancy.
+
+        The own scale is to be the likeliest: where slopes promise more of another one, they are those of no maximum, and
+        nothing is gained.
+        """
+        if not self.discrepant.any():
+            return 0.0
+        return min(averaged(self.log_weights()) - self._log_weight(1.0), 0.0)
 
     def _log_weight(self, factor: float) -> float:
         by = wider(self.discrepant, len(self.theta), factor)

@@ -117,14 +117,17 @@ def score(
     free = len(model.std) + (present[0].shape[1] if present else 0)
     total = free + len(columns)
     gram, slope = np.zeros((total, total)), np.zeros(total)
+    residuals = whitened_innovations(model, filtered)
     spread = model.spread(filtered.discrepancy)
     for number, motion in enumerate(motions(model, filtered)):
         modes, acts = filtered.run_modes[number], model.acts(filtered.runs[number])
         groups: list[list[Term]] = nuisance_terms(model, modes, motion)
         groups += [effect.terms(model, modes, motion, shape) if acts else [] for effect, shape in columns]
-        ours, pulls = _products(model, filtered, number, groups, np.concatenate([spread, width]), present)
-        gram += ours
-        slope += pulls
+        wide = np.concatenate([spread, width])
+        already = present[number] if present else np.zeros((len(residuals[number]), 0), np.float32)
+        more = _products(model, filtered, number, groups, wide, already, residuals[number])
+        gram += more[0]
+        slope += more[1]
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)
@@ -142,20 +145,28 @@ def _products(
     number: int,
     groups: list[list[Term]],
     width: np.ndarray,
-    present: Sequence[np.ndarray],
+    present: np.ndarray,
+    residual: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return products of a run's columns with themselves and its innovations; those that are present stand in between."""
-    residual = whitened_innovations(model, filtered)[number]
-    nuisance, free = len(model.std), present[0].shape[1] if present else 0
-    total = len(width) + free
+    """Return the products of a run's columns with themselves, (columns, columns), and with its innovations, (columns,).
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+        groups: Terms of each nuisance parameter, then of each candidate.
+        width: What their columns are multiplied by, shape (groups,).
+        present: Columns that stand between those of both, shape (samples * channels, present).
+        residual: Whitened innovations, shape (samples * channels,).
+    """
+    nuisance, total = len(model.std), len(width) + present.shape[1]
     gram, slope = np.zeros((total, total)), np.zeros(total)
     for feedback in feedbacks(model, filtered, number):
         gram[:], slope[:] = 0.0, 0.0
         # Nuisance parameters imitate most of many candidates: the rest is a small difference that needs double precision.
         for rows, signature in signature_pieces_of_run(model, filtered, number, groups, AT_ONCE, feedback):
             wide = signature * width
-            if present:
-                wide = np.hstack([wide[:, :nuisance], present[number][rows], wide[:, nuisance:]])
+            wide = np.hstack([wide[:, :nuisance], present[rows], wide[:, nuisance:]])
             add_products(gram, slope, wide, residual[rows])
         if np.all(np.diag(gram) < LARGEST_SLOPE**2):
             break

@@ -22,7 +22,7 @@ AT_ONCE = 512
 
 
 LARGEST_SLOPE = 1e12
-"""Whitened derivative from which on what it is of has blown up."""
+"""Whitened derivative from which on a simulation, or a signature, has blown up."""
 
 
 class Kept:

@@ -16,8 +16,6 @@ CHANGE = 0.01
 """Change of a logarithm by which slopes are taken."""
 REACH = 1.0
 """Largest change of a logarithm in one step."""
-LEAST_TABLE = 1e-6
-"""Least noise of the table [m/s^2]."""
 SHARES = (1.0, 0.3, 0.1)
 """Shares of a step that are tried in turn."""
 
@@ -45,7 +43,14 @@ def likeliest_noise(model: Model, filtered: Filtered, latent: bool = True) -> Fi
 
 @dataclass(frozen=True)
 class _Run:
-    """One run with its noise: its innovations (samples, channels), their covariance and the log likelihood."""
+    """One run with its noise.
+
+    Attributes:
+        noise: The noise.
+        innovations: In SI, shape (samples, channels).
+        covariance: Of these, as the filter expects it, shape (channels, channels).
+        log_likelihood: Of these.
+    """
 
     noise: Noise
     innovations: np.ndarray
@@ -90,13 +95,12 @@ def _louder(noise: Noise, by: np.ndarray, rms: np.ndarray) -> Noise:
     needs = SETTINGS.refinement
     channel = noise.channel.copy()
     known = np.isfinite(channel)
-    channel[known] = np.maximum(np.exp(by[2:]) * channel[known], needs.least_noise * rms[known])
+    channel[known] = np.maximum(np.exp(by[2:]) * channel[known], needs.least_channel * rms[known])
     latent = np.exp(by[0]) * noise.latent
     if latent.max() < needs.least_latent_n:
         latent = noise.latent
-    return replace(
-        noise, latent=latent, table=max(float(np.exp(by[1])) * noise.table, LEAST_TABLE), channel=channel
-    )
+    table = max(float(np.exp(by[1])) * noise.table, SETTINGS.start.least_table)
+    return replace(noise, latent=latent, table=table, channel=channel)
 
 
 def _scored(here: _Run, beside: list[_Run]) -> tuple[np.ndarray, np.ndarray]:

@@ -128,16 +128,15 @@ def refine(
         before = histories.filtered.log_likelihood
         if not calm:
             histories, theta = _calmed(histories, theta, iterations)
-        louder = histories.filtered.log_likelihood
         histories = _with_noise(histories)
-        by_noise = histories.filtered.log_likelihood - louder
+        quiet = histories.filtered.log_likelihood
         histories, theta = _descended(histories, theta, SETTINGS.refinement.steps)
         changed, moved = _rescaled(histories, theta)
         if changed is not histories:
             histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
         reached = histories.filtered.log_likelihood
-        # What noise gave once it will not give again.
-        if reached + SETTINGS.refinement.catches_up * max(reached - before - by_noise, 0.0) < ahead:
+        # What smaller forces and other noise gave once they will not give again.
+        if reached + SETTINGS.refinement.catches_up * max(reached - quiet, 0.0) < ahead:
             break
         calm = histories.filtered.discrepancy in scales
         if not calm:
@@ -287,8 +286,7 @@ def _finished(histories: Histories, theta: np.ndarray) -> Fit:
     posterior = coordinates.posterior(terms)
     gram, slope = posterior.normal_equations(theta)
     own = len(model.std)
-    # Its scale is the likeliest: where slopes promise more of another one, they are those of no maximum.
-    any_scale = min(Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained(), 0.0)
+    any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
     scaled, between = np.linalg.inv(gram + np.eye(len(gram))), np.zeros(len(gram) - own)
     if coordinates.effects:

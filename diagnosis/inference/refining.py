@@ -88,29 +88,17 @@ def refined(
         thorough: Whether to refine to the end.
     """
     model, effect = found.model, one.effect
-    values = effect.values(one.amplitude, one.shape)
     width = widths(model, effect, found.sizes, one.shape)
-    if with_fit is not None:
-        before = [widths(model, e, found.sizes, e.grid(found.sizes)[0]) for e in with_fit.effects]
-        values, nuisance = _better_start(found, filtered, one)
-        return refine(
-            model,
-            filtered,
-            (*with_fit.effects, effect),
-            (*with_fit.values, values),
-            (*before, width),
-            nuisance=nuisance,
-            ahead=ahead(found),
-        )
     if start is not None:
         return refine(model, start.filtered, (effect,), (start.values[0],), (width,), ahead=ahead(found))
     values, nuisance = _better_start(found, filtered, one)
+    others, theirs = ((), ()) if with_fit is None else (with_fit.effects, with_fit.values)
     return refine(
         model,
         filtered,
-        (effect,),
-        (values,),
-        (width,),
+        (*others, effect),
+        (*theirs, values),
+        (*(widths(model, other, found.sizes, other.grid(found.sizes)[0]) for other in others), width),
         thorough=thorough,
         nuisance=nuisance,
         ahead=ahead(found),

@@ -46,7 +46,9 @@ def starting_noise(
                 for span in map(model.structure.span, range(len(model.structure.frames)))
             ]
         )
-        found.append(Noise(level * shear, max(SETTINGS.start.table_noise * table, 1e-6), channel))
+        found.append(
+            Noise(level * shear, max(SETTINGS.start.table_noise * table, SETTINGS.start.least_table), channel)
+        )
     return found
 
 
