@@ -9,6 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import (
     AT_ONCE,
@@ -190,6 +191,10 @@ def _number_columns(
     return np.hstack([numbers.nuisance_columns(filtered.values, filtered.effects), np.array(found).T])
 
 
+AT_THE_END = 1.0 - 1e-6
+"""Share of its box from which on a nuisance parameter is at its end."""
+
+
 @dataclass(frozen=True)
 class _AtScale:
     """The columns scored with one scale of the model discrepancy.
@@ -215,24 +220,75 @@ def _at_scale(
     gram, slope, spread = gram * np.outer(by, by), slope * by, model.spread(scale)
     start = np.zeros(free)
     start[: len(spread)] = filtered.values / spread
+    box = box_of(len(spread))
+    pushed = start * (slope[:free] - start) > 0.0
+    ends = pushed & (np.abs(start) >= AT_THE_END * box)
+    held, loose = (_solved(gram, slope, start, moves) for moves in (~ends, np.ones(free, bool)))
+    # A candidate may let a parameter at the end of its box go; else it stays there, and takes no part of what is missing.
+    let_go = np.all(np.abs(loose.ends(start, ends)) <= box, axis=0)
+    return _AtScale(
+        null=held.null,
+        amplitude=np.where(let_go, loose.amplitude, held.amplitude),
+        information=np.where(let_go, loose.information, held.information),
+        ln_bayes=np.where(let_go, loose.ln_bayes + loose.null - held.null, held.ln_bayes),
+        taken=np.where(let_go, loose.taken, held.taken),
+        projected=held.projected,
+        spread=spread,
+    )
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """The best sizes of single columns, those of the free parameters that move being the best with each.
+
+    `null` is the log evidence without them, `step` (free,) how the parameters move then; the others as in `_AtScale`.
+    """
+
+    null: float
+    step: np.ndarray
+    amplitude: np.ndarray
+    information: np.ndarray
+    ln_bayes: np.ndarray
+    taken: np.ndarray
+    projected: np.ndarray
+
+    def ends(self, start: np.ndarray, which: np.ndarray) -> np.ndarray:
+        """Return where some parameters end with each column, shape (which, columns)."""
+        return np.asarray((start + self.step)[which, None] - self.taken[which] * self.amplitude)
+
+
+def _solved(gram: np.ndarray, slope: np.ndarray, start: np.ndarray, moves: np.ndarray) -> _Solved:
+    """Return the best size of each column beside the free parameters, of which only some move.
+
+    Args:
+        gram: Products of all columns, shape (free + columns, free + columns).
+        slope: Their products with the innovations, shape (free + columns,).
+        start: The free parameters in units of the priors, shape (free,).
+        moves: Which of these move, shape (free,).
+    """
+    free = len(start)
     information = gram[:free, :free] + np.eye(free)
     pull = slope[:free] - start
-    moved = np.linalg.solve(information, np.column_stack([gram[:free, free:], pull]))
+    moved = np.zeros((free, len(gram) - free + 1))
+    moved[moves] = np.linalg.solve(
+        information[np.ix_(moves, moves)], np.column_stack([gram[:free, free:], pull])[moves]
+    )
     taken, step = moved[:, :-1], moved[:, -1]
+    # The volume of the posterior is that of all, as in a fit that ends at the end of a box.
     null = (
         0.5 * float(pull @ step) - 0.5 * float(start @ start) - 0.5 * float(np.linalg.slogdet(information)[1])
     )
     projected = gram[free:, free:] - gram[free:, :free] @ taken
     known = np.maximum(np.diag(projected), 0.0)
     pulled = slope[free:] - taken.T @ pull
-    return _AtScale(
+    return _Solved(
         null=null,
+        step=step,
         amplitude=pulled / (1 + known),
         information=known,
         ln_bayes=0.5 * pulled**2 / (1 + known) - 0.5 * np.log1p(known),
         taken=taken,
         projected=projected,
-        spread=spread,
     )
 
 

@@ -30,6 +30,7 @@ NO_THRESHOLDS = {
         "first_frequencies.SPIKE",
         "coordinates.REACH",
         "filtering.LARGEST_SLOPE",
+        "evidence.AT_THE_END",
         "likeliest_noise.CHANGE",
         "likeliest_noise.REACH",
         "likeliest_noise.SHARES",

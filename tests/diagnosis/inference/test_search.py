@@ -35,6 +35,21 @@ def test_a_soft_base_is_found_from_a_stiff_one() -> None:
     assert fit.values[0] == pytest.approx(truth, rel=0.02)
 
 
+@pytest.mark.parametrize(("truth", "share"), [(0.4, 0.5), (0.8, 0.1), (1.5, 0.2)])
+def test_parameters_at_the_end_of_their_box_do_not_hide_an_effect(truth: float, share: float) -> None:
+    """The calibration takes a part of a mass and cannot take more; the score let it, and saw a fortieth of the evidence."""
+    masses = [one for one in candidates(measured()) if one.name == "added_mass"]
+    model = measured([(masses[1], np.array([truth]))], noise=0.005, runs=1)
+    null = refine(model, calibrated(model, [0]))
+    first = score(model, null.filtered, masses, scales(model, null.filtered)).ranked[0]
+    assert first.effect is masses[1]
+    assert first.amplitude == pytest.approx(truth, rel=0.25)
+    evidence = (
+        refine(model, null.filtered, (masses[1],), (np.array([truth]),)).log_posterior - null.log_posterior
+    )
+    assert first.ln_bayes > share * evidence > 0.0
+
+
 def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseline_too() -> None:
     mass = next(one for one in candidates(measured()) if one.name == "added_mass" and one.floor == 3)
     truth = np.array([0.5])
