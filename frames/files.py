@@ -105,7 +105,8 @@ def scratch(folder: str | Path | None = None, name: str = "pounding") -> Iterato
             error.args = (str(error).replace(str(made), str(parent / name)),)
         raise
     finally:
-        _remove(made)
+        with uninterrupted():
+            _remove(made)
 
 
 def part_of(path: Path) -> Path:

@@ -9,6 +9,7 @@ import _thread
 import signal
 import sys
 import threading
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -20,9 +21,12 @@ ENDINGS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 SHELL = 128
 """A shell's exit status of a program that was ended by signal n is this plus n: 130 for Ctrl-C."""
 
-
 AGAIN_S = 0.02
-"""Time after which a signal comes again [s] that came where Python drops exceptions."""
+"""Time after which a signal comes again [s] that came where its exception is dropped."""
+
+
+class _Interruption(KeyboardInterrupt):
+    """Unlike its base it can be referred to weakly: when nobody holds it any more, somebody dropped it."""
 
 
 @contextmanager
@@ -36,27 +40,37 @@ def heeding() -> Iterator[None]:
         SystemExit: A signal ended the block.
     """
     received: list[signal.Signals] = []
+    raised: list[weakref.ref[_Interruption]] = []
+    inside = True
 
     def heed(number: int, _frame: FrameType | None) -> NoReturn:
         received.append(signal.Signals(number))
-        raise KeyboardInterrupt
+        raise watched()  # a name for it here would hold it: its traceback has this frame
+
+    def watched() -> _Interruption:
+        interruption = _Interruption()
+        raised.append(weakref.ref(interruption, dropped))
+        return interruption
+
+    def dropped(_interruption: object) -> None:
+        # Finalisers, callbacks and some libraries drop whatever is raised in them; one on its way out is held.
+        if inside:
+            timer = threading.Timer(AGAIN_S, _thread.interrupt_main, [received[0]])
+            timer.daemon = True
+            timer.start()
 
     usual = sys.unraisablehook
 
-    def again(dropped: sys.UnraisableHookArgs) -> None:
-        if not (received and issubclass(dropped.exc_type, KeyboardInterrupt)):
-            usual(dropped)
-            return
-        # In a finaliser or the callback of a weak reference the exception would be printed and lost.
-        timer = threading.Timer(AGAIN_S, _thread.interrupt_main, [received[0]])
-        timer.daemon = True
-        timer.start()
+    def quiet(unraisable: sys.UnraisableHookArgs) -> None:
+        if not issubclass(unraisable.exc_type, _Interruption):
+            usual(unraisable)
 
     before = _install(heed)
-    sys.unraisablehook = again
+    sys.unraisablehook = quiet
     try:
         yield
     except BaseException as error:
+        inside = False
         if not received and not isinstance(error, KeyboardInterrupt):
             raise
         for number in before:  # the cleaning up is not to be interrupted again
@@ -65,6 +79,7 @@ def heeding() -> Iterator[None]:
         how_far = str(error) if isinstance(error, KeyboardInterrupt) else ""
         _leave((*received, signal.SIGINT)[0], how_far)
     finally:
+        inside = False
         sys.unraisablehook = usual
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -117,16 +117,25 @@ def test_another_thread_leaves_signals_alone() -> None:
     assert found == [before]
 
 
-def test_in_a_finaliser_where_python_drops_exceptions() -> None:
-    """It would be printed with its traceback, and the command would go on."""
+DROPPING = {
+    "a finaliser": "class Dying:\n    def __del__(self):\n        interrupt()\nDying()",
+    "a weak reference": "class Dying: pass\none = Dying()\nheld = weakref.ref(one, interrupt)\ndel one",
+    "a library": "with contextlib.suppress(BaseException):\n    interrupt()",
+}
+"""Code that drops whatever is raised in it."""
+
+
+@pytest.mark.parametrize("code", DROPPING.values(), ids=list(DROPPING))
+def test_where_exceptions_are_dropped(code: str) -> None:
+    """The command would go on, some with a traceback."""
     code = (
-        "import signal, time\n"
+        "import contextlib, signal, time, weakref\n"
         "from pounding.experiments.console.interruption import heeding\n"
-        "class Dying:\n"
-        "    def __del__(self):\n"
-        "        signal.raise_signal(signal.SIGINT)\n"
+        "def interrupt(*_):\n"
+        "    signal.raise_signal(signal.SIGINT)\n"
+        f"code = {code!r}\n"
         "with heeding():\n"
-        "    Dying()\n"
+        "    exec(code)\n"
         # The signal that comes again ends no sleep, but the one after it does not begin.
         "    for _ in range(400):\n"
         "        time.sleep(0.05)\n"
