@@ -278,11 +278,13 @@ def descend(
     """
     last: float | None = None
     for _ in range(iterations):
-        gram, slope = posterior.normal_equations(theta)
-        if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
+        before = after = posterior.cost(theta)
+        if not np.isfinite(before):
             # Where an effect blows up there is no direction to go.
             break
-        before = after = posterior.cost(theta)
+        gram, slope = posterior.normal_equations(theta)
+        if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
+            break
         moved, settled = theta, None
         for damping, share in trials.steps(last):
             step = posterior.step(gram, slope, theta, damping)

@@ -146,6 +146,19 @@ def test_a_step_at_which_the_model_blows_up_is_not_taken() -> None:
     assert np.abs(theta).max() <= 0.2
 
 
+class Exploded(Explosive):
+    """A model whose slopes cannot be had where it blows up."""
+
+    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        assert np.isfinite(self.cost(theta))
+        return super().blocks(theta)
+
+
+def test_a_descent_ends_where_it_begins_if_the_model_blows_up_there() -> None:
+    _, theta = descend(posterior(Exploded()), np.full(3, 0.5), 10)
+    assert theta == pytest.approx(np.full(3, 0.5))
+
+
 class Worse(Curve):
     """A term that is much less likely wherever it is settled again."""
 
