@@ -320,7 +320,8 @@ class Decision:
     errors_alike: float = 5.0
     """[the model's other errors] What every real frame has a little of is an error of the model, too, while it takes no more
     than this out of the motion. Origin: chosen on development cases: flaws of frames took 0.7 to 4.3 times the others, laws
-    of all storeys that were hidden at 0.5 and more of the noise 7 times and more."""
+    of all storeys that were hidden at 0.5 and more of the noise 7 times and more. What the noise may hide of the others
+    counts as there since a blind set called two flaws effects whose others were below the noise."""
     confident_left: float = 1.6
     """[noise floors] A channel with less misfit counts as wholly explained in the features of the confidence. Origin:
     chosen."""

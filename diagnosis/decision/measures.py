@@ -40,6 +40,16 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
     return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
 
 
+def hidden_error(found: Findings) -> float:
+    """Return how large an error of the model the noise may hide, over the motion, measured as `model_error` is.
+
+    It leaves as much more than the noise floor as the share of nulls that may raise an alarm by it leave by chance.
+    """
+    alarms, floor = alarms_of(found), np.asarray(found.floor)
+    most = alarms.left.exceeded_by(alarms.rate / 2)
+    return _of_frame_with_most(found, floor * np.sqrt(max(most**2 - 1.0, 0.0)), 0.0)
+
+
 def forces_from_motion(found: Findings) -> bool:
     """Return whether two frames touch and no cell measured their forces, so that these are what the motion asks for."""
     return found.pair is not None and found.pair.blind

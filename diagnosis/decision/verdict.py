@@ -15,6 +15,7 @@ from pounding.diagnosis.decision.measures import (
     explained,
     explained_beyond_errors,
     forces_from_motion,
+    hidden_error,
     model_error,
     over_noise,
     remaining,
@@ -180,8 +181,8 @@ def _something_left(found: Findings, judged: Judged) -> bool:
 def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     """Return whether what effects take out of the motion is as small as the errors that every model of a frame has.
 
-    It is less than the case allows, and no more than a few times the frame's other errors, which are the discrepancy beside
-    them and what they leave: these say how large an error of this model is.
+    It is less than the case allows, and no more than a few times the frame's other errors: the discrepancy beside them and
+    what they leave, or what the noise may hide of it. These say how large an error of this model may be.
     """
     if found.reference or forces_from_motion(found):
         return False
@@ -189,7 +190,7 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     taken = np.sqrt(max(before**2 - after**2, 0.0))
     if taken > found.model.prior.model_error:
         return False
-    others = np.hypot(after, Sight.of(found, judged.fit.filtered).discrepancy())
+    others = np.hypot(max(after, hidden_error(found)), Sight.of(found, judged.fit.filtered).discrepancy())
     return bool(taken <= SETTINGS.decision.errors_alike * others)
 
 

@@ -66,13 +66,15 @@ def test_what_models_of_real_frames_leave_is_no_effect_unless_that_has_a_place_o
 
 
 @pytest.mark.parametrize("second", [ALL, rival], ids=["in all storeys", "a rival"])
-@pytest.mark.parametrize(("left", "effects"), [(1.0, 2), (1.04, 2), (1.1, 1)])
+@pytest.mark.parametrize(
+    ("first", "left", "effects"), [(3.5, 1.0, 2), (3.5, 1.04, 2), (3.5, 1.3, 1), (2.0, 1.0, 1)]
+)
 def test_what_every_frame_has_is_named_beside_an_effect_only_where_it_stands_out(
-    second: Any, left: float, effects: int, monkeypatch: pytest.MonkeyPatch
+    second: Any, first: float, left: float, effects: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The first leaves 1.7 % of the motion, the second nothing, 0.3 and 0.5 %."""
+    """The first leaves 3.4 or 1.7 % of the motion, the second nothing, 0.3 and 0.8 %; noise may hide 0.5 %."""
     allow(monkeypatch, 0.05)
-    tried = (Tried((MASS, second), 9000.0, left), Tried((MASS,), 4000.0, 2.0))
+    tried = (Tried((MASS, second), 9000.0, left), Tried((MASS,), 4000.0, first))
     found = findings(Problem(6.0, tried, ""), DATA["quiet"])
     assert len(decide(found).judged.effects) == effects
 
@@ -98,7 +100,7 @@ def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_i
         ((Tried((ALL,), 4000.0, 1.0), Tried((MASS,), 1000.0, 3.5)), ()),
         ((Tried((CUBIC,), 4000.0, 3.0), Tried((ALL,), 1000.0, 3.5)), ()),
         ((Tried((MASS, ALL), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0), Tried((ALL,), 900.0, 3.5)), (2,)),
-        ((Tried((MASS, ALL), 9000.0, 1.1), Tried((MASS,), 4000.0, 3.0), Tried((ALL,), 900.0, 3.5)), ()),
+        ((Tried((MASS, ALL), 9000.0, 1.1), Tried((MASS,), 4000.0, 3.5), Tried((ALL,), 900.0, 3.6)), ()),
         ((Tried((MASS, ALL), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0)), ()),
         ((Tried((ALL,), 5.0, 3.0),), ()),
     ],
