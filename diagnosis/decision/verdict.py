@@ -116,7 +116,9 @@ def _beside(found: Findings, judged: Judged) -> tuple[str, ...]:
     if found.pair is not None or judged.beside is None:
         return ()
     errors = " and a little ".join(effect.label() for effect in judged.beside.fit.effects)
-    return (f"the model also has a little {errors}: no larger than an error of the model may be, and no effect",)
+    return (
+        f"the model also has a little {errors}: no larger than an error of the model may be, and no effect",
+    )
 
 
 def _listed(found: Findings, single: list[Judged]) -> Judged:
