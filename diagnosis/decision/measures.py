@@ -43,11 +43,10 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
 def hidden_error(found: Findings) -> float:
     """Return how large an error of the model the noise may hide, over the motion, measured as `model_error` is.
 
-    It leaves as much more than the noise floor as the share of nulls that may raise an alarm by it leave by chance.
+    With it the misfit is as large as it may become by chance before something is said to remain.
     """
-    alarms, floor = alarms_of(found), np.asarray(found.floor)
-    most = alarms.left.exceeded_by(alarms.rate / 2)
-    return _of_frame_with_most(found, floor * np.sqrt(max(most**2 - 1.0, 0.0)), 0.0)
+    most = alarms_of(found).most_by_chance
+    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(max(most**2 - 1.0, 0.0)), 0.0)
 
 
 def forces_from_motion(found: Findings) -> bool:

@@ -223,7 +223,8 @@ def _at_scale(
     box = box_of(len(spread))
     pushed = start * (slope[:free] - start) > 0.0
     ends = pushed & (np.abs(start) >= AT_THE_END * box)
-    held, loose = (_solved(gram, slope, start, moves) for moves in (~ends, np.ones(free, bool)))
+    loose = _solved(gram, slope, start, np.ones(free, bool))
+    held = _solved(gram, slope, start, ~ends) if ends.any() else loose
     # A candidate may let a parameter at the end of its box go; else it stays there, and takes no part of what is missing.
     let_go = np.all(np.abs(loose.ends(start, ends)) <= box, axis=0)
     return _AtScale(

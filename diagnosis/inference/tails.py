@@ -86,6 +86,11 @@ class FalseAlarms:
         alarms = self.rate / 2
         return max(self.evidence.exceeded_by(alarms), float(np.log(self.candidates / alarms)))
 
+    @property
+    def most_by_chance(self) -> float:
+        """The misfit over the noise floor that no more nulls exceed than may raise an alarm by it."""
+        return self.left.exceeded_by(self.rate / 2)
+
     def too_much(self, left: float) -> bool:
         """Return whether a misfit is more than nulls leave.
 

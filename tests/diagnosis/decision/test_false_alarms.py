@@ -67,7 +67,7 @@ def test_a_rarer_false_alarm_asks_for_more() -> None:
     strict = replace(alone(), false_alarms=stored(0.01))
     assert thresholds(strict)[0] > thresholds(alone())[0]
     # A misfit that is too much at the usual rate is chance at a stricter one.
-    left = 0.5 * (stored(0.05).left.exceeded_by(0.025) + stored(0.01).left.exceeded_by(0.005))
+    left = 0.5 * (stored(0.05).most_by_chance + stored(0.01).most_by_chance)
     assert remains(alone(), left)
     assert not remains(strict, left)
 

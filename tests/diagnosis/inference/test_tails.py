@@ -56,7 +56,8 @@ def test_names_and_remainders_raise_half_of_the_false_alarms_each() -> None:
     evidence, left = tail(RNG.exponential(5.0, 100)), tail(RNG.normal(1.0, 0.01, 100))
     alarms = FalseAlarms(0.05, evidence, left, "")
     assert alarms.needed == evidence.exceeded_by(0.025)
-    limit = left.exceeded_by(0.025)
+    limit = alarms.most_by_chance
+    assert limit == left.exceeded_by(0.025)
     assert not alarms.too_much(limit - 1e-6)
     assert alarms.too_much(limit + 1e-6)
     nothing = tail(-RNG.exponential(1.0, 100) - 50.0)
