@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag, eigh
@@ -44,8 +44,7 @@ def modes(beams: Beams) -> Modes:
     count = max(beams.storeys, int(np.searchsorted(omega, 2 * np.pi * HIGHEST_HZ)))
     omega, shapes = omega[:count], shapes[:, :count]
     floors = matrices.floors @ shapes
-    ratios = beams.ratios[np.minimum(np.arange(count), len(beams.ratios) - 1)]
-    damping = np.diag(2 * ratios * omega)
+    damping = _own_damping(beams, omega, shapes)
     if beams.dashpots.any():
         drifts = np.diff(floors, axis=0, prepend=0.0)
         damping = damping + drifts.T @ (beams.dashpots[:, None] * drifts)
@@ -56,6 +55,25 @@ def modes(beams: Beams) -> Modes:
     inertia = matrices.mass @ np.column_stack([matrices.push, matrices.turn])
     gamma, pitch = (shapes.T @ inertia).T
     return Modes(omega, damping, floors, gamma, pitch)
+
+
+def _own_damping(beams: Beams, omega: np.ndarray, shapes: np.ndarray) -> np.ndarray:
+    """Return the frame's own damping in its modes [1/s], shape (modes, modes).
+
+    It is that of the frame without an appendage: what hangs on a floor is damped where it is fixed and nowhere else.
+    """
+    if beams.appendage is None:
+        return np.diag(2 * _ratios(beams, len(omega)) * omega)
+    bare = replace(beams, appendage=None).matrices()
+    squared, own = eigh(bare.stiffness, bare.mass)
+    rates = 2 * _ratios(beams, len(squared)) * np.sqrt(squared)
+    moved = own.T @ bare.mass @ shapes[: len(squared)]
+    return np.asarray(moved.T @ (rates[:, None] * moved))
+
+
+def _ratios(beams: Beams, count: int) -> np.ndarray:
+    """Return damping ratios of so many modes, shape (count,)."""
+    return np.asarray(beams.ratios[np.minimum(np.arange(count), len(beams.ratios) - 1)])
 
 
 def joined(parts: Sequence[Modes]) -> Modes:
