@@ -127,7 +127,7 @@ def linear_system(
     rate = np.zeros((states, states))
     rate[:n, n : 2 * n] = np.eye(n)
     rate[n : 2 * n, :n] = -np.diag(modes.omega**2)
-    rate[n : 2 * n, n : 2 * n] = -np.diag(2 * modes.ratio * modes.omega)
+    rate[n : 2 * n, n : 2 * n] = -np.diag(2 * modes.ratio * modes.omega) - modes.coupling.matrix(n)
     rate[n : 2 * n, latent] = latent_rows.T
     rate[n : 2 * n, noise] = modes.participation
     rate[latent, latent] = -LATENT_RATE * np.eye(storeys)

@@ -25,7 +25,7 @@ from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.sensor_faults import SensorFaults
 from pounding.diagnosis.model.side_by_side import side_by_side
-from pounding.diagnosis.model.storeys import Modes, Structure, solve_modes
+from pounding.diagnosis.model.storeys import Coupling, Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
 
@@ -174,12 +174,23 @@ class Model:
         return self._extended(assembly) if assembly.extensions else self.plain_modes(assembly)
 
     def _extended(self, assembly: Assembly) -> Modes:
-        """Return the modes with the coordinates that effects added; coupling by damping between modes is left out."""
+        """Return the modes with the coordinates that effects added.
+
+        What is tuned to a mode has one close by, and damping couples these two as much as it damps them; what it couples of
+        modes far apart is nothing beside that.
+        """
         mass, stiffness, damping, influence = self.matrices(assembly)
         omega, shapes = solve_modes(mass, stiffness)
-        ratio = np.einsum("im,ij,jm->m", shapes, damping, shapes) / (2 * omega)
+        modal = shapes.T @ damping @ shapes
         floors = len(assembly.mass)
-        return Modes(omega, ratio, shapes[:floors], shapes.T @ (mass @ influence), shapes[floors:])
+        return Modes(
+            omega,
+            np.diag(modal) / (2 * omega),
+            shapes[:floors],
+            shapes.T @ (mass @ influence),
+            shapes[floors:],
+            Coupling.strongest(omega, modal, len(omega) - floors),
+        )
 
     def plain_modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly's floors alone, frame by frame."""
@@ -297,6 +308,8 @@ class Model:
         channels = len(self.observed.names)
         innovations, before, after, outputs = predict(
             np.stack([modes.omega, modes.ratio], axis=1),
+            modes.coupling.pairs,
+            modes.coupling.rates,
             modes.step(substep / 2),
             modes.step(substep),
             modes.participation,

@@ -66,6 +66,15 @@ def _effect_forces(
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _coupled(pairs: Real, couplings: Real, rate: Real, force: Real) -> None:
+    """Add the modal forces by which damping couples modes."""
+    for j in range(couplings.size):
+        one, other = pairs[j, 0], pairs[j, 1]
+        force[one] -= couplings[j] * rate[other]
+        force[other] -= couplings[j] * rate[one]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _whole_step(steps: Real, decay: Real) -> tuple[Real, Real]:
     """Return what a force at the middle of each substep leaves at the step's end, and the step's transition.
 
@@ -101,6 +110,8 @@ def _whole_step(steps: Real, decay: Real) -> tuple[Real, Real]:
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def predict(
     modes: Real,
+    pairs: Real,
+    couplings: Real,
     half: Real,
     full: Real,
     participation: Real,
@@ -126,6 +137,8 @@ def predict(
 
     Args:
         modes: Angular frequency [rad/s] and damping ratio of each mode, shape (modes, 2).
+        pairs: Numbers of the modes that damping couples, shape (pairs, 2).
+        couplings: Modal force of each for a unit rate of the other [1/s], shape (pairs,).
         half, full: Exact step matrices of each mode over half a substep and a whole one, shape (6, modes):
             a11, a12, a21, a22 and the response of both states to a constant modal force.
         participation: Modal participation of a unit table acceleration, shape (modes,).
@@ -188,6 +201,7 @@ def predict(
         time = k * step_s
         for m in range(n):
             force[m] = -stiffness[m] * eta[m] - damping[m] * rate[m]
+        _coupled(pairs, couplings, rate, force)
         for i in range(known):
             for m in range(n):
                 force[m] += known_at[k, i] * directions[1, i, m]
@@ -232,7 +246,7 @@ def predict(
             z[2 * n + s] *= latent_end
         noise = z[states - 3]
         z[states - 3] = noise * noise_end
-        if laws.size == 0:
+        if laws.size == 0 and couplings.size == 0:
             # A linear frame goes through all substeps at once.
             for m in range(n):
                 eta_mid[m] = transition[0, m] * eta[m] + transition[1, m] * rate[m]
@@ -254,7 +268,7 @@ def predict(
                 eta[m], rate[m] = eta_mid[m], rate_mid[m]
         for j in range(substeps):
             table = table_mid[k, j] - noise * noise_left[j]
-            if laws.size > 0:
+            if laws.size > 0 or couplings.size > 0:
                 for m in range(n):
                     force[m] = latent_left[j] * latent[m] - participation[m] * table
                 for i in range(known):
@@ -279,6 +293,7 @@ def predict(
                     True,
                     last,
                 )
+                _coupled(pairs, couplings, rate_mid, last)
                 for m in range(n):
                     there = force[m] + last[m]
                     moved = full[0, m] * eta[m] + full[1, m] * rate[m] + full[4, m] * there

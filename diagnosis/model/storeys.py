@@ -5,7 +5,7 @@ All frames of a case stand on one table, so they make one block-diagonal system;
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -115,6 +115,45 @@ def from_reduced(reduced: ReducedFrame, name: str | None = None) -> StoreyFrame:
 
 
 @dataclass(frozen=True)
+class Coupling:
+    """Damping by which the rates of modes push others, and these them.
+
+    Attributes:
+        pairs: Numbers of both modes of each pair, shape (pairs, 2).
+        rates: Modal force of each mode of a pair for a unit rate of the other [1/s], shape (pairs,).
+    """
+
+    pairs: np.ndarray
+    rates: np.ndarray
+
+    @classmethod
+    def none(cls) -> Coupling:
+        """Return that of modes which damping leaves apart."""
+        return cls(np.zeros((0, 2), np.int64), np.zeros(0))
+
+    @classmethod
+    def strongest(cls, omega: np.ndarray, damping: np.ndarray, count: int) -> Coupling:
+        """Return that of the pairs which it changes most: what it does over how far apart the modes are.
+
+        Args:
+            omega: Angular frequencies [rad/s], shape (modes,).
+            damping: Modal damping matrix [1/s], shape (modes, modes).
+            count: Number of pairs.
+        """
+        one, other = np.triu_indices(len(omega), 1)
+        apart = np.maximum(np.abs(omega[one] - omega[other]), 1e-9 * omega.max())
+        most = np.argsort(-np.abs(damping[one, other]) / apart, kind="stable")[:count]
+        return cls(np.column_stack([one, other])[most], damping[one, other][most])
+
+    def matrix(self, modes: int) -> np.ndarray:
+        """Return it as a modal damping matrix [1/s], shape (modes, modes)."""
+        found = np.zeros((modes, modes))
+        one, other = self.pairs.T
+        found[one, other] = found[other, one] = self.rates
+        return found
+
+
+@dataclass(frozen=True)
 class Modes:
     """Modes of all frames together, mass-normalised.
 
@@ -124,6 +163,7 @@ class Modes:
         floors: Shapes at the floors [kg^-0.5], shape (floors, modes).
         participation: Modal force of a unit table acceleration, shape (modes,).
         added: Shapes at the coordinates that effects added [kg^-0.5], shape (modes less floors, modes); none by default.
+        coupling: What damping couples of the modes; nothing by default.
     """
 
     omega: np.ndarray
@@ -131,6 +171,7 @@ class Modes:
     floors: np.ndarray
     participation: np.ndarray
     added: np.ndarray | None = None
+    coupling: Coupling = field(default_factory=Coupling.none)
 
     @property
     def shapes(self) -> np.ndarray:
