@@ -91,25 +91,36 @@ def refined(
     width = widths(model, effect, found.sizes, one.shape)
     if start is not None:
         return refine(model, start.filtered, (effect,), (start.values[0],), (width,), ahead=ahead(found))
-    values, nuisance = _better_start(found, filtered, one)
     others, theirs = ((), ()) if with_fit is None else (with_fit.effects, with_fit.values)
-    return refine(
-        model,
-        filtered,
-        (*others, effect),
-        (*theirs, values),
-        (*(widths(model, other, found.sizes, other.grid(found.sizes)[0]) for other in others), width),
-        thorough=thorough,
-        nuisance=nuisance,
-        ahead=ahead(found),
-    )
+    wide = (*(widths(model, other, found.sizes, other.grid(found.sizes)[0]) for other in others), width)
+
+    def fitted(start: tuple[np.ndarray, np.ndarray], thorough: bool) -> Fit:
+        return refine(
+            model,
+            filtered,
+            (*others, effect),
+            (*theirs, start[0]),
+            wide,
+            thorough=thorough,
+            nuisance=start[1],
+            ahead=ahead(found),
+        )
+
+    starts = _starts(found, filtered, one)
+    if len(starts) == 1:
+        return fitted(starts[0], thorough)
+    quick = max((fitted(start, False) for start in starts), key=lambda fit: fit.log_posterior)
+    if not thorough:
+        return quick
+    return refine(model, quick.filtered, quick.effects, quick.values, wide, ahead=ahead(found))
 
 
-def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.ndarray, np.ndarray]:
-    """Return effect and nuisance parameters from which to refine: as scored, or a shape or size that predicts better.
+def _starts(found: Findings, filtered: Filtered, one: Score) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return effect and nuisance parameters from which to refine: what predicts best of scored and other shapes and sizes.
 
     What acts in the filtered model acts beside it. The score is linear in the amplitude and knows the shape on a coarse
-    grid only.
+    grid only. Where another shape predicts better, the scored one is a start too: what is tuned to a mode moves its
+    frequency, and predicts badly until the nuisance parameters have made up for that.
     """
     model, effect = found.model, one.effect
     shapes = effect.grid(found.sizes)
@@ -120,19 +131,23 @@ def _better_start(found: Findings, filtered: Filtered, one: Score) -> tuple[np.n
     scanned = effect.near(one.shape)
     tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
     limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
-    starts: list[tuple[np.ndarray, np.ndarray]] = []
+    starts: list[tuple[tuple[float, ...], np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
         moved = np.clip(filtered.values + factor * one.nuisance, -limit, limit)
         # A scan over what is tuned is long enough with what the nuisance parameters give back.
-        starts += [(values, moved)] if shape in scanned else [(values, moved), (values, filtered.values)]
+        starts.append((shape, values, moved))
+        if shape not in scanned:
+            starts.append((shape, values, filtered.values))
 
-    def likely(start: tuple[np.ndarray, np.ndarray]) -> float:
-        values, nuisance = start
+    def likely(start: tuple[tuple[float, ...], np.ndarray, np.ndarray]) -> float:
+        _, values, nuisance = start
         with np.errstate(over="ignore", invalid="ignore"):
             found_there = run_filter(
                 model, nuisance, filtered.noise, filtered.runs, [*filtered.effects, (effect, values)]
             ).log_likelihood
         return found_there if np.isfinite(found_there) else -np.inf
 
-    return max(starts, key=likely)
+    best = max(starts, key=likely)
+    chosen = [best] if best[0] == one.shape else [best, starts[0]]
+    return [(values, nuisance) for _, values, nuisance in chosen]
