@@ -93,7 +93,8 @@ def error_of_frame(found: Findings) -> Judged | None:
         return None
     for error, effect in (double.effects, double.effects[::-1]):
         known = error in alone and effect in alone and error in _common(found, double)
-        if known and in_model(alone[effect], double):
+        # Two of a kind share what one does: the one is no smaller without the other than the other without it.
+        if known and error.name != effect.name and in_model(alone[effect], double):
             return alone[error]
     return None
 
@@ -216,7 +217,7 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
             continue
         if alone[effect] is single:
             return single
-        if error in alone:
+        if error in alone and error.name != effect.name:
             return replace(double, ln_bayes=double.ln_bayes - alone[error].ln_bayes, beside=alone[error])
     return double
 

@@ -16,7 +16,7 @@ from pounding.diagnosis.decision.rig_calibration import scattered
 from pounding.diagnosis.decision.verdict import decide, error_of_frame
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.search import search, silent
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.report.calibration import remainder
@@ -33,7 +33,7 @@ from tests.diagnosis.report.bench import diagnosed
 SWAYING, RUBBING = np.array([0.1, 11.0, 0.02]), np.array([0.15, 10.0, 0.0])
 
 
-def one(name: str, place: int) -> Effect:
+def one(name: str, place: int | None) -> Effect:
     every = candidates(measured())
     return next(effect for effect in every if effect.name == name and place in (effect.storey, effect.floor))
 
@@ -85,6 +85,27 @@ def test_an_effect_that_alone_has_little_evidence_is_named_beside_the_error_that
     )
     (said,) = decision.model_checks
     assert said.startswith("the model also has a little appendage, floor 3 of bench")
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "error"), [("torsional_eccentricity", None, True), ("appendage", 2, False)]
+)
+def test_two_of_a_kind_are_no_effect_beside_an_error_of_theirs(
+    name: str, place: int | None, error: bool
+) -> None:
+    """One thing that two of a kind describe together is larger than what either adds to the other."""
+    other = one(name, place)
+    (sway,) = (judged for judged in alone().judged if judged.effects == (SWAY,))
+
+    def beside(judged: Judged) -> Judged:
+        effects = tuple(other if effect == RUB else effect for effect in judged.fit.effects)
+        misfit = 0.98 * sway.channel_misfit if len(effects) == 2 else judged.channel_misfit
+        return replace(judged, fit=replace(judged.fit, effects=effects), channel_misfit=misfit)
+
+    # A frame that moves so differently has more than an error, and a little is left for another effect to take.
+    null = replace(alone().null, channel_misfit=10.0 * alone().null.channel_misfit)
+    found = replace(alone(), null=null, judged=[beside(judged) for judged in alone().judged])
+    assert (error_of_frame(found) is not None) == error
 
 
 def test_before_is_the_baseline_model_without_the_error_and_after_the_model_with_both() -> None:
