@@ -6,7 +6,7 @@ import numpy as np
 
 from pounding.diagnosis.decision.false_alarms import alarms_of
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
-from pounding.diagnosis.inference.misfit import by_frame, floors, over_floor
+from pounding.diagnosis.inference.misfit import allowed_error, by_frame, floors, over_floor
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -28,7 +28,7 @@ def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
     """
     if found.reference or forces_from_motion(found):
         return False
-    return model_error(found, judged) <= found.model.prior.model_error
+    return model_error(found, judged) <= allowed_error(found.model)
 
 
 def model_error(found: Findings, judged: Judged | None = None) -> float:
@@ -45,8 +45,8 @@ def hidden_error(found: Findings) -> float:
 
     With it the misfit is as large as it may become by chance before something is said to remain.
     """
-    most = alarms_of(found).most_by_chance
-    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(max(most**2 - 1.0, 0.0)), 0.0)
+    beyond = found.model.observed.slower * max(alarms_of(found).most_by_chance ** 2 - 1.0, 0.0)
+    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(beyond), 0.0)
 
 
 def forces_from_motion(found: Findings) -> bool:
@@ -177,7 +177,7 @@ def explained_beyond_errors(found: Findings, judged: Judged) -> float:
     if found.reference or found.pair is not None:
         return 0.0
     which = 1 if found.held_out else 0
-    errors = found.model.prior.model_error / np.asarray(found.floor)[which]
+    errors = allowed_error(found.model) / np.asarray(found.floor)[which]
     before, after = (over_noise(found, one)[which] ** 2 for one in (found.null, judged))
     known = moved_channels(found, judged) & (before - 1.0 > errors**2)
     if not np.any((before - after > errors**2)[known]):

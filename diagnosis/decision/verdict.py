@@ -27,6 +27,7 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.misfit import allowed_error
 from pounding.diagnosis.inference.model_checks import strained, stray_tones
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
@@ -191,7 +192,7 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
         return False
     before, after = model_error(found, without), model_error(found, judged)
     taken = np.sqrt(max(before**2 - after**2, 0.0))
-    if taken > found.model.prior.model_error:
+    if taken > allowed_error(found.model):
         return False
     others = np.hypot(max(after, hidden_error(found)), Sight.of(found, judged.fit.filtered).discrepancy())
     return bool(taken <= SETTINGS.decision.errors_alike * others)

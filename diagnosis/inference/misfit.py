@@ -17,6 +17,7 @@ from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, TABLE_DISPLACEMENT
 from pounding.diagnosis.model.storeys import Modes
+from pounding.diagnosis.settings import SETTINGS
 
 SLOW = 0.3
 """Share of the lowest frequency below which absolute displacements are not compared."""
@@ -104,6 +105,18 @@ def over_floor(model: Model, misfits: np.ndarray, floor: np.ndarray) -> np.ndarr
         return np.asarray(np.sqrt(((misfits / floor) ** 2 + slower - 1) / slower))
 
 
+def allowed_error(model: Model) -> float:
+    """Return how much of the motion the model of a real frame may leave, rms beyond the noise (`model_error` in case.toml).
+
+    Blows between frames excite modes of which a calibration by shaking says less than of the lowest.
+
+    Args:
+        model: The baseline model.
+    """
+    touched = bool(model.observed.contact_floors)
+    return model.prior.model_error * (SETTINGS.pair_decision.model_error_factor if touched else 1.0)
+
+
 def own_error(model: Model, filtered: Filtered, number: int) -> np.ndarray:
     """Return the error that a model may have in a run in SI as noise that is new in every sample, shape (channels,).
 
@@ -117,7 +130,7 @@ def own_error(model: Model, filtered: Filtered, number: int) -> np.ndarray:
     run = model.observed.runs[number]
     period_s = 2.0 * np.pi / filtered.modes.omega.min()
     motion = np.nan_to_num(model.observed.rms(run))
-    return np.asarray(model.prior.model_error * motion * np.sqrt(period_s / run.step_s))
+    return np.asarray(allowed_error(model) * motion * np.sqrt(period_s / run.step_s))
 
 
 def by_frame(model: Model, over: np.ndarray) -> np.ndarray:

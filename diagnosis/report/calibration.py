@@ -11,6 +11,7 @@ from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.false_alarms import p_value, remains
 from pounding.diagnosis.decision.measures import model_error, remaining, within_model_error
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.misfit import allowed_error
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.first_frequencies import measured_frequency
@@ -133,7 +134,7 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
     within = judged is found.null and within_model_error(found)
     allowed = (
         f"; {100 * model_error(found):.2g} % of the motion are less than the "
-        f"{100 * found.model.prior.model_error:.2g} % that the model of a real frame may leave (model_error in case.toml)"
+        f"{100 * allowed_error(found.model):.2g} % that the model of a real frame may leave (model_error in case.toml)"
     )
     return Remainder(
         p_value=chance,
