@@ -27,6 +27,7 @@ from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion
+from pounding.diagnosis.settings import SETTINGS
 
 CHANNEL_UNIT = "unit of the channel"
 
@@ -116,6 +117,8 @@ class Effect:
     """Whether it takes energy in every cycle."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
+    law_error: ClassVar[float] = SETTINGS.refinement.law_error
+    """Share of its size that its law may get wrong on a frame, whatever the data say."""
     common: ClassVar[bool] = False
     """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
     that sways by itself."""

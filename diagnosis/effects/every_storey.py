@@ -30,6 +30,7 @@ from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import cubic_spring, friction, quadratic_damper, yielding
 
 EVERY = "all storeys"
@@ -59,6 +60,7 @@ class EveryStorey(LawEffect, FrameEffect):
 
     where = EVERY
     common = True
+    law_error = SETTINGS.refinement.law_error_everywhere
     alone: ClassVar[type[StoreyEffect]]
     tapered: ClassVar[int | None] = None
     """Which parameter tapers: the amplitude when None."""
@@ -166,6 +168,7 @@ class AllHysteresis(EveryStorey):
     name = "all_hysteresis"
     alone = Hysteresis
     absorbing = True
+    law_error = Hysteresis.law_error
     amplitude = 1
     tapered = 0
     quantities = (

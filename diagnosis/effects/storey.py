@@ -12,6 +12,7 @@ from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness, usual_drift_rate
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import (
     cubic_spring,
     damper,
@@ -230,6 +231,7 @@ class Hysteresis(StoreyEffect):
     name = "hysteresis"
     law = yielding
     absorbing = True
+    law_error = SETTINGS.refinement.law_error_of_yielding
     quantities = (
         Quantity("yield_force", "N", logarithmic=True, symbol="F_y"),
         Quantity("stiffness", "N/m", logarithmic=True, symbol="k_y"),

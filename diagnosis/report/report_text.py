@@ -276,7 +276,7 @@ def misread(case: Case, effect: Claim) -> str | None:
 
 def assumptions(case: Case, report: Report) -> list[str]:
     """Return what the verdict rests on."""
-    prior = case.prior
+    prior, ours = case.prior, SETTINGS.refinement
     channels = len(report.channels or ())
     return [
         f"Nuisance parameters are free inside their priors (standard deviations: storey stiffness "
@@ -288,8 +288,9 @@ def assumptions(case: Case, report: Report) -> list[str]:
         f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
         f"{JOINT_STIFFNESS:.0%}.",
         *([_STRUCK] if case.contacts else []),
-        "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and "
-        f"{SETTINGS.refinement.law_error:.0%} of an effect on a frame for what its law gets wrong besides.",
+        "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and, for what the "
+        f"law gets wrong besides, {ours.law_error:.0%} of an effect on a frame, {ours.law_error_everywhere:.0%} of a law in "
+        f"all storeys, and {ours.law_error_of_yielding:.0%} of what yields.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
         f"Misfits are medians over {channels} channel{'s' * (channels != 1)}; evidence is against the calibrated model.",

@@ -104,7 +104,7 @@ def test_the_taper_of_a_law_is_found_and_said() -> None:
     assert fit.values[0][[0, 1, 4]] == pytest.approx(truth[[0, 1, 4]], rel=0.05)
     ((values, usual),), ((_, wider),) = fit.stated(model), fit.stated(model, 3.0)
     assert values == pytest.approx(fit.values[0])
-    law = SETTINGS.refinement.law_error * np.abs(values)
+    law = SETTINGS.refinement.law_error_of_yielding * np.abs(values)
     assert usual == pytest.approx(np.hypot(fit.std[0], law))
     assert wider**2 == pytest.approx(9 * fit.std[0] ** 2 - 8 * fit.between[0] ** 2 + law**2)
 
