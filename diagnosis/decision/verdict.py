@@ -66,6 +66,9 @@ def _decided(found: Findings) -> Decision:
 
 def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:
     """Return whether no model of a real frame is better, and nothing that stands out from its errors says why."""
+    if found.pair is not None and all(effect.channel is not None for effect in chosen.effects):
+        # Frames that touch may be on two loggers, one of which is late: what sensors tell of that is no error of a model.
+        return False
     common = _common(found, chosen) == chosen.effects
     error = common and _as_an_error(found, found.null, chosen)
     unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
