@@ -123,7 +123,8 @@ class Search:
     restart_gain: float = 5.0
     """[ln likelihood] The search starts anew if the null model gains this by it. Origin: chosen."""
     restart_share: float = 0.05
-    """[ln Bayes factor of the best] The null model must also gain this share. Origin: chosen."""
+    """[ln Bayes factor of the best] The null model must also gain this share. What leads is refined from other starts once
+    more where these gain as much. Origin: chosen."""
     unexplained: float = 1.5
     """[noise floors] A frame with more misfit is searched further, with larger effects. Origin: chosen."""
     rescued: float = 50.0

@@ -79,6 +79,7 @@ class Appendage(FrameEffect):
 
         assembly.extensions.append(extend)
         assembly.influence.append(1.0)
+        assembly.dampers += 1
 
 
 @CATALOGUE.add

@@ -135,9 +135,12 @@ def _refined_best(
 
 
 def _led_further(found: Findings) -> Fit | None:
-    """Refine what leads, and what is alike, from other starts until nothing else leads; return the null model from there."""
+    """Refine what leads, and what is alike, from other starts until these lead no further; return the null model from there.
+
+    What leads much further from another start has moved itself, and so has where it starts from.
+    """
     while True:
-        led = best(found).effects
+        led, before = best(found).effects, best(found).ln_bayes
         if not led:
             return None
         starts: list[Start] = [partial(null_again, found), *other_starts(found)]
@@ -145,7 +148,8 @@ def _led_further(found: Findings) -> Fit | None:
         for fit in fits:
             if fit is not None:
                 keep(found, fit)
-        if best(found).effects == led:
+        gain = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
+        if best(found).effects == led and best(found).ln_bayes < before + gain:
             return again
 
 

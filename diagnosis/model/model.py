@@ -176,8 +176,9 @@ class Model:
     def _extended(self, assembly: Assembly) -> Modes:
         """Return the modes with the coordinates that effects added.
 
-        What is tuned to a mode has one close by, and damping couples these two as much as it damps them; what it couples of
-        modes far apart is nothing beside that.
+        A frame's own damping is that of its modes, however it moves. What hangs on a damper of its own and is tuned to a
+        mode is coupled with it by that damper as much as it is damped; what this couples of modes far apart is nothing
+        beside that.
         """
         mass, stiffness, damping, influence = self.matrices(assembly)
         omega, shapes = solve_modes(mass, stiffness)
@@ -189,7 +190,7 @@ class Model:
             shapes[:floors],
             shapes.T @ (mass @ influence),
             shapes[floors:],
-            Coupling.strongest(omega, modal, len(omega) - floors),
+            Coupling.strongest(omega, modal, assembly.dampers),
         )
 
     def plain_modes(self, assembly: Assembly) -> Modes:

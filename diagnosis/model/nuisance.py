@@ -79,6 +79,8 @@ class Assembly:
     """Each turns mass, stiffness and damping matrices into larger ones: coordinates that the floors do not have."""
     influence: list[float] = field(default_factory=list)
     """Motion of each such coordinate when the table moves by one."""
+    dampers: int = 0
+    """How many of these coordinates hang on a damper of their own."""
 
     def differs_in_laws_alone(self, other: Assembly) -> bool:
         """Return whether another assembly has the same laws at the same places, of other parameters, and is else the same.

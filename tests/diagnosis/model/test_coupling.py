@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from scipy.linalg import expm
 
-from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import Appendage
 from pounding.diagnosis.model.storeys import Coupling
 from tests.diagnosis.models import STEP_S, measured, shaking
 
-TUNED: dict[str, tuple[Effect, list[float]]] = {
-    "a mass on a spring": (Appendage(index=1, frame="bench", storey=2), [0.03, 6.84, 0.03]),
-    "floors that turn": (TorsionalEccentricity(index=0, frame="bench"), [0.004, 1.01, 3.0]),
-}
 
-
-@pytest.mark.parametrize("kind", TUNED)
-def test_the_prediction_of_what_is_tuned_is_that_of_its_matrices(kind: str) -> None:
-    effect, numbers = TUNED[kind]
+def test_the_prediction_of_what_hangs_on_a_damper_is_that_of_its_matrices() -> None:
     model = measured(runs=1)
     still = np.zeros(len(model.std))
-    effects = [(effect, np.array(numbers))]
+    effects = [(Appendage(index=1, frame="bench", storey=2), np.array([0.03, 6.84, 0.03]))]
     ((assembly, modes),) = model.systems(still, effects, [0])
     predicted = model.predict(still, None, effects, [0]).outputs[0][:, 4]
     mass, stiffness, damping, influence = model.matrices(assembly)
@@ -32,6 +23,13 @@ def test_the_prediction_of_what_is_tuned_is_that_of_its_matrices(kind: str) -> N
     shapes = modes.shapes
     alone = np.linalg.inv(shapes).T @ np.diag(2 * modes.ratio * modes.omega) @ np.linalg.inv(shapes)
     assert off(top_displacement(mass, stiffness, alone, influence), exact) > 0.03
+
+
+def test_a_frame_that_turns_has_the_damping_of_its_modes() -> None:
+    model = measured(runs=1)
+    turning = [(TorsionalEccentricity(index=0, frame="bench"), np.array([0.004, 1.01, 3.0]))]
+    ((_, modes),) = model.systems(np.zeros(len(model.std)), turning, [0])
+    assert not len(modes.coupling.rates)
 
 
 def test_coupling_is_that_of_the_pairs_which_it_changes_most() -> None:
