@@ -184,10 +184,11 @@ class Refinement:
     law_error_everywhere: float = 0.11
     """[share of the size] The same of a law in all storeys of a frame, which states it over a stiffness that a storey has
     not alone. Origin: fitted; four sizes of columns G, I and J of the benchmark, stated by either stiffness, were 4 to 14 %
-    off, with standard errors of 2 to 10 % without it."""
+    off, with standard errors of 2 to 10 % without it; not judged on others."""
     law_error_of_yielding: float = 0.4
     """[share of the size] The same of what yields: a rounder or a sharper knee means another force and another stiffness
-    with nearly the same loop. Origin: fitted; eight sizes of columns F, G and J were 16 to 54 % off."""
+    with nearly the same loop. Origin: fitted; eight sizes of columns F, G and J were 16 to 54 % off; not judged on
+    others."""
     least_latent_n: float = 1e-4
     """[N] A smaller latent force is none. Origin: chosen."""
     likelier: float = 1.0
@@ -365,8 +366,8 @@ class PairDecision:
     chosen; lower thresholds named second effects that were not there on development cases."""
     model_error_factor: float = 2.0
     """[-] The models of frames that touch may leave so many times `model_error`: blows excite modes of which a calibration
-    by shaking says less. Origin: two pairs of the second world without an effect of a frame (977230b) leave 6.7 and 7.2 % of
-    the motion, the same frames alone 4.2 and 3.1 %."""
+    by shaking says less. Origin: three pairs of the second world without an effect of a frame (977230b) leave 6.7, 5.6 and
+    7.2 % of the motion, the same frames alone 4.2, 4.2 and 3.1 %; not judged on others."""
     unexplained: float = 1.15
     """[noise floors] If a frame's remaining misfit is smaller, nothing is left to explain. Origin: chosen."""
     blind_unexplained: float = 1.3

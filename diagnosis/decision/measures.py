@@ -109,14 +109,18 @@ def stands_out(found: Findings, judged: Judged) -> bool:
         found: The findings.
         judged: The effects.
     """
-    sensors = all(effect.channel is not None for effect in judged.effects)
-    if sensors or found.reference or found.pair is not None:
+    if of_sensors(judged) or found.reference or found.pair is not None:
         return True
     chance = alarms_of(found).left.exceeded_by(SETTINGS.decision.tail)
     before, after = (over_noise(found, one) ** 2 for one in (judged.beside or found.null, judged))
     beyond = ((before - after) - np.maximum(after - chance**2, 0.0))[:, moved_channels(found, judged)]
     known = beyond[:, np.isfinite(beyond).any(axis=0)]
     return bool(np.nanmean(known, axis=0).max(initial=-np.inf) > 0.0)
+
+
+def of_sensors(judged: Judged) -> bool:
+    """Return whether effects are of sensors alone, whose faults are no errors of a frame's model."""
+    return all(effect.channel is not None for effect in judged.effects)
 
 
 def moved_channels(found: Findings, judged: Judged) -> np.ndarray:

@@ -17,6 +17,7 @@ from pounding.diagnosis.decision.measures import (
     forces_from_motion,
     hidden_error,
     model_error,
+    of_sensors,
     over_noise,
     remaining,
     signal_to_noise,
@@ -66,7 +67,7 @@ def _decided(found: Findings) -> Decision:
 
 def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:
     """Return whether no model of a real frame is better, and nothing that stands out from its errors says why."""
-    if found.pair is not None and all(effect.channel is not None for effect in chosen.effects):
+    if found.pair is not None and of_sensors(chosen):
         # Frames that touch may be on two loggers, one of which is late: what sensors tell of that is no error of a model.
         return False
     common = _common(found, chosen) == chosen.effects

@@ -222,6 +222,15 @@ def noise_floor(found: Findings, fit: Fit) -> np.ndarray:
     )
 
 
+def worth_anew(found: Findings) -> float:
+    """Return what another start must gain in log evidence to be worth what follows from it being done again.
+
+    Args:
+        found: The findings.
+    """
+    return max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
+
+
 def best(found: Findings) -> Judged:
     """Return the candidate with most evidence, or the null model."""
     return found.judged[0] if found.judged and found.judged[0].ln_bayes > 0 else found.null

@@ -8,7 +8,15 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, Judged, best, fit_misfits, judge, leaves_much
+from pounding.diagnosis.inference.findings import (
+    Findings,
+    Judged,
+    best,
+    fit_misfits,
+    judge,
+    leaves_much,
+    worth_anew,
+)
 from pounding.diagnosis.inference.misfit import own_error
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
@@ -41,7 +49,7 @@ def null_again(found: Findings) -> Fit | None:
     null, model = found.null.fit, found.model
     led = best(found).fit.filtered
     start = run_filter(model, led.values, led.noise, led.runs)
-    gain = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
+    gain = worth_anew(found)
     again = refine(model, start, ahead=null.filtered.log_likelihood + gain)
     return again if again.log_posterior >= null.log_posterior + gain else None
 

@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained
+from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained, worth_anew
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
 from pounding.diagnosis.inference.other_starts import Start, other_starts, softer
@@ -148,8 +148,7 @@ def _led_further(found: Findings) -> Fit | None:
         for fit in fits:
             if fit is not None:
                 keep(found, fit)
-        gain = max(SETTINGS.search.restart_gain, SETTINGS.search.restart_share * best(found).ln_bayes)
-        if best(found).effects == led and best(found).ln_bayes < before + gain:
+        if best(found).effects == led and best(found).ln_bayes < before + worth_anew(found):
             return again
 
 

@@ -116,7 +116,7 @@ def from_reduced(reduced: ReducedFrame, name: str | None = None) -> StoreyFrame:
 
 @dataclass(frozen=True)
 class Coupling:
-    """Damping by which the rates of modes push others, and these them.
+    """Damping by which the rates of modes push others, and these them (non-classical damping).
 
     Attributes:
         pairs: Numbers of both modes of each pair, shape (pairs, 2).

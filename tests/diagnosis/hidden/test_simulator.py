@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
 
 from pounding import frames
 from pounding.diagnosis.errors import CaseError
@@ -50,6 +51,18 @@ def test_beam_theory() -> None:
     assert frequencies_hz(replace(one, axial=np.array([0.99 * euler])), 1)[0] > 0
     with pytest.raises(CaseError, match="buckles"):
         modes(replace(one, axial=np.array([1.02 * euler])))
+
+
+def test_an_appendage_is_damped_where_it_hangs_and_not_against_the_table() -> None:
+    """Without a damper of its own nothing damps it, however much the frame is damped."""
+    frame = baseline("5A")
+    first = frequencies_hz(frame, 1)[0]
+    hung = replace(frame, appendage=Appendage(3, 0.05, 1.02 * first, 0.0))
+    matrices, moved = hung.matrices(), modes(hung)
+    swings = eigh(matrices.stiffness, matrices.mass)[1][:, : len(moved.omega)].T @ matrices.mass[:, -1]
+    swings /= np.sqrt(matrices.mass[-1, -1])
+    assert swings @ swings == pytest.approx(1.0, rel=1e-3)
+    assert swings @ moved.damping @ swings < 1e-6 * np.diag(moved.damping)[:2].min()
 
 
 def test_rocking_softens_and_a_stiff_base_does_not() -> None:

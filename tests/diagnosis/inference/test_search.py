@@ -67,6 +67,22 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
 
 
+def test_what_is_tuned_to_a_mode_is_refined_from_its_score_though_another_shape_predicts_better() -> None:
+    """What the score says of its size is twenty times too much: a mass that hardly shows at 1 Hz predicts better."""
+    swaying = [one for one in candidates(measured()) if one.name == "appendage"]
+    truth = np.array([0.1, 6.459, 0.01])
+    model = measured([(swaying[1], truth)], noise=0.005, runs=1)
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    scores = score(model, null.filtered, swaying, sizes)
+    found = Findings(model, judge(model, null, null, (0,), ()), scores, sizes, (0,), ())
+    scored = next(one for one in scores.ranked if one.effect is swaying[1])
+    much = replace(scored, amplitude=20.0 * scored.amplitude, nuisance=np.zeros_like(scored.nuisance))
+    fit = refined(found, null.filtered, much)
+    assert fit.values[0] == pytest.approx(truth, rel=0.03)
+    assert fit.log_posterior > null.log_posterior + 1000.0
+
+
 def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     """However little it looks like, to first order, beside a null model that has taken a part of it."""
     friction = [one for one in candidates(measured()) if one.name.endswith("coulomb_friction")]
