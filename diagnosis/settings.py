@@ -111,8 +111,6 @@ class Search:
     """[scored size] Sizes tried beside the scored one before a refinement. Origin: chosen."""
     start_shapes: int = 2
     """[shapes] Neighbours of the scored shape tried before a refinement. Origin: chosen."""
-    scanned_factors: tuple[float, ...] = (0.5, 1.0)
-    """[scored size] Sizes tried at each shape of an effect that is tuned to a frequency. Origin: chosen."""
     softer: float = 0.4
     """[stiffness found] A base that turns is refined again from here: a soft one has several maxima. Origin: chosen."""
     faded: tuple[float, ...] = (0.3, 1.0)

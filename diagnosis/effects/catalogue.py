@@ -158,11 +158,6 @@ class Effect:
         del scales
         return [()]
 
-    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
-        """Return shapes about a scored one from which a refinement may start; what is tuned has a narrow optimum."""
-        del shape
-        return []
-
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the prior standard deviation of the amplitude in SI.
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter
 
 from pounding.diagnosis.effects.bases import FrameEffect, LawEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
+from pounding.diagnosis.effects.tuned import bandwidths, oscillator
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
@@ -233,6 +233,10 @@ class AirDrag(LawEffect, FrameEffect):
         return (abs(float(values[0])), beyond, 1.0 + float(values[2]))
 
 
+TORSIONAL = (0.6, 2.4)
+"""Ratios of torsional to lateral frequency between which one is looked for: floors on columns at their edges have 1 to 2."""
+
+
 @CATALOGUE.add
 @dataclass(frozen=True)
 class TorsionalEccentricity(FrameEffect):
@@ -261,12 +265,8 @@ class TorsionalEccentricity(FrameEffect):
     )
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
-        """Return ratios of torsional to lateral frequency."""
-        return [(1.05,), (1.25,), (1.5,), (1.8,), (2.3,)]
-
-    def near(self, shape: tuple[float, ...]) -> list[tuple[float, ...]]:
-        """Return ratios up to the neighbours' of the grid."""
-        return [(float(shape[0] * factor),) for factor in np.geomspace(0.88, 1.14, 27)]
+        """Return ratios of torsional to lateral frequency, a bandwidth apart."""
+        return [(float(ratio),) for ratio in bandwidths(*TORSIONAL)]
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the square of a fifth of the radius of gyration."""
@@ -285,7 +285,7 @@ class TorsionalEccentricity(FrameEffect):
             ) -> np.ndarray:
                 moved = -(omega**2) * m.eta[:, mode] - 2 * ratio * omega * m.eta_rate[:, mode]
                 own = shape[0] * omega
-                driven = oscillator(moved, own, ratio, motion.run.step_s)
+                driven = oscillator(moved, own, motion.run.step_s)
                 return np.asarray((moved - own**2 * driven) / radius**2)
 
             found.append(force_term(motion, turning, np.eye(len(modes.omega))[mode]))
@@ -294,25 +294,6 @@ class TorsionalEccentricity(FrameEffect):
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return eccentricity, frequency ratio and a damping as that of the lateral motion."""
         return np.array([np.sqrt(max(amplitude, 1e-12)), shape[0], 1.0])
-
-    def like_appendage(
-        self, model: Model, values: np.ndarray, floor: int, appendage: np.ndarray
-    ) -> np.ndarray:
-        """Return the SI parameters, (3,), with which the first mode meets what an appendage on a floor makes it meet.
-
-        Args:
-            model: The baseline model.
-            values: Nuisance parameters of the fit with the appendage in their own units, shape (nuisance,).
-            floor: Floor of the appendage among all floors.
-            appendage: Its mass [kg], frequency [Hz] and damping ratio, shape (3,).
-        """
-        plain = model.plain_modes(model.assemble(values))
-        first = self.span(model).start
-        mass, frequency, ratio = (float(value) for value in appendage)
-        share = mass * float(plain.floors[floor, first]) ** 2
-        offset = self.storeys(model).gyration_m * np.sqrt(max(share, 1e-9))
-        own = 2 * np.pi * frequency / float(plain.omega[first])
-        return np.array([offset, own, max(ratio, 1e-4) / float(plain.ratio[first])])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add the floors' rotations, scaled by the radius of gyration to displacements."""
@@ -340,18 +321,3 @@ class TorsionalEccentricity(FrameEffect):
         assert floors >= n
         assembly.extensions.append(extend)
         assembly.influence.extend([0.0] * n)
-
-
-def oscillator(driving: np.ndarray, omega: float, ratio: float, step_s: float) -> np.ndarray:
-    """Return x of x'' + 2 ratio omega x' + omega^2 x = driving, at rest before, shape (samples,).
-
-    Args:
-        driving: Acceleration that drives it [m/s^2], linear between samples, shape (samples,).
-        omega: Angular frequency [rad/s].
-        ratio: Damping ratio.
-        step_s: Sampling step [s].
-    """
-    numerator, denominator, _ = cont2discrete(
-        ([1.0], [1.0, 2 * ratio * omega, omega**2]), step_s, method="foh"
-    )
-    return np.asarray(lfilter(numerator.ravel(), denominator, driving))

@@ -8,8 +8,8 @@ import numpy as np
 
 from pounding.diagnosis.effects.bases import FrameEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
-from pounding.diagnosis.effects.frame import oscillator
 from pounding.diagnosis.effects.storey import Bumper, CoulombFriction
+from pounding.diagnosis.effects.tuned import TRIED_DAMPING, bandwidths, oscillator
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
@@ -35,11 +35,9 @@ class Appendage(FrameEffect):
     sign = 1
 
     def grid(self, scales: Scales) -> list[tuple[float, ...]]:
-        """Return angular frequencies [rad/s] from below the first to beyond the third frequency."""
-        omega = np.concatenate(scales.omega)
-        lowest = float(omega.min())
-        highest = float(np.sort(omega)[min(2, len(omega) - 1)])
-        return [(float(value),) for value in np.geomspace(0.5 * lowest, 1.3 * highest, 12)]
+        """Return angular frequencies [rad/s] from below the first to beyond the third frequency, a bandwidth apart."""
+        modes = np.sort(np.concatenate(scales.omega))[:3]
+        return [(float(value),) for value in bandwidths(0.5 * modes[0], 1.3 * modes[-1])]
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return a tenth of the floor's mass."""
@@ -49,14 +47,14 @@ class Appendage(FrameEffect):
         """Return the force of a unit mass on a spring that is driven by the floor."""
 
         def pull(m: Motion) -> np.ndarray:
-            relative = oscillator(-m.acceleration[:, self.index], shape[0], 0.02, motion.run.step_s)
+            relative = oscillator(-m.acceleration[:, self.index], shape[0], motion.run.step_s)
             return np.asarray(shape[0] ** 2 * relative)
 
         return [force_term(motion, pull, modes.floors[self.index])]
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return mass, frequency and damping."""
-        return np.array([max(amplitude, 1e-6), shape[0] / (2 * np.pi), 0.02])
+        return np.array([max(amplitude, 1e-6), shape[0] / (2 * np.pi), TRIED_DAMPING])
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add a coordinate."""

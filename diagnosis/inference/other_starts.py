@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 
 from pounding.diagnosis.effects.every_storey import EveryStorey
-from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -33,7 +32,7 @@ def other_starts(found: Findings) -> list[Start]:
     leading = best(found)
     if not leading.effects:
         return []
-    kinds = (_everywhere, _turned, _ticked, _weighed, _faded)
+    kinds = (_everywhere, _ticked, _weighed, _faded)
     return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading))]
 
 
@@ -75,17 +74,6 @@ def _everywhere(found: Findings, leading: Judged) -> Iterator[Start]:
             continue
         if [(type(effect), effect.frame) for effect in leading.effects] == [(whole.alone, whole.frame)]:
             yield partial(refined, found, found.null.fit.filtered, one)
-
-
-def _turned(found: Findings, leading: Judged) -> Iterator[Start]:
-    """Yield floors that turn, from where a mass on a spring led: the frequency of turning is as sharp as that of a mass."""
-    if [effect.name for effect in leading.effects] != ["appendage"]:
-        return
-    model, rival, fit = found.model, leading.effects[0], leading.fit
-    for effect in found.candidates:
-        if isinstance(effect, TorsionalEccentricity) and effect.frame == rival.frame:
-            values = effect.like_appendage(model, fit.filtered.values, rival.index, fit.values[0])
-            yield partial(refine, model, fit.filtered, (effect,), (values,), nuisance=fit.filtered.values)
 
 
 def _ticked(found: Findings, leading: Judged) -> Iterator[Start]:

@@ -128,17 +128,13 @@ def _starts(found: Findings, filtered: Filtered, one: Score) -> list[tuple[np.nd
     if len(shapes) > 1:
         nearest = sorted(shapes, key=lambda shape: abs(shape[0] - one.shape[0]))
         tried += [(shape, 1.0) for shape in nearest[1 : 1 + SETTINGS.search.start_shapes]]
-    scanned = effect.near(one.shape)
-    tried += [(shape, factor) for shape in scanned for factor in SETTINGS.search.scanned_factors]
     limit = box_of(len(model.std)) * model.spread(filtered.discrepancy)
     starts: list[tuple[tuple[float, ...], np.ndarray, np.ndarray]] = []
     for shape, factor in tried:
         values = effect.values(factor * one.amplitude, shape)
         moved = np.clip(filtered.values + factor * one.nuisance, -limit, limit)
-        # A scan over what is tuned is long enough with what the nuisance parameters give back.
         starts.append((shape, values, moved))
-        if shape not in scanned:
-            starts.append((shape, values, filtered.values))
+        starts.append((shape, values, filtered.values))
 
     def likely(start: tuple[tuple[float, ...], np.ndarray, np.ndarray]) -> float:
         _, values, nuisance = start

@@ -83,6 +83,31 @@ def test_what_is_tuned_to_a_mode_is_refined_from_its_score_though_another_shape_
     assert fit.log_posterior > null.log_posterior + 1000.0
 
 
+@pytest.mark.parametrize(
+    ("name", "truth"),
+    [
+        *(("appendage", (0.02, frequency, 0.005)) for frequency in (6.12, 7.49, 10.2, 17.7, 24.8)),
+        *(("torsional_eccentricity", (0.01, ratio, 1.0)) for ratio in (0.8, 1.15, 1.38)),
+    ],
+)
+def test_what_is_tuned_is_found_between_the_frequencies_that_are_tried(
+    name: str, truth: tuple[float, ...]
+) -> None:
+    """The bench has 6.81, 19.1 and 27.6 Hz. What weighs 20 g, or lies 10 mm off, shows in a narrow band only."""
+    effects = [one for one in candidates(measured()) if one.name == name]
+    hidden = effects[min(1, len(effects) - 1)]
+    model = measured([(hidden, np.array(truth))], noise=0.005, runs=1)
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    scores = score(model, null.filtered, effects, sizes)
+    assert scores.ranked[0].effect is hidden
+    found = Findings(model, judge(model, null, null, (0,), ()), scores, sizes, (0,), ())
+    fit = refined(found, null.filtered, scores.ranked[0])
+    true = refine(model, null.filtered, (hidden,), (np.array(truth),))
+    assert fit.log_posterior > null.log_posterior + 300.0
+    assert fit.log_posterior > true.log_posterior - 3.0
+
+
 def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     """However little it looks like, to first order, beside a null model that has taken a part of it."""
     friction = [one for one in candidates(measured()) if one.name.endswith("coulomb_friction")]
