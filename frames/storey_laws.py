@@ -107,7 +107,8 @@ class Hysteresis(_Stated, frozen=True, tag="hysteresis"):
         yield_force_n: Force at which the part yields [N].
         stiffness_n_per_m: Elastic stiffness of the part [N/m], which the storey's own stiffness contains.
         sharpness: Exponent of the knee [-]; 1 is round, 30 as good as sharp.
-        unloading: Share of the part's stiffness that is lost as unloading begins [-].
+        unloading: How it unloads [-]: 0 elastic until its force changes sign (Bouc and Wen), 1 rounding from where it turns
+            (Masing's rule, Menegotto and Pinto).
     """
 
     storey: int
@@ -139,8 +140,10 @@ class Bumper(_Stated, frozen=True, tag="bumper"):
         gap_mm: Drift at which it is met [mm]; negative where it is met by a drift to -x.
         stiffness_n_per_m: Its stiffness [N/m], at a depth of 1 mm where its power is not one.
         loss_s_per_m: Share by which the force is larger while the stop is pressed, and smaller while it is let go, for a
-            rate of 1 m/s (Hunt and Crossley 1975) [s/m].
+            rate of 1 m/s, at a depth of 1 mm where `dashpot` is not 0 [s/m].
         power: Power of the depth [-].
+        dashpot: How the loss comes [-]: 0 with the depth (Hunt and Crossley 1975), 1 at once, as that of a dashpot beside
+            the spring (Kelvin and Voigt).
     """
 
     storey: int
@@ -148,6 +151,7 @@ class Bumper(_Stated, frozen=True, tag="bumper"):
     stiffness_n_per_m: float
     loss_s_per_m: float = 0.0
     power: float = 1.0
+    dashpot: float = 0.0
 
 
 class Drag(_Stated, frozen=True, tag="drag"):
@@ -181,10 +185,11 @@ BOUNDS: dict[str, Bound] = {
     "yield_force_n": POSITIVE,
     "stiffness_n_per_m": POSITIVE,
     "sharpness": bounds.KNEE,
-    "unloading": Bound(-1.0, 0.95, "", "it is a share of the stiffness"),
+    "unloading": Bound(0.0, 1.0, "", "0 is Bouc and Wen's way, 1 Masing's"),
     "whole_at_s": Bound(1e-3, 1e6, "", "the change takes some part of a run"),
     "gap_mm": Bound(-1e5, 1e5, "", "no storey drifts so far"),
     "loss_s_per_m": Bound(-1e3, 1e3, "", "a stop loses a share of its force"),
+    "dashpot": Bound(-0.5, 1.0, "", "0 is a loss that grows with the depth, 1 one that is there at once"),
     "power": Bound(0.1, 10.0, "", "forces grow with a small power"),
     "at_m_per_s": Bound(1e-9, 1e6, "", "a storey drifts at some rate"),
     "coefficient_n_s2_per_m2": POSITIVE,

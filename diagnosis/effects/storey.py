@@ -24,10 +24,9 @@ from pounding.experiments.rig.storey_forces import (
 
 SHARPNESS = 8.0
 SHARPEST = 30.0
-UNLOADING_SPREAD = 0.3
-LARGEST_UNLOADING = 0.9
+UNLOADING_SPREAD = 0.5
 """Exponent of a yielding part's knee: where its refinement starts, and where it is as good as infinite; prior
-standard deviation of the share of its stiffness that is lost as unloading begins, and its largest value."""
+standard deviation of how it unloads, from elastic until its force changes sign (0) to rounding from where it turns (1)."""
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
 STICKING_RATIO = 0.3
@@ -45,6 +44,7 @@ AT_REST = 0.1
 """A stop whose gap is a smaller share of the largest drift touches at rest, and is none."""
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
+DASHPOT_SPREAD, DASHPOT_RANGE = 0.5, (-0.5, 1.0)
 """Prior standard deviations of a stop's loss
 [s/m] and of what the power of its depth has beyond the first, and how far the latter may go."""
 
@@ -225,7 +225,8 @@ class CubicStiffness(StoreyEffect):
 class Hysteresis(StoreyEffect):
     """A part k_y of the storey's stiffness yields at F_y; small motions feel nothing of it.
 
-    How sharp the knee is and how it unloads no catalogue says, so both parameters of Bouc and Wen are refined with the rest.
+    How sharp the knee is and how it unloads no catalogue says, so both are refined with the rest: between the laws of Bouc
+    and Wen and those that follow Masing's rule, as Ramberg and Osgood's and Menegotto and Pinto's do.
     """
 
     name = "hysteresis"
@@ -243,7 +244,7 @@ class Hysteresis(StoreyEffect):
     dissipates = True
     described = Description(
         "a part $k_y$ of the storey's stiffness yields at $F_y$; small motions feel nothing of it; how sharp its knee is "
-        "(Bouc and Wen's exponent) and how it unloads are refined and not reported",
+        "(Bouc and Wen's exponent) and whether it unloads by their rule or by Masing's are refined and not reported",
         "`coulomb_friction`, `loosening` in a run that grows, `cubic_stiffness` with $k_3 < 0$",
         loop(yielding, 0.25, 0.6, 8.0, 0.0),
         told_by="The same shaking at a third of its amplitude: below yield nothing is left of it.",
@@ -253,8 +254,8 @@ class Hysteresis(StoreyEffect):
                 "the loop has a sharper knee than the catalogue's",
             ),
             "unloading": (
-                "the loop unloads more steeply than the catalogue's",
-                "the loop unloads less steeply than the catalogue's",
+                "the loop unloads as steeply as the catalogue's",
+                "the loop rounds as it unloads, as Menegotto and Pinto's does and the catalogue's does not",
             ),
         },
         plain=("a part of {where} yields at {size}",),
@@ -280,7 +281,7 @@ class Hysteresis(StoreyEffect):
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the yielding part less its elastic force."""
         sharpness = min(max(float(values[2]), 1.0), SHARPEST)
-        unloading = min(max(float(values[3]), -1.0), LARGEST_UNLOADING)
+        unloading = within(values[3], (0.0, 1.0))
         return (abs(float(values[0])), abs(float(values[1])), sharpness, unloading)
 
 
@@ -327,12 +328,13 @@ class Bumper(StoreyEffect):
         Quantity("stiffness", "N/m", logarithmic=True, symbol="k_b"),
         Quantity("loss", "s/m", reported=False, spread=LOSS_SPREAD),
         Quantity("power_beyond_one", "1", reported=False, spread=PROGRESS_SPREAD),
+        Quantity("dashpot", "1", reported=False, spread=DASHPOT_SPREAD),
     )
     sign = 1
     nonlinear = True
     described = Description(
-        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$; its loss and the power of its depth (near 1) are "
-        "refined and not reported",
+        r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$; its loss, from a dashpot's to one that grows with "
+        "the depth, and the power of its depth (near 1) are refined and not reported",
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
         loop(stop, 0.5, 2.0, 0.0, 0.0),
         told_by="The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
@@ -359,9 +361,10 @@ class Bumper(StoreyEffect):
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return gap and stiffness of a straight stop without loss."""
-        return np.array([shape[0], amplitude, 0.0, 0.0])
+        return np.array([shape[0], amplitude, 0.0, 0.0, 0.0])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return gap, stiffness, loss and power."""
         beyond = within(values[3], PROGRESS_RANGE)
-        return (float(values[0]), abs(float(values[1])), float(values[2]), beyond)
+        at_once = within(values[4], DASHPOT_RANGE)
+        return (float(values[0]), abs(float(values[1])), float(values[2]), beyond, at_once)

@@ -98,14 +98,14 @@ def tangents(
     if not placed:
         return None
     along = _Along.of(placed, modes, states, step_s)
-    remembered = MEMORY if any(one.law.remembers for one in placed) else 0
+    remembered = max(one.law.followed for one in placed)
     forces = np.zeros((2 * len(states[0]), len(placed)))
     slopes = np.zeros((*forces.shape, 1 + remembered, 2 + remembered))
     for j, address in enumerate(along.laws):
         motion = along.parameters[j], along.drift[j], along.rate[j], step_s
         memory = np.zeros((len(forces), MEMORY))
         _forces(address, *motion, forces[:, j], memory)
-        _slopes(address, *motion, NUDGE, memory, slopes[:, j])
+        _slopes(address, *motion, NUDGE, memory, placed[j].law.followed, slopes[:, j])
     used = 1 + np.flatnonzero(slopes[:, :, 1:].any(axis=(0, 1, 3)))
     slopes = slopes[:, :, np.r_[0, used]][..., np.r_[0, 1, 1 + used]]
     # Where the motion has blown up there is no slope.
@@ -140,10 +140,10 @@ def _slopes(
     step_s: float,
     nudge: float,
     memory: np.ndarray,
+    remembered: int,
     slopes: np.ndarray,
 ) -> None:
-    """Fill in the slopes of one law's forces and memories, shape (2 samples, 1 + remembered, 2 + remembered)."""
-    remembered = slopes.shape[1] - 1
+    """Fill in the slopes of one law's forces and first `remembered` memories, shape (2 samples, 1 + most, 2 + most)."""
     there, new = np.zeros(MEMORY), np.zeros(MEMORY)
     size = np.zeros(2 + remembered)
     size[0], size[1] = np.abs(drift).max(), np.abs(rate).max()

@@ -72,7 +72,13 @@ STATED: dict[type[StatedLaw], Kind] = {
     stated.Loosening: Kind(forces.growing_spring, (Key("stiffness_change_n_per_m"), Key("whole_at_s"))),
     stated.Bumper: Kind(
         forces.stop,
-        (Key("gap_mm", 1e-3), Key("stiffness_n_per_m"), Key("loss_s_per_m"), Key("power", less=1.0)),
+        (
+            Key("gap_mm", 1e-3),
+            Key("stiffness_n_per_m"),
+            Key("loss_s_per_m"),
+            Key("power", less=1.0),
+            Key("dashpot"),
+        ),
     ),
     stated.Drag: Kind(forces.drag, (Key("coefficient_n_s2_per_m2"), Key("power", less=2.0))),
 }

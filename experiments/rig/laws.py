@@ -42,11 +42,15 @@ class Law:
     Args:
         function: The force, written for numba.
         remembers: Whether it has a memory.
+        followed: How many numbers of its memory slopes follow: those after them, as where it turned last, change at once.
         cache: Whether the compiled function is kept on disk, which needs a function of a module.
     """
 
-    def __init__(self, function: Force, *, remembers: bool = False, cache: bool = True) -> None:
+    def __init__(
+        self, function: Force, *, remembers: bool = False, followed: int = MEMORY, cache: bool = True
+    ) -> None:
         self.function, self.remembers, self._cache = function, remembers, cache
+        self.followed = followed if remembers else 0
 
     @cached_property
     def _entry(self) -> Any:
@@ -87,6 +91,15 @@ def memoryless(function: Force) -> Law:
 def remembering(function: Force) -> Law:
     """Return the law of a force with memory; used as a decorator."""
     return Law(function, remembers=True)
+
+
+def remembering_turns(followed: int) -> Callable[[Force], Law]:
+    """Return a decorator for a force that also remembers where it turned.
+
+    Args:
+        followed: How many numbers of its memory come before those that say where.
+    """
+    return lambda function: Law(function, remembers=True, followed=followed)
 
 
 def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:

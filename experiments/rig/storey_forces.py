@@ -9,7 +9,7 @@ import math
 
 from numba import njit
 
-from pounding.experiments.rig.laws import Numbers, memoryless, remembering
+from pounding.experiments.rig.laws import Numbers, memoryless, remembering, remembering_turns
 
 STRIBECK_RATE = 5e-3
 """Rate of sliding [m/s] at which what static friction has beyond the sliding one has fallen to 1/e (dry metals 1e-3 to 1e-2,
@@ -24,7 +24,8 @@ DRAG_RATE = 0.3
 def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 v: p0 the damper [N s/m]; p1 what the power of the rate has beyond the first, the force at p2 [m/s] being
     the same."""
-    return p[0] * v if p[1] == 0.0 else p[0] * v * (abs(v) / p[2]) ** p[1]
+    # The power of the whole, not of the quotient alone: below the first, that has no value at rest.
+    return p[0] * v if p[1] == 0.0 else p[0] * math.copysign(p[2] * (abs(v) / p[2]) ** (1.0 + p[1]), v)
 
 
 @memoryless
@@ -69,25 +70,30 @@ def cubic_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new: 
 
 
 @njit(cache=True, error_model="numpy")
-def _stiff_share(force: float, limit: float, sharpness: float, unloading: float, step: float) -> float:
-    """Return which share of the elastic stiffness is left at a force that changes by `step`."""
-    lost: float = min(abs(force) / limit, 1.0) ** sharpness
-    if force * step <= 0.0:
-        return 1.0 - unloading * lost
-    return max(1.0 - lost, 0.0)
+def _stiff_share(way: float, whole: float, sharpness: float) -> float:
+    """Return which share of the elastic stiffness is left after a part of the whole way to yielding, all of it before."""
+    gone: float = min(max(way / whole, 0.0), 1.0) ** sharpness
+    return 1.0 - gone
 
 
-@remembering
+@remembering_turns(2)
 def yielding(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return what a part of a storey that yields with a rounded knee lacks of its elastic force.
 
-    It remembers its force and the drift (Bouc 1967, Wen 1976, by the midpoint rule). p: yield force [N], elastic
-    stiffness [N/m], sharpness of the knee, share of the elastic stiffness that is lost as unloading begins.
+    It remembers its force and the drift, and at which force and which way it turned last (by the midpoint rule). p: yield
+    force [N], elastic stiffness [N/m], sharpness of the knee, and how it unloads: with 0 it is elastic until its force
+    changes sign (Bouc 1967, Wen 1976), with 1 it rounds from where it turned (Masing 1926, Menegotto and Pinto 1973), and in
+    between from that share of the force there.
     """
-    first, step = state[0], p[1] * (d - state[1])
-    middle = first + 0.5 * step * _stiff_share(first, p[0], p[2], p[3], step)
-    force = first + step * _stiff_share(middle, p[0], p[2], p[3], step)
-    new[0], new[1] = min(max(force, -p[0]), p[0]), d
+    step = p[1] * (d - state[1])
+    turned, ahead = state[2], state[3]
+    if step != 0.0 and step * ahead <= 0.0:
+        turned, ahead = state[0], math.copysign(1.0, step)
+    begun = p[3] * ahead * turned
+    whole = max(p[0] - begun, 1e-9 * p[0])
+    middle = state[0] + 0.5 * step * _stiff_share(ahead * state[0] - begun, whole, p[2])
+    force = state[0] + step * _stiff_share(ahead * middle - begun, whole, p[2])
+    new[0], new[1], new[2], new[3] = min(max(force, -p[0]), p[0]), d, turned, ahead
     return new[0] - p[1] * d
 
 
@@ -101,14 +107,17 @@ def growing_spring(p: Numbers, state: Numbers, d: float, v: float, t: float, new
 def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p1 (d - p0) beyond the gap p0 [m], or its mirror where p0 is negative; p1 the stiffness [N/m].
 
-    p2 the loss [s/m], by which the force is larger while it is pressed and smaller while it is let go (Hunt and Crossley
-    1975); p3 what the power of the depth has beyond the first, the force at `PRESSED_M` being the same.
+    p2 the loss [s/m], by which the force at the depth `PRESSED_M` is larger while it is pressed and smaller while it is let
+    go; p3 what the power of the depth has beyond the first, the force at that depth being the same; p4 by how much the loss
+    grows with less than the depth: none where it grows with it (Hunt and Crossley 1975), 1 where a dashpot stands beside
+    the spring and is there at once (Kelvin and Voigt). It never pulls.
     """
     side = 1.0 if p[0] >= 0.0 else -1.0
     depth = side * (d - p[0])
     if depth <= 0.0:
         return 0.0
-    force = side * p[1] * depth * max(1.0 + p[2] * side * v, 0.0)
+    loss = p[2] if p[4] == 0.0 else p[2] * (depth / PRESSED_M) ** -p[4]
+    force = side * p[1] * depth * max(1.0 + loss * side * v, 0.0)
     return force if p[3] == 0.0 else force * (depth / PRESSED_M) ** p[3]
 
 

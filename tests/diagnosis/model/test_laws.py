@@ -11,7 +11,7 @@ from pounding.calling import MEMORY, called
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.storey import StoreyEffect
 from pounding.experiments.rig.laws import Law, filled
-from pounding.experiments.rig.storey_forces import friction, stop, yielding
+from pounding.experiments.rig.storey_forces import PRESSED_M, damper, friction, stop, yielding
 
 LAWS = {
     one.law.function.__name__: one.law
@@ -20,9 +20,9 @@ LAWS = {
 }
 PARAMETERS = {
     "friction": (20.0, 9e5, 300.0, 0.1),
-    "yielding": (30.0, 3e4, 8.0),
+    "yielding": (30.0, 3e4, 8.0, 0.6),
     "growing_spring": (5e4, 4.0),
-    "stop": (-1e-3, 6e4),
+    "stop": (-1e-3, 6e4, 3.0, 0.2, 0.7),
     "cubic_spring": (4e8,),
     "damper": (40.0, 0.4, 0.02),
     "bristles": (20.0, 2e-4),
@@ -74,6 +74,35 @@ def test_friction_that_fades_has_lost_half_of_itself_at_its_rate() -> None:
     plain = friction.along((10.0, 1e5, 0.0, np.inf), drift, rate, drift)
     faded = friction.along((10.0, 1e5, 0.0, 0.2), drift, rate, drift)
     assert faded == pytest.approx(plain / 2)
+
+
+@pytest.mark.parametrize("beyond", [-0.5, 0.0, 0.7])
+def test_a_damper_of_any_power_has_no_force_at_rest_and_its_own_at_the_usual_rate(beyond: float) -> None:
+    rate = np.array([-0.02, -1e-12, 0.0, 1e-12, 0.02])
+    force = damper.along((40.0, beyond, 0.02), np.zeros(5), rate, np.arange(5.0))
+    assert np.isfinite(force).all()
+    assert force[2] == 0.0
+    assert force[[0, 4]] == pytest.approx([-0.8, 0.8])
+
+
+def test_a_stop_beside_a_dashpot_pushes_at_once_and_never_pulls() -> None:
+    """k d + c v while it is pressed (Kelvin and Voigt), c being k times loss times `PRESSED_M`; other losses begin at 0."""
+    depth, numbers = np.array([1e-9, 5e-4, 5e-4, 5e-4]), (1e-3, 2e4, 4.0, 0.0)
+    rate = np.array([0.1, 0.1, -0.1, -10.0])
+    force = stop.along((*numbers, 1.0), 1e-3 + depth, rate, np.arange(4.0))
+    assert force == pytest.approx(np.maximum(2e4 * depth + 2e4 * 4.0 * PRESSED_M * rate, 0.0), abs=1e-6)
+    assert stop.along((*numbers, 0.0), 1e-3 + depth, rate, np.arange(4.0))[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_what_yields_unloads_elastically_or_rounds_from_where_it_turns() -> None:
+    """Masing's rule: the way back is the first way at twice its size, here from near the yield force to its opposite."""
+    drift = np.concatenate([np.linspace(0.0, 4e-3, 4001), np.linspace(4e-3, -4e-3, 8001)[1:]])
+    for unloading, doubled in ((0.0, False), (1.0, True)):
+        force = yielding.along((30.0, 3e4, 2.0, unloading), drift, np.zeros_like(drift), drift) + 3e4 * drift
+        first, back = force[:4001], (force[4000] - force[4000:]) / 2.0
+        assert force[4000] == pytest.approx(30.0, rel=0.01)
+        assert np.allclose(back[::2], first, atol=0.3) == doubled
+        assert force[4000] - force[4010] == pytest.approx(3e4 * 1e-5, rel=0.03)
 
 
 def test_a_part_that_yields_lacks_nothing_of_small_drifts_and_loses_energy_in_large_ones() -> None:

@@ -28,7 +28,7 @@ EFFECTS: dict[str, tuple[float, ...]] = {
     "cubic_stiffness": (0.2 * STOREY / 0.005**2,),
     "hysteresis": (20.0, 0.4 * STOREY, 8.0, 0.0),
     "loosening": (-0.3,),
-    "bumper": (0.003, STOREY, 0.0, 0.0),
+    "bumper": (0.003, STOREY, 0.0, 0.0, 0.0),
     "dahl_friction": (8.0, 3e-4),
     "air_drag": (6.0, 0.0, 0.0),
     "table_tilt": (5e-4,),

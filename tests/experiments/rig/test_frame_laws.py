@@ -24,7 +24,7 @@ LAWS = {
     "cubic": "storey = 1\nstiffness_n_per_m3 = 1e8",
     "hysteresis": "storey = 1\nyield_force_n = 6\nstiffness_n_per_m = 2.5e3\nsharpness = 4\nunloading = 0.2",
     "loosening": "storey = 2\nstiffness_change_n_per_m = -2e3",
-    "bumper": "storey = 2\ngap_mm = -1.5\nstiffness_n_per_m = 1e4\nloss_s_per_m = 0.5\npower = 1.3",
+    "bumper": "storey = 2\ngap_mm = -1.5\nstiffness_n_per_m = 1e4\nloss_s_per_m = 0.5\npower = 1.3\ndashpot = 0.8",
     "drag": "floor = 1\ncoefficient_n_s2_per_m2 = 40\npower = 1.8\nair_at_rest = 0.7",
 }
 
