@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -86,7 +87,6 @@ class Model:
         self._plain: Last[Assembly] = Last()
         self._modes: Last[Modes] = Last()
         self._between: Last[np.ndarray] = Last()
-        self._own: np.ndarray | None = None
 
     def spread(self, discrepancy: float) -> np.ndarray:
         """Return the prior standard deviations of the nuisance parameters in their own units, shape (nuisance,).
@@ -127,6 +127,7 @@ class Model:
             mass=np.zeros((floors, floors)),
             stiffness=np.zeros((floors, floors)),
             log_damping=np.log(np.concatenate([frame.damping_ratio for frame in structure.frames])),
+            coupling=np.zeros(len(structure.couplings)),
             table_gain=0.0,
             table_delay_s=0.0,
             table_clock=0.0,
@@ -176,29 +177,31 @@ class Model:
     def _extended(self, assembly: Assembly) -> Modes:
         """Return the modes with the coordinates that effects added.
 
-        A frame's own damping is that of its modes, however it moves. What hangs on a damper of its own and is tuned to a
-        mode is coupled with it by that damper as much as it is damped; what this couples of modes far apart is nothing
-        beside that.
+        A frame's own damping is that of its modes and what couples them, however it moves. What hangs on a damper of its own
+        and is tuned to a mode is coupled with it by that damper as much as it is damped; what this couples of modes far
+        apart is nothing beside that.
         """
         mass, stiffness, damping, influence = self.matrices(assembly)
         omega, shapes = solve_modes(mass, stiffness)
         modal = shapes.T @ damping @ shapes
-        floors = len(assembly.mass)
+        floors, pairs = len(assembly.mass), assembly.dampers + np.count_nonzero(assembly.coupling)
         return Modes(
             omega,
             np.diag(modal) / (2 * omega),
             shapes[:floors],
             shapes.T @ (mass @ influence),
             shapes[floors:],
-            Coupling.strongest(omega, modal, assembly.dampers),
+            Coupling.strongest(omega, modal, pairs),
         )
 
     def plain_modes(self, assembly: Assembly) -> Modes:
         """Return the modes of an assembly's floors alone, frame by frame."""
-        each = assembly.mass, assembly.stiffness, assembly.log_damping
+        each = assembly.mass, assembly.stiffness, assembly.log_damping, assembly.coupling
         return self._modes.of(tuple(one.tobytes() for one in each), lambda: self._by_frame(*each))
 
-    def _by_frame(self, mass: np.ndarray, stiffness: np.ndarray, log_damping: np.ndarray) -> Modes:
+    def _by_frame(
+        self, mass: np.ndarray, stiffness: np.ndarray, log_damping: np.ndarray, coupling: np.ndarray
+    ) -> Modes:
         floors = len(mass)
         omegas, rows = [], []
         shapes = np.zeros((floors, floors))
@@ -208,7 +211,10 @@ class Model:
             omegas.append(omega)
             shapes[span, span] = block
             rows.append(block.T @ mass[span, span].sum(axis=1))
-        return Modes(np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows))
+        coupled = Coupling.of(self.structure.couplings, coupling * self.structure.coupled)
+        return Modes(
+            np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows), coupling=coupled
+        )
 
     def linear_system(self, modes: Modes) -> LinearSystem:
         """Return the linear system of these modes with the model's channels."""
@@ -222,7 +228,8 @@ class Model:
         """
         plain, mass, stiffness = self.plain_modes(assembly), assembly.mass, assembly.stiffness
         weighted = mass @ plain.floors
-        damping = weighted @ np.diag(2 * plain.ratio * plain.omega) @ weighted.T
+        modal = np.diag(2 * plain.ratio * plain.omega) + plain.coupling.matrix(len(plain.omega))
+        damping = weighted @ modal @ weighted.T
         for extend in assembly.extensions:
             mass, stiffness, damping = extend(mass, stiffness, damping)
         return mass, stiffness, damping, np.concatenate([np.ones(len(plain.floors)), assembly.influence])
@@ -244,12 +251,15 @@ class Model:
         late = np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
         return np.asarray((1 + assembly.table_gain) * self._tables[number].at(late))
 
+    @cached_property
+    def own_motion(self) -> np.ndarray:
+        """Rows that turn floor displacements into those of the baseline frames' own modes, shape (floors, floors)."""
+        assembly = self.assemble(np.zeros(len(self.std)))
+        return np.asarray(self.plain_modes(assembly).floors.T @ assembly.mass)
+
     def overlap(self, modes: Modes) -> np.ndarray:
         """Return which part of each of `modes` is each of the baseline frames' own modes, shape (floors, modes)."""
-        if self._own is None:
-            assembly = self.assemble(np.zeros(len(self.std)))
-            self._own = self.plain_modes(assembly).floors.T @ assembly.mass
-        return np.asarray(np.square(self._own @ modes.floors))
+        return np.asarray(np.square(self.own_motion @ modes.floors))
 
     def carried(self, other: Model, values: np.ndarray) -> np.ndarray:
         """Return another model's nuisance parameters for this one, (nuisance,), those of its own sensors being zero.

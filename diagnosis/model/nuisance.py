@@ -39,6 +39,10 @@ USUAL_DRIFT = 0.005
 """Share of its height by which a storey drifts when it is shaken in earnest: a third to twice as much here."""
 
 
+MODAL_DAMPING = "modal_damping"
+"""Kind of the parameters that say how much damping couples modes, over the geometric mean of the baseline's: a damper in
+one storey couples as much as it damps, and where a frame's damping is no test of its modes says. The prior's is the
+damping's."""
 MODAL_STIFFNESS = "modal_stiffness"
 """Kind of the parameters of the model discrepancy, whose prior's scale is estimated (`inference.discrepancy`)."""
 
@@ -59,6 +63,8 @@ class Assembly:
     mass: np.ndarray
     stiffness: np.ndarray
     log_damping: np.ndarray
+    coupling: np.ndarray
+    """How much damping couples each of the structure's pairs of modes, over the geometric mean of the baseline's."""
     table_gain: float
     table_delay_s: float
     table_clock: float
@@ -143,6 +149,8 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
         # Real frames are never quite the model; only histories can tell by how much.
         count = len(structure.discrepancies)
         found += [Parameter(MODAL_STIFFNESS, number, DISCREPANCY) for number in range(count)]
+        count = len(structure.couplings)
+        found += [Parameter(MODAL_DAMPING, number, prior.damping_ratio) for number in range(count)]
     found += [Parameter("table_gain", 0, prior.table_gain)]
     found += [Parameter("table_delay", 0, prior.table_delay_ms / 1000)]
     channels = range(len(observed.names))
@@ -174,6 +182,8 @@ def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value:
         assembly.log_damping[structure.span(place)] += value * log_frequency(structure, place)
     elif kind == "mode_damping":
         assembly.log_damping[place] += value
+    elif kind == MODAL_DAMPING:
+        assembly.coupling[place] += value
     elif kind in ("storey_stiffness", "base_stiffness"):
         assembly.stiffness += value * storey_pattern(structure, place)
     elif kind == "joint_stiffness":

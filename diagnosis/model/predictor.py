@@ -177,6 +177,7 @@ def predict(
     latent_end, noise_end = math.exp(-decay[0] * step_s), math.exp(-decay[1] * step_s)
     latent_steps, transition = _whole_step(full, latent_left)
     noise_steps, _ = _whole_step(full, noise_left)
+    held = latent_steps[:substeps].sum(axis=0)
     stiffness = modes[:, 0] ** 2
     damping = 2.0 * modes[:, 0] * modes[:, 1]
     z = np.zeros(states)
@@ -246,7 +247,7 @@ def predict(
             z[2 * n + s] *= latent_end
         noise = z[states - 3]
         z[states - 3] = noise * noise_end
-        if laws.size == 0 and couplings.size == 0:
+        if laws.size == 0:
             # A linear frame goes through all substeps at once.
             for m in range(n):
                 eta_mid[m] = transition[0, m] * eta[m] + transition[1, m] * rate[m]
@@ -264,11 +265,20 @@ def predict(
                 for m in range(n):
                     eta_mid[m] += latent_steps[j, 0, m] * force[m]
                     rate_mid[m] += latent_steps[j, 1, m] * force[m]
+            if couplings.size > 0:
+                # The impulse of what couples modes is exact: a mode's rate, integrated, is how far it has moved.
+                for m in range(n):
+                    last[m] = (eta_mid[m] - eta[m]) / step_s
+                    force[m] = 0.0
+                _coupled(pairs, couplings, last, force)
+                for m in range(n):
+                    eta_mid[m] += held[0, m] * force[m]
+                    rate_mid[m] += held[1, m] * force[m]
             for m in range(n):
                 eta[m], rate[m] = eta_mid[m], rate_mid[m]
         for j in range(substeps):
             table = table_mid[k, j] - noise * noise_left[j]
-            if laws.size > 0 or couplings.size > 0:
+            if laws.size > 0:
                 for m in range(n):
                     force[m] = latent_left[j] * latent[m] - participation[m] * table
                 for i in range(known):

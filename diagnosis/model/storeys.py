@@ -5,6 +5,7 @@ All frames of a case stand on one table, so they make one block-diagonal system;
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -132,6 +133,17 @@ class Coupling:
         return cls(np.zeros((0, 2), np.int64), np.zeros(0))
 
     @classmethod
+    def of(cls, pairs: Sequence[tuple[int, int]], rates: np.ndarray) -> Coupling:
+        """Return that of pairs of modes, without those that it does not couple.
+
+        Args:
+            pairs: Numbers of both modes of each.
+            rates: Modal force of each mode of a pair for a unit rate of the other [1/s], shape (pairs,).
+        """
+        which = np.flatnonzero(rates)
+        return cls(np.array(pairs, np.int64).reshape(-1, 2)[which], rates[which])
+
+    @classmethod
     def strongest(cls, omega: np.ndarray, damping: np.ndarray, count: int) -> Coupling:
         """Return that of the pairs which it changes most: what it does over how far apart the modes are.
 
@@ -248,6 +260,22 @@ class Structure:
     def index(self, name: str) -> int:
         """Return the number of the frame of that name."""
         return [frame.name for frame in self.frames].index(name)
+
+    @cached_property
+    def couplings(self) -> list[tuple[int, int]]:
+        """Pairs of modes, numbered among those of all frames, that the damping of a frame may couple."""
+        return [
+            (self.first(number) + one, self.first(number) + other)
+            for number, one, other in self.discrepancies
+            if one != other
+        ]
+
+    @cached_property
+    def coupled(self) -> np.ndarray:
+        """Geometric mean of both modes' damping in the baseline frame [1/s] for each of `couplings`, shape (pairs,)."""
+        omega = [solve_modes(frame.mass, frame.stiffness)[0] for frame in self.frames]
+        damping = 2.0 * np.concatenate(omega) * np.concatenate([frame.damping_ratio for frame in self.frames])
+        return np.array([np.sqrt(damping[one] * damping[other]) for one, other in self.couplings])
 
     @cached_property
     def discrepancies(self) -> list[tuple[int, int, int]]:

@@ -9,7 +9,13 @@ import numpy as np
 
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, floor_mass, log_frequency, storey_pattern
+from pounding.diagnosis.model.nuisance import (
+    MODAL_DAMPING,
+    MODAL_STIFFNESS,
+    floor_mass,
+    log_frequency,
+    storey_pattern,
+)
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
@@ -76,6 +82,8 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
         return pattern_terms(motion, storey_pattern(structure, place), shapes)
     if kind == MODAL_STIFFNESS:
         return _modal_terms(model, motion, shapes, place)
+    if kind == MODAL_DAMPING:
+        return _coupling_terms(model, modes, motion, place)
     if kind == "frame_stiffness":
         span = structure.span(place)
         return matrix_terms(motion, structure.frames[place].stiffness, shapes, span)
@@ -115,6 +123,17 @@ def _modal_terms(model: Model, motion: Motion, shapes: np.ndarray, place: int) -
     return [
         force_term(motion, lambda m, j=j: -(m.floor[:, span] @ rows[j]), rows[i] @ shapes[span])  # type: ignore[misc]
         for i, j in each
+    ]
+
+
+def _coupling_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:
+    """Return the terms of a damping between two of a frame's own modes as large as the geometric mean of their own."""
+    plain = len(modes.omega) == model.structure.floors
+    own = np.eye(len(modes.omega)) if plain else model.own_motion @ modes.floors
+    (one, other), size = model.structure.couplings[place], float(model.structure.coupled[place])
+    return [
+        force_term(motion, lambda m, b=b: -size * (m.eta_rate @ own[b]), own[a])  # type: ignore[misc]
+        for a, b in ((one, other), (other, one))
     ]
 
 

@@ -15,7 +15,7 @@ from pounding.diagnosis.inference.misfit import allowed_error
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.first_frequencies import measured_frequency
-from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Parameter
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING, MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
 from pounding.diagnosis.settings import SETTINGS
 
@@ -70,7 +70,7 @@ def _moved(found: Findings, fit: Fit) -> list[CalibratedParameter]:
     return [
         _entry(found, one, float(value), float(std))
         for one, value, std in rows
-        if one.kind != MODAL_STIFFNESS and abs(value) > SETTINGS.report.moved * one.std
+        if one.kind not in (MODAL_STIFFNESS, MODAL_DAMPING) and abs(value) > SETTINGS.report.moved * one.std
     ]
 
 

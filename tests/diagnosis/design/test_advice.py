@@ -53,7 +53,7 @@ def louder(factor: float, noise: float) -> Model:
 
 @pytest.mark.slow
 def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
-    weak = searched(louder(1.0, 0.1))
+    weak = searched(louder(1.0, 0.05))
     decision = decide(weak)
     assert decision.verdict == "nothing_missing"
     said = advice(weak, decision)
@@ -68,7 +68,7 @@ def test_twice_the_amplitude_tells_what_one_could_not_as_was_foretold() -> None:
         > 100
         > gains["the same shaking at half its amplitude"]
     )
-    strong = searched(louder(2.0, 0.1))
+    strong = searched(louder(2.0, 0.05))
     assert decide(strong).verdict != "nothing_missing"
     assert strong.judged[0].effects[0].name == "hysteresis"
     # The order of magnitude holds; the null model bends more than a linear imitation can.

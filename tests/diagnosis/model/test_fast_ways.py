@@ -16,6 +16,7 @@ from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model import closed_loop
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING
 from pounding.diagnosis.model.terms import nuisance_terms
 from tests.diagnosis.models import measured
 
@@ -29,13 +30,15 @@ def problem() -> tuple[Model, np.ndarray, Filtered]:
 
 
 def test_a_linear_frame_goes_through_all_substeps_at_once() -> None:
-    """With a law, even one that does nothing, each substep is taken by itself."""
+    """With a law, even one that does nothing, each substep is taken by itself; what couples modes, once a sample."""
     model, values, filtered = problem()
     gains = filtered.gains
-    whole = model.predict(values, gains)
-    each = model.predict(values, gains, [NO_DAMPER])
-    for quick, slow in zip(whole.before, each.before, strict=True):
-        np.testing.assert_allclose(quick, slow, rtol=1e-9, atol=1e-12)
+    coupling = np.array([one.kind == MODAL_DAMPING for one in model.parameters])
+    for coupled, tolerance in ((np.where(coupling, 0.0, values), 1e-9), (values + 0.5 * coupling, 1e-3)):
+        whole = model.predict(coupled, gains)
+        each = model.predict(coupled, gains, [NO_DAMPER])
+        for quick, slow in zip(whole.before, each.before, strict=True):
+            assert np.abs(quick - slow).max() < tolerance * np.abs(slow).max()
 
 
 def test_innovations_alone_are_those_of_the_whole_prediction() -> None:

@@ -21,6 +21,7 @@ from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.model.twin import simulate_engine, table_of
 from pounding.diagnosis.report.corrected_model import corrected_frame, on_frames
@@ -55,7 +56,9 @@ def bench() -> Model:
 
 
 MODEL = bench()
-CALIBRATED = 0.3 * MODEL.std * np.cos(np.arange(len(MODEL.std)))
+COUPLING = np.array([one.kind == MODAL_DAMPING for one in MODEL.parameters])
+CALIBRATED = np.where(COUPLING, 0.0, 0.3 * MODEL.std * np.cos(np.arange(len(MODEL.std))))
+"""A frame file has a damping ratio for each mode and nothing that couples them."""
 """Nuisance parameters that are not zero: table, masses, storeys, dampings and the discrepancy differ from the baseline."""
 
 
