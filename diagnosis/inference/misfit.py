@@ -216,7 +216,7 @@ def _held(model: Model, filtered: Filtered, number: int, table: float) -> np.nda
 
 
 def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:
-    """Return the noise of runs, fitted or not, as the same share of table and channels as in those of a fit.
+    """Return the noise of runs, fitted or not: as large as in those of a fit, or the same share of what is measured.
 
     What a channel never showed in a fit is infinite.
 
@@ -225,28 +225,47 @@ def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> lis
         filtered: The filtered model, with the noise of its runs.
         runs: Numbers of the runs.
     """
-    shares, table = _shares(model, filtered)
+    size = np.array([_size(model, number) for number in filtered.runs])
+    noise = np.array([np.append(one.channel, one.table) for one in filtered.noise])
+    channel, table = slice(-1), slice(-1, None)
     found = []
     for number in runs:
-        run = model.observed.runs[number]
-        channel = shares * np.nan_to_num(model.observed.rms(run))
-        of_table = table * float(root_mean_square(run.table))
-        found.append(Noise(filtered.noise[0].latent, of_table, np.where(channel > 0, channel, np.inf)))
+        there = _size(model, number)
+        expected = np.concatenate(
+            [_expected(noise[:, of], size[:, of], there[of]) for of in (channel, table)]
+        )
+        expected = np.where(expected > 0, expected, np.inf)
+        found.append(Noise(filtered.noise[0].latent, float(expected[-1]), expected[:-1]))
     return found
 
 
-def _shares(model: Model, filtered: Filtered) -> tuple[np.ndarray, float]:
-    channel, table = [], []
-    for number, noise in zip(filtered.runs, filtered.noise, strict=True):
-        run = model.observed.runs[number]
-        rms = model.observed.rms(run)
-        known = np.isfinite(noise.channel) & (rms > 0)
-        channel.append(np.where(known, noise.channel / np.where(known, rms, 1.0), np.nan))
-        table.append(noise.table / float(root_mean_square(run.table)))
-    shares = np.array(channel)
-    known = np.isfinite(shares)
-    mean = np.nansum(shares, axis=0) / np.maximum(known.sum(axis=0), 1)
-    return mean, float(np.mean(table))
+def _size(model: Model, number: int) -> np.ndarray:
+    """Return the rms of each channel of a run in SI, zero where it was not measured, and of the table, (channels + 1,)."""
+    run = model.observed.runs[number]
+    return np.append(np.nan_to_num(model.observed.rms(run)), root_mean_square(run.table))
+
+
+def _expected(noise: np.ndarray, size: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """Return the noise of a run, (channels,), zero where nothing is known of it.
+
+    A sensor's is the same in weak and strong shaking, one of its range or of a disturbance may grow with what it measures:
+    whichever of both changes less between the fitted runs.
+
+    Args:
+        noise, size: Noise and rms of what is measured in each fitted run, both of shape (runs, channels).
+        there: That rms in the run, shape (channels,).
+    """
+    known = np.isfinite(noise) & (size > 0)
+    count = np.maximum(known.sum(axis=0), 1)
+
+    def spread(values: np.ndarray) -> float:
+        logs = np.log(np.where(known, values, 1.0))
+        return float(np.sum(np.where(known, logs - logs.sum(axis=0) / count, 0.0) ** 2))
+
+    level, share = np.where(known, noise, 0.0), np.where(known, noise / np.where(known, size, 1.0), 0.0)
+    if len(noise) > 1 and spread(level) < spread(share):
+        return np.asarray(np.where(there > 0, level.sum(axis=0) / count, 0.0))
+    return np.asarray(share.sum(axis=0) / count * there)
 
 
 def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> np.ndarray:
