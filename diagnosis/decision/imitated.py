@@ -19,7 +19,7 @@ def unhide(found: Findings) -> None:
         found: What the search found; its null model and its candidates are exchanged where that is so.
     """
     likeliest = best(found)
-    needed, least = thresholds(found)
+    needed, least = thresholds(found, any(effect.absorbing for effect in likeliest.effects))
     if found.pair is not None or found.reference or likeliest.ln_bayes < needed:
         return
     if signal_to_noise(found, likeliest) >= least:

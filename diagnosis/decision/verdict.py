@@ -46,7 +46,9 @@ def decide(found: Findings) -> Decision:
 def _decided(found: Findings) -> Decision:
     judged = found.claimable()
     single = [one for one in judged if len(one.effects) == 1]
-    if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
+    if not single or not (
+        plain(found, single[0], signal_to_noise(found, single[0])) or _straightens(found, single[0])
+    ):
         objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
@@ -56,8 +58,10 @@ def _decided(found: Findings) -> Decision:
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
         chosen = _of_two(found, chosen, doubles[0])
     objections, said = _model_checks(found, chosen)
-    held, drowned = _holds(found, chosen, objections), not stands_out(found, chosen)
-    if not objections and _within_errors(found, chosen, drowned, held):
+    # Of what the calibration has taken its misfit says nothing, and so not whether it is larger than an error.
+    taken = len(chosen.effects) == 1 and _straightens(found, chosen)
+    held, drowned = _holds(found, chosen, objections), not taken and not stands_out(found, chosen)
+    if not objections and not taken and _within_errors(found, chosen, drowned, held):
         return Decision("nothing_missing", found.null, (), said)
     if drowned or not held:
         return Decision("unknown_effect", chosen, (), said)
@@ -283,6 +287,24 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
     needs = SETTINGS.decision
     least = single.ln_bayes + _second_evidence(found, single, double) + needs.second_share * single.ln_bayes
     return bool(double.ln_bayes > least and signal_to_noise(found, double, single) >= needs.second_size)
+
+
+def _straightens(found: Findings, judged: Judged) -> bool:
+    """Return whether the calibrated frame is within its priors with a likely effect, and without it far beyond them.
+
+    What is missing has then moved into stiffness and mass, as far as their box lets it, where it shows as no misfit. What
+    the frame is with the effect says that no error of its model bends it. Or the effect is what has moved: a storey's
+    stiffness by more than three prior standard deviations is a change of it, whatever else takes its part.
+    """
+    effect, model = judged.effects[0], found.model
+    if effect.rival or found.reference or judged.ln_bayes <= 0.0:
+        return False
+    bent, still_bent = (bool(strained(model, one.fit.filtered.values)) for one in (found.null, judged))
+    if still_bent:
+        return False
+    likely = judged.ln_bayes >= thresholds(found)[0]
+    alike = [one for one in (effect, same_motion(effect)) if one is not None]
+    return (bent and likely) or any(one.departed(model, found.null.fit.filtered.values) for one in alike)
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

@@ -17,6 +17,9 @@ from pounding.diagnosis.model.storeys import Modes, StoreyFrame
 from pounding.diagnosis.model.terms import Motion, law_term, parameter_terms
 from pounding.experiments.rig.laws import Law
 
+BEYOND_CALIBRATION = 3.0
+"""Prior standard deviations within which a parameter that moves is calibrated, and beyond which it has changed."""
+
 
 @dataclass(frozen=True)
 class FrameEffect(Effect):
@@ -107,6 +110,14 @@ class Departure(Effect):
     def places(self) -> tuple[int, ...]:
         """Indices of the places at which it departs."""
         return (self.index,)
+
+    def departed(self, model: Model, values: np.ndarray) -> bool:
+        """Return whether the nuisance parameter is beyond calibration at one of the places."""
+        own = [(one.kind, one.place) for one in model.parameters]
+        which = [
+            own.index((self.parameter, place)) for place in self.places if (self.parameter, place) in own
+        ]
+        return bool(np.any(np.abs(values[which] / model.std[which]) > BEYOND_CALIBRATION))
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the nuisance parameter's own terms."""

@@ -158,6 +158,16 @@ class Effect:
         del scales
         return [()]
 
+    def departed(self, model: Model, values: np.ndarray) -> bool:
+        """Return whether a nuisance parameter has moved in its stead further than calibration may.
+
+        Args:
+            model: The baseline model.
+            values: Nuisance parameters without the effect in their own units, shape (nuisance,).
+        """
+        del model, values
+        return False
+
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return the prior standard deviation of the amplitude in SI.
 

@@ -12,6 +12,7 @@ from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.clocks import clocks
+from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.refine import Fit, refine
@@ -33,21 +34,29 @@ def other_starts(found: Findings) -> list[Start]:
     if not leading.effects:
         return []
     kinds = (_everywhere, _ticked, _weighed, _faded)
-    return [partial(from_baseline, found), *(one for kind in kinds for one in kind(found, leading))]
+    near = [
+        one
+        for one in found.judged
+        if one.effects and one.ln_bayes > leading.ln_bayes - SETTINGS.decision.alike
+    ]
+    return [
+        *(partial(from_baseline, found, one.fit) for one in near),
+        *(one for kind in kinds for one in kind(found, leading)),
+    ]
 
 
-def from_baseline(found: Findings) -> Fit:
-    """Refine what leads once more from the baseline frame.
+def from_baseline(found: Findings, fit: Fit) -> Fit:
+    """Refine effects once more from the baseline frame, as if its model had hardly an error.
 
-    A null model that imitates an effect has its parameters at the ends of their box, and a descent from there may end in a
-    local optimum with a part of the effect.
+    A null model that imitates an effect has its parameters at the ends of their box and a wide discrepancy, and a descent
+    from there may end in a local optimum with a part of the effect.
 
     Args:
         found: The findings.
+        fit: The fit of the effects, of which the sizes are kept.
     """
-    fit = best(found).fit
-    still = np.zeros(len(found.model.std))
-    return refine(found.model, found.null.fit.filtered, fit.effects, fit.values, nuisance=still)
+    start = found.null.fit.filtered.with_discrepancy(float(SCALES[0]))
+    return refine(found.model, start, fit.effects, fit.values, nuisance=np.zeros(len(found.model.std)))
 
 
 def softer(found: Findings, fit: Fit) -> Fit:

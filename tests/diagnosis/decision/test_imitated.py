@@ -46,8 +46,6 @@ def test_a_storey_that_a_wide_discrepancy_imitates_is_named() -> None:
 
 def test_a_little_damping_is_not_named_in_its_place() -> None:
     found = findings(LOSS, DAMPING)
-    single = [one.label() for one in found.judged if len(one.effects) == 1]
-    assert single[0] == "damping change, storey 2 of bench"
     unhide(found)
     named = decide(found)
     assert (named.verdict, named.judged.label()) == ("effect_named", "stiffness change, storey 2 of bench")
@@ -55,7 +53,7 @@ def test_a_little_damping_is_not_named_in_its_place() -> None:
 
 def test_a_second_effect_that_makes_the_discrepancy_needless_is_likelier_than_the_first_alone() -> None:
     # The scale of the discrepancy goes down by a factor of 256 at once, and what was in it must find its place.
-    found = findings(LOSS, 4.0)
+    found = findings(LOSS, 30.0)
     alone = next(one for one in found.judged if one.label() == "damping change, storey 2 of bench")
     both = next(one for one in found.judged if len(one.effects) == 2)
     assert both.label() == "damping change, storey 2 of bench and stiffness change, storey 2 of bench"

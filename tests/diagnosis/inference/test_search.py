@@ -62,7 +62,7 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     empty = score(model, null.filtered, [mass], scales(model, null.filtered))
     found = Findings(model, judged, empty, scales(model, null.filtered), (0,), (1,))
     found.judged = [replace(judge(model, stuck, null, (0,), (1,)), ln_bayes=1.0)]
-    fit = from_baseline(found)
+    fit = from_baseline(found, stuck)
     assert fit.log_posterior > stuck.log_posterior + 100.0
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
 
@@ -105,7 +105,7 @@ def test_what_is_tuned_is_found_between_the_frequencies_that_are_tried(
     fit = refined(found, null.filtered, scores.ranked[0])
     true = refine(model, null.filtered, (hidden,), (np.array(truth),))
     assert fit.log_posterior > null.log_posterior + 300.0
-    assert fit.log_posterior > true.log_posterior - 3.0
+    assert fit.log_posterior > true.log_posterior - 10.0
 
 
 def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
