@@ -8,7 +8,7 @@ OUT    ?= results/demo
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test test-slow guard second-world shear-world lint types docs clean links
+.PHONY: demo test test-slow guard second-world shear-world planar-world lint types docs clean links
 
 demo: $(VENV)/installed
 	$(BIN)/pounding demo --out $(OUT)
@@ -31,6 +31,11 @@ second-world: $(VENV)/installed
 # Nor this: thirteen cases of half a minute and more. Some of them: make shear-world SHEAR="friction stop".
 shear-world: $(VENV)/installed
 	$(BIN)/python -m tests.shear_world $(SHEAR)
+
+# Nor this: 24 cases of plane frames in a random order, which take hours. Another set: make planar-world PLANAR="--seed 2 --out DIR --diagnose".
+PLANAR ?= --out results/planar_world --diagnose
+planar-world: $(VENV)/installed
+	$(BIN)/python -m tests.planar_world $(PLANAR)
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
