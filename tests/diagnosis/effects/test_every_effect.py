@@ -15,8 +15,10 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.every_storey import AllCoulombFriction
+from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction, StoreyEffect
+from pounding.diagnosis.effects.tuned import TRIED_DAMPING
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import grouped_signatures, run_filter, whitened
 from pounding.diagnosis.inference.misfit import simulate
@@ -83,7 +85,11 @@ def weighed(effect: AllCoulombFriction) -> dict[CoulombFriction, float]:
 
 def innovations(effect: Effect, shape: tuple[float, ...], amplitude: float) -> np.ndarray:
     """The whitened innovations of the baseline with a little of an effect."""
-    acting = (effect, effect.values(amplitude, shape))
+    values = effect.values(amplitude, shape)
+    if isinstance(effect, TorsionalEccentricity):
+        # What is tuned is scored with a damping of its own.
+        values[2] = TRIED_DAMPING / float(FILTERED.modes.ratio[0])
+    acting = (effect, values)
     if isinstance(effect, CoulombFriction | AllCoulombFriction):
         acting = (Sliding(effect, shape), np.array([amplitude]))  # type: ignore[assignment]
     gains = FILTERED.gains
