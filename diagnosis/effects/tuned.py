@@ -16,7 +16,7 @@ def bandwidths(lowest: float, highest: float) -> np.ndarray:
         lowest: The first one.
         highest: None is beyond it.
     """
-    return np.exp(np.arange(np.log(lowest), np.log(highest), 2 * TRIED_DAMPING))
+    return np.asarray(np.exp(np.arange(np.log(lowest), np.log(highest), 2 * TRIED_DAMPING)))
 
 
 def oscillator(driving: np.ndarray, omega: float, step_s: float) -> np.ndarray:

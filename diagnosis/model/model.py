@@ -184,7 +184,7 @@ class Model:
         mass, stiffness, damping, influence = self.matrices(assembly)
         omega, shapes = solve_modes(mass, stiffness)
         modal = shapes.T @ damping @ shapes
-        floors, pairs = len(assembly.mass), assembly.dampers + np.count_nonzero(assembly.coupling)
+        floors, pairs = len(assembly.mass), assembly.dampers + int(np.count_nonzero(assembly.coupling))
         return Modes(
             omega,
             np.diag(modal) / (2 * omega),
