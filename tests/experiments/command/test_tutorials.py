@@ -111,7 +111,7 @@ def test_the_measurement(tmp_path: Path):
     for name in ("report.html", "before.pvd", "after.pvd"):
         assert (tmp_path / "report" / name).is_file()
     html = (tmp_path / "report" / "report.html").read_text(encoding="utf-8")
-    assert '<p class="plain">Friction of 0.64 ± 0.01 N in storey 3 of 5A.</p>' in html
+    assert '<p class="plain">Friction of 0.63 ± 0.01 N in storey 3 of 5A.</p>' in html
     assert '<figure class="sketch"><svg' in html
     assert "the displacement of the fifth floor is off by 0.017 of its rms" in re.sub(r"\s+", " ", page)
     assert "LVDT 5 [mm]: rms of computed - measured is 0.017 of rms of measured" in said
