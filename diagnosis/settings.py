@@ -292,6 +292,9 @@ class Decision:
     """[share of the nulls] The largest of what nulls show follow an exponential law. Origin: chosen."""
     tail_sure: float = 0.9
     """[probability] The mean of this law is less than what is taken for it. Origin: chosen."""
+    beyond_calibration: float = 3.0
+    """[prior standard deviations] What moves further is no longer calibrated but changed. Origin: theory: one in 370 by
+    the prior."""
     size: float = 0.2
     """[noise of a channel] An effect of a single frame also needs this signal-to-noise ratio in some channel. Origin:
     chosen; a lower one raised false alarms on development cases."""

@@ -15,10 +15,8 @@ from pounding.diagnosis.model.nuisance import Assembly, vary
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes, StoreyFrame
 from pounding.diagnosis.model.terms import Motion, law_term, parameter_terms
+from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.laws import Law
-
-BEYOND_CALIBRATION = 3.0
-"""Prior standard deviations within which a parameter that moves is calibrated, and beyond which it has changed."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +115,7 @@ class Departure(Effect):
         which = [
             own.index((self.parameter, place)) for place in self.places if (self.parameter, place) in own
         ]
-        return bool(np.any(np.abs(values[which] / model.std[which]) > BEYOND_CALIBRATION))
+        return bool(np.any(np.abs(values[which] / model.std[which]) > SETTINGS.decision.beyond_calibration))
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the nuisance parameter's own terms."""

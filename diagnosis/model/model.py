@@ -211,7 +211,7 @@ class Model:
             omegas.append(omega)
             shapes[span, span] = block
             rows.append(block.T @ mass[span, span].sum(axis=1))
-        coupled = Coupling.of(self.structure.couplings, coupling * self.structure.coupled)
+        coupled = Coupling.of(self.structure.couplings, coupling * self.structure.coupling_size)
         return Modes(
             np.concatenate(omegas), np.exp(log_damping), shapes, np.concatenate(rows), coupling=coupled
         )

@@ -271,7 +271,7 @@ class Structure:
         ]
 
     @cached_property
-    def coupled(self) -> np.ndarray:
+    def coupling_size(self) -> np.ndarray:
         """Geometric mean of both modes' damping in the baseline frame [1/s] for each of `couplings`, shape (pairs,)."""
         omega = [solve_modes(frame.mass, frame.stiffness)[0] for frame in self.frames]
         damping = 2.0 * np.concatenate(omega) * np.concatenate([frame.damping_ratio for frame in self.frames])

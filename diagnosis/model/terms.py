@@ -130,7 +130,7 @@ def _coupling_terms(model: Model, modes: Modes, motion: Motion, place: int) -> l
     """Return the terms of a damping between two of a frame's own modes as large as the geometric mean of their own."""
     plain = len(modes.omega) == model.structure.floors
     own = np.eye(len(modes.omega)) if plain else model.own_motion @ modes.floors
-    (one, other), size = model.structure.couplings[place], float(model.structure.coupled[place])
+    (one, other), size = model.structure.couplings[place], float(model.structure.coupling_size[place])
     return [
         force_term(motion, lambda m, b=b: -size * (m.eta_rate @ own[b]), own[a])  # type: ignore[misc]
         for a, b in ((one, other), (other, one))

@@ -2,7 +2,7 @@
 
 Not part of the tests. A set has 24 cases in a random order: 5 frames of a strange construction without an effect, 14
 with one effect, 2 with two, and 3 with something that is in no catalogue. Frames, laws, motions, integration and files
-are those of this folder and of SciPy; of the project only what is believed of a frame is used, the folder of records
+are those of this folder and of SciPy; of the project only the baseline model of a frame is used, the folder of records
 that POUNDING_RECORDS names, and the diagnosis itself once a case has been written. A set takes a quarter of an hour,
 its diagnosis much longer; both go on where they were interrupted.
 """

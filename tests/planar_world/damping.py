@@ -1,4 +1,4 @@
-"""Recipes for the damping of a frame: each knows the ratios that are believed, and none gives just these."""
+"""Recipes for the damping of a frame: each knows the ratios of the baseline model, and none gives just these."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.linalg import eigh
 
-from tests.planar_world.belief import Real, modes
+from tests.planar_world.baseline import Real, modes
 
 Recipe = Literal["caughey", "mildrayleigh", "rayleigh", "joints"]
 """Ratios of their own for all modes (Caughey); somewhat more in the lowest and the upper modes; proportional to mass and
@@ -32,33 +32,33 @@ def ratios_of(mass: Real, stiffness: Real, damping: Real) -> Real:
     return found
 
 
-def mild_rayleigh(believed: Real, frequencies: Real) -> Real:
+def mild_rayleigh(baseline: Real, frequencies: Real) -> Real:
     """Return ratios (modes,) [-] that rise a little at both ends of the frequencies (modes,) [Hz]."""
     first, fourth = frequencies[0], frequencies[min(3, len(frequencies) - 1)]
-    found: Real = believed * (0.82 + 0.06 * (first / frequencies) + 0.12 * frequencies / fourth * 0.8)
+    found: Real = baseline * (0.82 + 0.06 * (first / frequencies) + 0.12 * frequencies / fourth * 0.8)
     return found
 
 
-def rayleigh(believed: Real, frequencies: Real, strength: float) -> Real:
+def rayleigh(baseline: Real, frequencies: Real, strength: float) -> Real:
     """Return the ratios (modes,) [-] of Rayleigh's damping, pinned at the modes 1 and 3.
 
     Args:
-        believed: Ratios that are believed (modes,) [-].
+        baseline: Ratios of the baseline model (modes,) [-].
         frequencies: Of the modes (modes,) [Hz].
-        strength: Share of Rayleigh's ratios in them; the others are the believed ones [-].
+        strength: Share of Rayleigh's ratios in them; the others are the baseline ones [-].
     """
     circular = frequencies * 2 * np.pi
     pins = [[1 / circular[0], circular[0]], [1 / circular[2], circular[2]]]
-    by_mass, by_stiffness = np.linalg.solve(pins, 2 * believed[:2])
+    by_mass, by_stiffness = np.linalg.solve(pins, 2 * baseline[:2])
     pinned = strength * (by_mass / circular + by_stiffness * circular) / 2
-    found: Real = pinned + (1 - strength) * believed
+    found: Real = pinned + (1 - strength) * baseline
     return found
 
 
 def from_joints(
     mass: Real,
     stiffness: Real,
-    believed: Real,
+    baseline: Real,
     joints: Real,
     each: list[tuple[float, Real]],
     share: float,
@@ -70,7 +70,7 @@ def from_joints(
     Args:
         mass: (floors, floors) [kg].
         stiffness: (floors, floors) [N/m].
-        believed: Ratios that are believed (modes,) [-].
+        baseline: Ratios of the baseline model (modes,) [-].
         joints: Share of all joints in the stiffness (floors, floors) [N/m].
         each: Of each floor's joints, the weight [-] of their loss and their share in the stiffness (floors, floors) [N/m].
         share: What the joints give of the damping of the lowest three modes, in the median [-].
@@ -78,8 +78,8 @@ def from_joints(
     frequencies, shapes = modes(mass, stiffness)
     circular = frequencies * 2 * np.pi
     by_joints = np.diag(shapes.T @ joints @ shapes) / (2 * circular)
-    lag = share * np.median(believed[:3] / by_joints[:3])
-    rest = np.clip(believed - lag * by_joints, 0.25 * believed, None)
+    lag = share * np.median(baseline[:3] / by_joints[:3])
+    rest = np.clip(baseline - lag * by_joints, 0.25 * baseline, None)
     damping = modal(mass, stiffness, rest)
     for weight, one in each:
         damping = damping + lag * weight * one

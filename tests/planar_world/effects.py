@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from tests.planar_world import laws
-from tests.planar_world.belief import Real, belief, modes
+from tests.planar_world.baseline import Real, baseline_of, modes
 from tests.planar_world.frame import Frame
 from tests.planar_world.structure import Structure, drift, hung
 
@@ -164,7 +164,7 @@ def joint_flexibility(frame: Frame, structure: Structure, factor: float, where: 
     """Hide that all joints are softer by a factor [-]."""
     told = Told(
         "joint_flexibility",
-        {"joint_stiffness_Nm_per_rad": belief(frame.name).joint * factor},
+        {"joint_stiffness_Nm_per_rad": baseline_of(frame.name).joint * factor},
         more={"own_joint_per_column": frame.build.joint / 4 * factor, "factor": factor},
     )
     return replace(structure, stiffness=frame.matrices(joint=factor)[1]), told

@@ -1,4 +1,4 @@
-"""The frame of a case as it is: near the believed one, but of another construction and another damping."""
+"""The frame of a case as it is: near the baseline model, but of another construction and another damping."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq, least_squares
 
 from tests.planar_world import damping
-from tests.planar_world.belief import STOREYS, Belief, Real, belief, modes
+from tests.planar_world.baseline import STOREYS, Baseline, Real, baseline_of, modes
 from tests.planar_world.plane_frame import Build, matrices
 from tests.planar_world.structure import Structure
 
@@ -25,14 +25,14 @@ MOST_SCATTER = 1.2
 COLUMNS_OF_A_STOREY = 1.4
 """Columns must differ by so much more than their storeys, because joints turn and share in a storey's drift [-]."""
 FREQUENCY_SCATTER, MOST_OFF = 0.006, 0.012
-"""Standard deviation of all frequencies together about the believed ones, and by how much they are off at most [-]."""
+"""Standard deviation of all frequencies together from the baseline model's, and by how much they are off at most [-]."""
 RATIO_SCATTER, MODE_SCATTER = 0.10, 0.05
 """The same of all damping ratios together, and of each mode's where they have ratios of their own [-]."""
 
 
 @dataclass(frozen=True)
 class Style:
-    """A construction that the believed model does not know; what is None is as usual.
+    """A construction that the baseline model does not know; what is None is as usual.
 
     Attributes:
         damping: Recipe of the damping.
@@ -106,7 +106,7 @@ class Frame:
             rocking: Stiffness against rocking of the foot [N m/rad]; it does not rock where None.
         """
         build = replace(self.build, joint=self.build.joint * joint)
-        mass, stiffness = matrices(belief(self.name), build, storeys, rocking)
+        mass, stiffness = matrices(baseline_of(self.name), build, storeys, rocking)
         return mass, stiffness * self.scale
 
     def structure(self) -> Structure:
@@ -117,13 +117,13 @@ class Frame:
     def relative_change(self, storey: int, factor: float) -> float:
         """Return the change of a storey [-] as the catalogue states it, by a factor on its columns [-].
 
-        It is the projection of the change of the stiffness matrix on the pattern of the believed storey, because the
-        end fittings and the floors that bend spread the change over the neighbours.
+        It is the projection of the change of the stiffness matrix on the pattern of the storey in the baseline model,
+        because the end fittings and the floors that bend spread the change over the neighbours.
         """
         factors = np.ones(self.storeys)
         factors[storey - 1] = factor
         change = self.matrices(storeys=factors)[1] - self.matrices()[1]
-        pattern = belief(self.name).patterns[storey - 1]
+        pattern = baseline_of(self.name).patterns[storey - 1]
         return float((change * pattern).sum() / (pattern * pattern).sum())
 
     def columns_factor(self, storey: int, change: float) -> float:
@@ -132,16 +132,16 @@ class Frame:
         return found
 
 
-def tuned(believed: Belief, build: Build) -> tuple[float, float]:
-    """Return joint stiffness [N m/rad] and columns' factor [-] with which a build has the believed frequencies.
+def tuned(baseline: Baseline, build: Build) -> tuple[float, float]:
+    """Return joint stiffness [N m/rad] and columns' factor [-] with which a build has the baseline frequencies.
 
     Columns are clear over less than a storey's height, so their factor may differ from one.
     """
-    expected = believed.frequencies()
+    expected = baseline.frequencies()
 
     def misses(logarithms: Real) -> Real:
-        columns = np.full(len(believed.mass), np.exp(logarithms[1]))
-        found = modes(*matrices(believed, replace(build, joint=np.exp(logarithms[0]), columns=columns)))[0]
+        columns = np.full(len(baseline.mass), np.exp(logarithms[1]))
+        found = modes(*matrices(baseline, replace(build, joint=np.exp(logarithms[0]), columns=columns)))[0]
         upper = found[1:FITTED_MODES] / expected[1:FITTED_MODES] - 1
         weighed: Real = np.r_[FIRST_MODE * (found[0] / expected[0] - 1), upper]
         return weighed
@@ -153,27 +153,27 @@ def tuned(believed: Belief, build: Build) -> tuple[float, float]:
 def drawn_frame(
     name: str, rng: np.random.Generator, style: Style | None = None, strength: float = 1.0
 ) -> Frame:
-    """Draw a frame, tuned to the believed frequencies and then scattered.
+    """Draw a frame, tuned to the baseline frequencies and then scattered.
 
     Args:
         name: As in the project.
         rng: Source of chance.
-        style: A construction that the believed model cannot follow; an ordinary one where None.
+        style: A construction that the baseline model cannot follow; an ordinary one where None.
         strength: Of the style [-].
     """
-    believed = belief(name)
+    baseline = baseline_of(name)
     made = _ordinary(rng) if style is None else style.of_strength(strength)
-    joint, columns = tuned(believed, made.build(1.0))
+    joint, columns = tuned(baseline, made.build(1.0))
     apart = JOINT_SCATTER if style is None else JOINT_SCATTER * min(strength, MOST_SCATTER)
     build, scatter = _scattered(made.build(joint), columns, apart, STOREYS[name], rng)
     scale = (1 + np.clip(rng.normal() * FREQUENCY_SCATTER, -MOST_OFF, MOST_OFF)) ** 2
-    ratios = believed.ratios * (1 + RATIO_SCATTER * np.clip(rng.normal(), -1.8, 1.8))
+    ratios = baseline.ratios * (1 + RATIO_SCATTER * np.clip(rng.normal(), -1.8, 1.8))
     recipe = damping.USUAL[rng.integers(len(damping.USUAL))] if style is None else style.damping
-    mass, stiffness = matrices(believed, build)
+    mass, stiffness = matrices(baseline, build)
     stiffness = stiffness * scale
     if recipe == "joints":
         losses = _Losses.drawn(rng, STOREYS[name], style is None, strength)
-        damped = _damped_by_joints(believed, build, scale, ratios, losses)
+        damped = _damped_by_joints(baseline, build, scale, ratios, losses)
     else:
         ratios = _ratios(recipe, ratios, modes(mass, stiffness)[0], strength, rng)
         damped = damping.modal(mass, stiffness, ratios)
@@ -225,13 +225,13 @@ class _Losses:
         return cls(min(0.6 * strength, 0.85), np.exp(rng.normal(size=storeys + 1) * 0.9 * strength))
 
 
-def _damped_by_joints(believed: Belief, build: Build, scale: float, ratios: Real, losses: _Losses) -> Real:
+def _damped_by_joints(baseline: Baseline, build: Build, scale: float, ratios: Real, losses: _Losses) -> Real:
     """Return a damping matrix (floors, floors) [N s/m] of which a share is the loss of each floor's joints."""
-    mass, stiffness = matrices(believed, build)
+    mass, stiffness = matrices(baseline, build)
     stiffness = stiffness * scale
 
     def share(joints: Real) -> Real:
-        changed = matrices(believed, replace(build, joints=joints))[1] * scale
+        changed = matrices(baseline, replace(build, joints=joints))[1] * scale
         found: Real = (changed - stiffness) / damping.SMALL
         return found
 

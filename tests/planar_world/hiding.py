@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.planar_world.belief import Real, modes
+from tests.planar_world.baseline import Real, modes
 from tests.planar_world.effects import EFFECTS, Told, Where
 from tests.planar_world.frame import Frame
 from tests.planar_world.refits import over_channels, sizes

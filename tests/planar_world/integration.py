@@ -15,7 +15,7 @@ import numpy as np
 from numba import njit
 from scipy.linalg import expm
 
-from tests.planar_world.belief import Index, Real
+from tests.planar_world.baseline import Index, Real
 from tests.planar_world.laws import DRAG, LOOSENING, STATES, force_along
 from tests.planar_world.structure import Structure
 

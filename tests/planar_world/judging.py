@@ -159,6 +159,7 @@ def summary(cases: Sequence[Judged]) -> list[str]:
     doubles = [one for one in cases if len(one.hidden) == 2]
     counts = [
         ("false alarms among nulls", [one.verdict != "nothing_missing" for one in nulls]),
+        ("singles detected", [one.verdict != "nothing_missing" for one in singles]),
         ("singles named exactly, type and place", [one.exact for one in singles]),
         ("singles as a class with the truth first", [one.class_with_truth_first for one in singles]),
         ("doubles exact", [one.exact for one in doubles]),

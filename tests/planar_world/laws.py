@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 
 FRICTION, CUBIC, YIELDING, DRAG, STOP, LOOSENING, RATTLE, DRIFT_FRICTION = range(1, 9)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from scipy.linalg import eigh
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.integration import DURATION_S, Motion
 from tests.planar_world.measuring import SAMPLES, SAMPLING_HZ, Channel
 

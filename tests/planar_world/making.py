@@ -21,7 +21,7 @@ from tests.planar_world.writing import write_case
 STRONGEST, TRIES, NEAR = 2.2, 5, 0.25
 """Largest strength of a style [-], how often it is halved between, and how near its target is near enough [-]."""
 LEFT = (0.012, 0.028)
-"""What the calibrated believed frame leaves of the readings of a strange construction [-]."""
+"""What the calibrated baseline frame leaves of the readings of a strange construction [-]."""
 WITHIN = 2.0
 """Prior standard deviations of the parameters within which a bounded calibration stays."""
 STEPS, STEPS_OF_A_NULL, STEPS_WITHOUT_BOUND = 10, 12, 7
@@ -42,7 +42,7 @@ class Rig:
         taken: What is read with them, at the usual step.
         placed: The effects with size and place.
         strength: Of the style of a frame in which nothing is hidden [-].
-        left: What a bounded calibration of the believed frame leaves of the readings of such a frame.
+        left: What a bounded calibration of the baseline frame leaves of the readings of such a frame.
     """
 
     setting: Setting
@@ -116,7 +116,7 @@ def _rig_of_null(setting: Setting, style: Style, rng: np.random.Generator) -> Ri
 
 
 def calibrated(setting: Setting, read: Taken, steps: int, bound: float | None = None) -> Left:
-    """Return what the believed frame leaves of readings when it is calibrated in so many steps within a bound [-]."""
+    """Return what the baseline frame leaves of readings when it is calibrated in so many steps within a bound [-]."""
     return Calibration(setting.scene, read.responses, setting.plan.noise, bound).fit(steps)
 
 

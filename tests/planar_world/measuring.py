@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import firwin, lfilter
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.integration import DURATION_S, STORED_HZ, Motion, Shaken
 from tests.planar_world.structure import Structure
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from pounding.experiments.records import records_folder
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.integration import DURATION_S
 
 SOURCES = ("elcentro", "hachinohe", "northridge", "kobe", "noise", "noise")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.planar_world.belief import STOREYS
+from tests.planar_world.baseline import STOREYS
 from tests.planar_world.frame import Style
 
 SINGLES = (

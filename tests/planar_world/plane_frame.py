@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.planar_world.belief import Belief, Real
+from tests.planar_world.baseline import Baseline, Real
 
 GRAVITY = 9.81
 YOUNG = 200e9
@@ -85,15 +85,15 @@ class _Places:
         return 6 * self.storeys + 1 if floor < 0 else 5 * self.storeys + 1 + floor
 
 
-def floor_masses(belief: Belief, build: Build) -> Real:
-    """Return the masses of the floors (floors,) [kg]: what is believed, lumped, with the build's own factors."""
+def floor_masses(belief: Baseline, build: Build) -> Real:
+    """Return the masses of the floors (floors,) [kg]: those of the baseline model, lumped, with the build's own factors."""
     diagonal = np.diag(belief.mass).copy()
     diagonal += belief.mass.sum(1) - diagonal
     return diagonal * build.masses if build.masses.size else diagonal
 
 
 def matrices(
-    belief: Belief, build: Build, storeys: Real | None = None, rocking: float | None = None
+    belief: Baseline, build: Build, storeys: Real | None = None, rocking: float | None = None
 ) -> tuple[Real, Real]:
     """Return mass (floors, floors) [kg] and stiffness (floors, floors) [N/m] of the sway relative to the table.
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.planar_world.belief import Belief, Real, belief
+from tests.planar_world.baseline import Baseline, Real, baseline_of
 from tests.planar_world.frame import Frame
 from tests.planar_world.integration import Shaken
 from tests.planar_world.linear import TIMES, modal_readings
@@ -106,7 +106,7 @@ class Left:
 
 @dataclass
 class Calibration:
-    """The believed frame with its uncertain parameters, fitted to readings with their priors (Gauss and Newton).
+    """The baseline frame with its uncertain parameters, fitted to readings with their priors (Gauss and Newton).
 
     Parameters are fractions: of all storeys' stiffness, each storey's, each floor's mass, logarithms of the damping
     ratios of the modes, and a gain of all channels.
@@ -122,13 +122,13 @@ class Calibration:
     read: Real
     noise: float
     bound: float | None = None
-    believed: Belief = field(init=False)
+    baseline: Baseline = field(init=False)
     scale: Real = field(init=False)
     measured: Real = field(init=False)
     priors: Real = field(init=False)
 
     def __post_init__(self) -> None:
-        self.believed = belief(self.scene.name)
+        self.baseline = baseline_of(self.scene.name)
         count = self.storeys
         each = (np.full(count, size) for size in (STOREY, MASS, DAMPING))
         self.priors = np.r_[FRAME, *each, GAIN]
@@ -138,7 +138,7 @@ class Calibration:
     @property
     def storeys(self) -> int:
         """Number of storeys."""
-        return len(self.believed.mass)
+        return len(self.baseline.mass)
 
     @property
     def limits(self) -> Real:
@@ -152,11 +152,11 @@ class Calibration:
         """Return the model's readings (times of all runs, channels), over each channel's rms [-]."""
         count = self.storeys
         springs, floors = parameters[1 : count + 1], parameters[count + 1 : 2 * count + 1]
-        stiffness = self.believed.stiffness * (1 + parameters[0])
-        stiffness = stiffness + np.tensordot(springs, self.believed.patterns, 1)
+        stiffness = self.baseline.stiffness * (1 + parameters[0])
+        stiffness = stiffness + np.tensordot(springs, self.baseline.patterns, 1)
         heavier = np.sqrt(1 + floors)
-        mass = self.believed.mass * np.outer(heavier, heavier)
-        ratios = self.believed.ratios * np.exp(parameters[2 * count + 1 : 3 * count + 1])
+        mass = self.baseline.mass * np.outer(heavier, heavier)
+        ratios = self.baseline.ratios * np.exp(parameters[2 * count + 1 : 3 * count + 1])
         found = modal_readings(mass, stiffness, ratios, self.scene.tables, self.scene.channels)
         predicted: Real = (1 + parameters[-1]) * found / self.scale
         return predicted

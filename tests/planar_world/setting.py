@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.integration import STEP_S, Shaken, respond
 from tests.planar_world.measuring import Channel, Sensing
 from tests.planar_world.motion import NOISE, SOURCES, motion

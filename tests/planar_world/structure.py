@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.laws import Law
 
 Fault = tuple[str, float]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.planar_world.belief import belief, modes
+from tests.planar_world.baseline import baseline_of, modes
 from tests.planar_world.making import STEPS, STEPS_WITHOUT_BOUND, WITHIN, Made, Rig, calibrated
 from tests.planar_world.measuring import TABLE_NOISE
 from tests.planar_world.refits import fit_own, over_channels, sizes
@@ -16,11 +16,11 @@ Truth = dict[str, object]
 SIZE_NOTE = (
     "size_raw: rms over channels of rms(with-without)/rms(with), runs pooled; above 0.4 where a frequency shifts (damping "
     "0.5 %). size_after_frame_stiffness_and_damping_refit: own model without effect, one stiffness and one damping factor "
-    "fitted. refit_within_2_prior_sd: believed model, storeys 3 %, floors 1 %, modal damping 20 % each held within 2 sd, "
+    "fitted. refit_within_2_prior_sd: baseline model, storeys 3 %, floors 1 %, modal damping 20 % each held within 2 sd, "
     "frame factor free to 0.4; [motion without effect = model error, with effect = roughly what is visible]."
 )
 STOREY_NOTE = (
-    "relative_change of a storey is by projection on the believed pattern; "
+    "relative_change of a storey is by projection on the baseline pattern; "
     "columns_factor is what was done to its columns"
 )
 
@@ -44,7 +44,7 @@ def truth(made: Made) -> Truth:
         "convergence": made.convergence,
         "max_drift_mm": max(drifts) * 1e3,
         "f1_hz": float(modes(*frame.matrices())[0][0]),
-        "f1_believed": float(belief(plan.frame).frequencies()[0]),
+        "f1_baseline": float(baseline_of(plan.frame).frequencies()[0]),
         "stiffness_scatter": frame.scatter.tolist(),
         "peaks_m_s2": [float(peak) for peak in peaks],
         "size_note": SIZE_NOTE,
@@ -53,7 +53,7 @@ def truth(made: Made) -> Truth:
 
 
 def _of_null(rig: Rig) -> Truth:
-    """Return how strange the construction is, and what calibrations of the believed frame leave."""
+    """Return how strange the construction is, and what calibrations of the baseline frame leave."""
     style, within = rig.frame.style, rig.left
     assert within is not None
     said = {"pd": style.weight, "base": style.foot, "jtop": style.roof, "ke": style.fitting}
@@ -84,9 +84,9 @@ def _of_effects(rig: Rig) -> Truth:
         "size_raw_each": _each(rig),
         "size_after_frame_stiffness_and_damping_refit": own.left,
         "refit_factors": [float(own.stiffness), float(own.damping)],
-        "believed_refit_left_without_effect": without.rms,
-        "believed_refit_left_with_effect": with_it.rms,
-        "believed_refit_left_with_effect_median": with_it.median,
+        "baseline_refit_left_without_effect": without.rms,
+        "baseline_refit_left_with_effect": with_it.rms,
+        "baseline_refit_left_with_effect_median": with_it.median,
         "damping": rig.frame.style.damping,
     }
 

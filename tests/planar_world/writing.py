@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from tests.planar_world.belief import Real
+from tests.planar_world.baseline import Real
 from tests.planar_world.measuring import SAMPLING_HZ, Channel
 
 TABLE = ("table", "table_acceleration", "m/s^2")

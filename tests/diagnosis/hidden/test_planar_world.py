@@ -1,4 +1,4 @@
-"""The world of plane frames moves as it should and is near what is believed: `python -m tests.planar_world`."""
+"""The world of plane frames moves as it should and is near the baseline models: `python -m tests.planar_world`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from scipy.signal import lsim
 
 from pounding.diagnosis.case.reading import read_case
 from tests.planar_world import laws
-from tests.planar_world.belief import STOREYS, belief, modes
+from tests.planar_world.baseline import STOREYS, baseline_of, modes
 from tests.planar_world.frame import drawn_frame
 from tests.planar_world.integration import STEP_S, STORED_HZ, respond
 from tests.planar_world.judging import Judged, summary
@@ -61,20 +61,20 @@ def test_a_frame_without_effects_moves_as_its_state_matrices_say() -> None:
 
 
 @pytest.mark.parametrize("name", STOREYS)
-def test_a_frame_rings_as_believed(name: str) -> None:
+def test_a_frame_has_the_frequencies_of_the_baseline_model(name: str) -> None:
     """The first modes, for the construction's scatter is about 1 %; the damping ratio within its own."""
     frame = drawn_frame(name, np.random.default_rng(2))
     found = modes(*frame.matrices())[0]
-    assert found[0] == pytest.approx(belief(name).frequencies()[0], rel=0.02)
-    assert found[1:3] == pytest.approx(belief(name).frequencies()[1:3], rel=0.05)
-    assert frame.ratios[0] == pytest.approx(belief(name).ratios[0], rel=0.4)
+    assert found[0] == pytest.approx(baseline_of(name).frequencies()[0], rel=0.02)
+    assert found[1:3] == pytest.approx(baseline_of(name).frequencies()[1:3], rel=0.05)
+    assert frame.ratios[0] == pytest.approx(baseline_of(name).ratios[0], rel=0.4)
 
 
 @pytest.mark.parametrize(("name", "style"), [(name, style) for name, _, style in NULLS])
 def test_a_strange_construction_is_tuned_too(name: str, style: object) -> None:
     for strength in (0.5, 2.0):
         frame = drawn_frame(name, np.random.default_rng(3), style, strength)
-        assert modes(*frame.matrices())[0][0] == pytest.approx(belief(name).frequencies()[0], rel=0.02)
+        assert modes(*frame.matrices())[0][0] == pytest.approx(baseline_of(name).frequencies()[0], rel=0.02)
 
 
 def test_friction_takes_what_its_force_does_along_the_slip() -> None:
@@ -163,6 +163,7 @@ def test_what_is_right_is_counted() -> None:
     ]
     assert [line.partition(": ")[2] for line in summary(cases)] == [
         "1 of 2",
+        "3 of 3",
         "1 of 3",
         "1 of 3",
         "1 of 1",
@@ -171,14 +172,14 @@ def test_what_is_right_is_counted() -> None:
 
 
 @pytest.mark.parametrize("path", sorted(WORLD.glob("*.py")), ids=lambda path: path.stem)
-def test_it_takes_beliefs_and_records_and_nothing_else_but_to_diagnose(path: Path) -> None:
+def test_it_takes_baseline_models_and_records_and_nothing_else_but_to_diagnose(path: Path) -> None:
     ours = {
         node.module
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "pounding"
     }
     allowed = {
-        "belief": {"pounding.diagnosis.case.case", "pounding.diagnosis.model.frames"},
+        "baseline": {"pounding.diagnosis.case.case", "pounding.diagnosis.model.frames"},
         "motion": {"pounding.experiments.records"},
         "judging": {"pounding.diagnosis.workflow"},
     }

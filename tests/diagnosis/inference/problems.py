@@ -57,6 +57,7 @@ PROBLEMS = (
     Problem("coulomb_friction", 2, (1.0, 10.0, 0.0)),
     Problem("cubic_stiffness", 1, (4e8,)),
     Problem("hysteresis", 1, (6.0, 2e4, 2.0, 0.0), reported=2),
+    # A smaller one is within the priors of the modes' damping and of what couples them.
     Problem("damping_change", 1, (40.0, 0.0)),
     Problem("stiffness_change", 2, (-0.4,)),
     Problem("air_drag", None, (8.0, 0.0, 0.0), reported=1),

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding.diagnosis.inference.misfit import by_frame, over_floor
+from pounding.diagnosis.inference.filtering import run_filter
+from pounding.diagnosis.inference.misfit import by_frame, expected_noise, over_floor
+from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 from tests.diagnosis.pair_models import CONTACT, colliding, model_of
@@ -27,6 +29,26 @@ def test_a_model_error_stands_out_less_of_the_noise_that_was_recorded() -> None:
     recorded = over_floor(measured(runs=1), np.array([5.0]), np.array([4.0]))
     fewer = over_floor(slowed(measured(runs=1), 4), np.array([np.hypot(2.0, 3.0)]), np.array([2.0]))
     assert fewer == pytest.approx(recorded)
+
+
+@pytest.mark.parametrize(("weak", "expected"), [(1.0, 1.0), (0.3, 0.1)])
+def test_a_run_that_was_not_fitted_is_as_noisy_as_the_others_or_by_the_same_share(
+    weak: float, expected: float
+) -> None:
+    """The second run moves 0.3 times as much as the first, the third 0.1 times; the noise of the second says which it is."""
+    model = measured(runs=3)
+    first = model.observed.runs[0]
+    runs = tuple(
+        replace(first, name=f"{size}", measured=size * first.measured, table=size * first.table)
+        for size in (1.0, 0.3, 0.1)
+    )
+    model = model.seeing(replace(model.observed, runs=runs))
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1)), (0, 1))
+    loud = filtered.noise[0]
+    noise = (loud, replace(loud, channel=weak * loud.channel, table=weak * loud.table))
+    (unseen,) = expected_noise(model, replace(filtered, noise=noise), [2])
+    assert unseen.channel == pytest.approx(expected * loud.channel)
+    assert unseen.table == pytest.approx(expected * loud.table)
 
 
 def test_what_was_not_measured_stays_so() -> None:

@@ -104,8 +104,8 @@ def test_what_is_tuned_is_found_between_the_frequencies_that_are_tried(
     found = Findings(model, judge(model, null, null, (0,), ()), scores, sizes, (0,), ())
     fit = refined(found, null.filtered, scores.ranked[0])
     true = refine(model, null.filtered, (hidden,), (np.array(truth),))
-    assert fit.log_posterior > null.log_posterior + 300.0
-    assert fit.log_posterior > true.log_posterior - 10.0
+    gained, whole = (one.log_posterior - null.log_posterior for one in (fit, true))
+    assert gained > max(300.0, 0.99 * whole)
 
 
 def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:

@@ -7,6 +7,7 @@ from scipy.linalg import expm
 
 from pounding.diagnosis.effects.frame import TorsionalEccentricity
 from pounding.diagnosis.effects.rivals import Appendage
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING
 from pounding.diagnosis.model.storeys import Coupling
 from tests.diagnosis.models import STEP_S, measured, shaking
 
@@ -23,6 +24,19 @@ def test_the_prediction_of_what_hangs_on_a_damper_is_that_of_its_matrices() -> N
     shapes = modes.shapes
     alone = np.linalg.inv(shapes).T @ np.diag(2 * modes.ratio * modes.omega) @ np.linalg.inv(shapes)
     assert off(top_displacement(mass, stiffness, alone, influence), exact) > 0.03
+
+
+def test_the_prediction_of_a_frame_whose_modes_damping_couples_is_that_of_its_matrices() -> None:
+    """What couples them moves the top by a quarter of a per cent here: the prediction is nearer by far."""
+    model = measured(runs=1)
+    coupled = np.array([0.9 * (one.kind == MODAL_DAMPING) for one in model.parameters])
+    predicted = model.predict(coupled, None, (), [0]).outputs[0][:, 4]
+    with_it, without = (
+        top_displacement(*model.matrices(model.assemble(values))) for values in (coupled, 0 * coupled)
+    )
+    moved = off(without, with_it)
+    assert moved > 0.002
+    assert off(predicted, with_it) < 0.4 * moved
 
 
 def test_a_frame_that_turns_has_the_damping_of_its_modes() -> None:

@@ -1,4 +1,4 @@
-"""What the diagnosis believes of a frame before the test: taken from the project, and all that is taken of its model."""
+"""The baseline model of a frame: taken from the project, and all that is taken of its model."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ STOREYS = {"5A": 5, "5B": 5, "10": 10, "15A": 15, "15B": 15}
 
 
 @dataclass(frozen=True)
-class Belief:
-    """A frame as it is believed to be.
+class Baseline:
+    """The baseline model of a frame.
 
     Attributes:
         mass: Mass matrix (floors, floors) [kg].
@@ -44,8 +44,8 @@ class Belief:
 
 
 @cache
-def belief(name: str) -> Belief:
-    """Return what is believed of a frame of the project."""
+def baseline_of(name: str) -> Baseline:
+    """Return the baseline model of a frame of the project."""
     case = Case(
         title=name,
         folder=Path("."),
@@ -55,7 +55,7 @@ def belief(name: str) -> Belief:
     )
     (frame,) = baseline_frames(case)
     assert frame.patterns is not None
-    return Belief(
+    return Baseline(
         frame.mass, frame.stiffness, frame.damping_ratio, float(frame.joint_stiffness), frame.patterns
     )
 
