@@ -82,7 +82,8 @@ def from_mapping(tree: dict[str, Any], place: str = "frame", folder: Path | None
     kinds = {"plate": PlateFrame, "stick": StickFrame}
     kind = tree.get("kind")
     if not isinstance(kind, str) or kind not in kinds:
-        raise FrameError(f'{place}: kind is {shown(kind)}, must be "plate" or "stick"')
+        found = "missing" if kind is None else shown(kind)
+        raise FrameError(f'{place}: kind is {found}, must be "plate" or "stick"')
     _known_keys(tree, kinds[kind], place)
     _known_laws(tree.get("storey_law"), place)
     if "torsion" in tree and "plan_m" not in tree:
@@ -138,8 +139,9 @@ def _known_laws(laws: object, place: str) -> None:
         if isinstance(law, dict):
             kind = law.get("kind")
             if not isinstance(kind, str) or kind not in KINDS:
+                found = "missing" if kind is None else shown(kind)
                 raise FrameError(
-                    f"{place}: storey_law {number}: kind is {shown(kind)}, must be one of {', '.join(KINDS)}"
+                    f"{place}: storey_law {number}: kind is {found}, must be one of {', '.join(KINDS)}"
                 )
             keys = {key: value for key, value in law.items() if key != "kind"}
             _known_keys(keys, KINDS[kind], f"{place}: storey_law {number}")

@@ -14,10 +14,11 @@ import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from tests.planar_world.judging import HEAD, Judged, report_of, row, summary
 from tests.planar_world.making import make
+from tests.planar_world.motion import missing_records
 from tests.planar_world.plan import Plan, plans
 from tests.planar_world.truth import truth
 
@@ -29,7 +30,9 @@ def main() -> None:
     names = [plan.name for plan in wanted]
     only = asked.only.split(",") if asked.only else names
     if unknown := [name for name in only if name not in names]:
-        sys.exit(f"planar_world: no case {unknown[0]!r}; there are {', '.join(names)}")
+        _refuse(f"no case {unknown[0]!r}; there are {', '.join(names)}")
+    if missing := missing_records():
+        _refuse(missing)
     wanted = [plan for plan in wanted if plan.name in only]
     store = Store(asked.out)
     store.claim(asked.seed)
@@ -39,6 +42,12 @@ def main() -> None:
             print(f"{plan.name}: written", file=sys.stderr, flush=True)
     if asked.diagnose:
         _diagnose(store, wanted)
+
+
+def _refuse(why: str) -> NoReturn:
+    """Say what is wrong in one line, and end with status 2."""
+    print(f"planar_world: {why}", file=sys.stderr)
+    sys.exit(2)
 
 
 def _arguments() -> argparse.Namespace:
@@ -66,7 +75,7 @@ class Store:
         """Begin the set of a seed, or go on with it; leave where the folder holds the set of another."""
         file = self.folder / "seed.txt"
         if file.is_file() and (other := file.read_text(encoding="utf-8").strip()) != str(seed):
-            sys.exit(f"planar_world: {self.folder} holds the set of seed {other}; give another folder")
+            _refuse(f"{self.folder} holds the set of seed {other}; give another folder")
         self.folder.mkdir(parents=True, exist_ok=True)
         file.write_text(f"{seed}\n", encoding="utf-8")
 

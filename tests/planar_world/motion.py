@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -38,6 +40,16 @@ def motion(source: str, rng: np.random.Generator, peak: float) -> CubicSpline:
     return CubicSpline(time, values * peak / np.abs(values).max())
 
 
+def missing_records() -> str:
+    """Return what to do for the records of a set that are not there, empty if all are."""
+    missing = [name for name in dict.fromkeys(SOURCES) if name != NOISE and not _file(name).is_file()]
+    return f"no record {missing[0]}.csv; set POUNDING_RECORDS to the folder that holds it" if missing else ""
+
+
+def _file(name: str) -> Path:
+    return (records_folder() or Path()) / f"{name}.csv"
+
+
 def _noise(time: Real, rng: np.random.Generator) -> Real:
     """Return noise of a band under an envelope (times,), of any size."""
     low, high = rng.uniform(0.7, 1.5), rng.uniform(18, 32)
@@ -51,11 +63,6 @@ def _noise(time: Real, rng: np.random.Generator) -> Real:
 
 def _recorded(name: str, time: Real, rng: np.random.Generator) -> Real:
     """Return a record at model time (times,), which begins after a little rest."""
-    folder = records_folder()
-    if folder is None:
-        raise FileNotFoundError(
-            "planar_world: set POUNDING_RECORDS to the folder with the records of the tests"
-        )
-    record = np.loadtxt(folder / f"{name}.csv", delimiter=",", skiprows=1)
+    record = np.loadtxt(_file(name), delimiter=",", skiprows=1)
     at = record[:, 0] / np.sqrt(TIME_SCALE) + rng.uniform(0.05, 0.3)
     return np.interp(time, at, record[:, 1], left=0, right=0)

@@ -13,6 +13,7 @@ from scipy.signal import lsim
 
 from pounding.diagnosis.case.reading import read_case
 from tests.planar_world import laws
+from tests.planar_world.__main__ import main
 from tests.planar_world.baseline import STOREYS, baseline_of, modes
 from tests.planar_world.frame import drawn_frame
 from tests.planar_world.integration import STEP_S, STORED_HZ, respond
@@ -184,3 +185,28 @@ def test_it_takes_baseline_models_and_records_and_nothing_else_but_to_diagnose(p
         "judging": {"pounding.diagnosis.workflow"},
     }
     assert ours == allowed.get(path.stem, set())
+
+
+@pytest.mark.parametrize(
+    ("asked", "records", "said"),
+    [
+        ("--only c99", True, "no case 'c99'; there are c01"),
+        ("--only c01", False, "no record elcentro.csv; set POUNDING_RECORDS"),
+    ],
+)
+def test_what_cannot_be_made_is_refused_in_a_sentence(
+    asked: str,
+    records: bool,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    if not records:
+        monkeypatch.setenv("POUNDING_RECORDS", str(tmp_path))
+    monkeypatch.setattr("sys.argv", ["planar_world", *asked.split(), "--out", str(tmp_path / "set")])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "set").exists()

@@ -104,6 +104,7 @@ def test_the_required_gap_of_a_frame_with_laws_is_that_of_its_run() -> None:
         ('kind = "damper"\nstorey = 1\ndamping_n_s_per_m = nan', "storey_law 1: damping_n_s_per_m is nan"),
         ('kind = "dahl_friction"\nstorey = 1\nforce_n = -2\nbuild_up_mm = 1', "force_n is -2; it must be"),
         ('kind = "rust"\nstorey = 1', "storey_law 1: kind is 'rust', must be one of friction, dahl_friction"),
+        ('law = "friction"\nstorey = 1', "storey_law 1: kind is missing, must be one of friction, dahl_"),
         (
             'kind = "cubic"\nstorey = 1\nstiffness = 1',
             "storey_law 1: 'stiffness' is not a key .*stiffness_n_per_m3",
