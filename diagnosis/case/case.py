@@ -6,6 +6,7 @@ and nowhere else; what cannot be read is a `CaseError` of one sentence that name
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -173,12 +174,32 @@ class Case:
     def split(self) -> tuple[tuple[Run, ...], tuple[Run, ...]]:
         """Return the runs to learn from, reference runs among them, and those held out.
 
-        With two or more runs since and no role named the last one is held out; with a single one nothing is. Runs of the
-        frame as it was before are learnt from.
+        With two or more runs since and no role named the last one is held out that does not move the frames most; with a
+        single one nothing is. What acts in the largest motion alone shows in no other run, so that one is learnt from. Runs
+        of the frame as it was before are learnt from, too.
         """
         held_out = tuple(run for run in self.runs if run.role == "held_out")
         since = [run for run in self.runs if not run.reference]
         if not held_out and len(since) > 1:
+            largest = since[int(np.argmax(self._sizes(since)))]
             free = [run for run in since if run.role is None]
-            held_out = (free[-1],) if free else ()
+            held_out = tuple([run for run in free if run is not largest][-1:] or free)
         return tuple(run for run in self.runs if run not in held_out), held_out
+
+    def _sizes(self, runs: Sequence[Run]) -> np.ndarray:
+        """Return how large the motion of each run is beside that of the largest, shape (runs,).
+
+        That is the farthest a channel goes from its middle, and of the channels the median: one with a fault has no say.
+        """
+        moving = [number for number, channel in enumerate(self.channels) if not channel.is_table]
+        peaks = np.array([[_farthest(run.values[:, number]) for number in moving] for run in runs])
+        known = np.isfinite(peaks).all(axis=0) & (peaks > 0.0).any(axis=0)
+        if not known.any():
+            return np.ones(len(runs))
+        return np.asarray(np.median(peaks[:, known] / peaks[:, known].max(axis=0), axis=1))
+
+
+def _farthest(values: np.ndarray) -> float:
+    """Return how far a channel goes from its middle, values of shape (samples,); NaN where nothing was measured."""
+    known = values[np.isfinite(values)]
+    return float(np.abs(known - np.median(known)).max()) if known.size else np.nan

@@ -188,7 +188,9 @@ def draft(frames: Sequence[Standing], files: Sequence[str], columns: Sequence[st
     for number, file in enumerate(files):
         lines += ["[[run]]", f"file = {json.dumps(file)}"]
         if number == len(files) - 1 and number:
-            lines.append('# role = "held_out"   # the last run is not fitted: it judges the result')
+            lines.append(
+                '# role = "held_out"   # a run that is not fitted judges the result: this one, unless it is the largest'
+            )
         lines.append("")
     for column in (guess(name, frames) for name in columns):
         lines += [*_channel(column, len(frames) > 1), ""]

@@ -303,19 +303,33 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     if still_bent:
         return False
     likely = judged.ln_bayes >= thresholds(found)[0]
-    alike = [one for one in (effect, same_motion(effect)) if one is not None]
-    return (bent and likely) or any(one.departed(model, found.null.fit.filtered.values) for one in alike)
+    return (bent and likely) or _moved(found, found.null, effect)
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a frame that is another one with the first effect alone is itself with a likelier pair of effects.
 
-    What the first effect leaves has then moved into stiffness and mass, where it shows as no misfit.
+    What the first effect leaves has then moved into stiffness and mass, where it shows as no misfit. Where the first one
+    leaves nothing but noise, its law is right, and a parameter that has moved beyond calibration says as much.
     """
-    if any(effect.rival for effect in double.effects) or double.ln_bayes <= single.ln_bayes:
+    gained = double.ln_bayes - single.ln_bayes
+    if any(effect.rival for effect in double.effects) or gained <= 0.0 or _another_frame(found, double):
         return False
-    alone, both = (bool(_another_frame(found, one)) for one in (single, double))
-    return alone and not both
+    if _another_frame(found, single):
+        return True
+    if found.pair is not None:
+        # What the contact's law gets wrong may bend a frame as well.
+        return False
+    second = [effect for effect in double.effects if effect not in single.effects]
+    moved = any(_moved(found, single, effect) for effect in second)
+    return moved and gained >= thresholds(found)[0] and not _something_left(found, single)
+
+
+def _moved(found: Findings, without: Judged, effect: Effect) -> bool:
+    """Return whether the parameter that an effect changes has moved beyond calibration where the effect is not there."""
+    values = without.fit.filtered.values
+    alike = [one for one in (effect, same_motion(effect)) if one is not None]
+    return any(one.departed(found.model, values) for one in alike)
 
 
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:

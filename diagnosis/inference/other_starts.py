@@ -56,7 +56,10 @@ def from_baseline(found: Findings, fit: Fit) -> Fit:
         fit: The fit of the effects, of which the sizes are kept.
     """
     start = found.null.fit.filtered.with_discrepancy(float(SCALES[0]))
-    return refine(found.model, start, fit.effects, fit.values, nuisance=np.zeros(len(found.model.std)))
+    still = np.zeros(len(found.model.std))
+    # What a few steps leave would look like a wide discrepancy, beside which the effect is needed no longer.
+    steps = SETTINGS.refinement.steps
+    return refine(found.model, start, fit.effects, fit.values, iterations=steps, nuisance=still)
 
 
 def softer(found: Findings, fit: Fit) -> Fit:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
 from pounding.diagnosis.inference.findings import Findings, Judged, best
-from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, refined
 from pounding.diagnosis.settings import SETTINGS
 
@@ -34,6 +36,31 @@ def second(found: Findings, effects: Sequence[Effect]) -> None:
         later = beside(found, effects, single)
         if best(found) is not led:
             found.later = later
+    _alone(found, first)
+
+
+def _alone(found: Findings, first: Judged) -> None:
+    """Refine alone what was found beside the leading effect and says much: it may need that one no longer.
+
+    About a null model far from the frame a large effect may look like nothing, and be found only beside what imitates it.
+
+    Args:
+        found: The findings, to which the fits are added.
+        first: The effect that led alone.
+    """
+    both = best(found)
+    if both.ln_bayes < first.ln_bayes + SETTINGS.decision.second_evidence:
+        return
+    known = {one.effects for one in found.judged}
+    own = zip(both.fit.effects, both.fit.values, strict=True)
+    new = [(effect, values) for effect, values in own if (effect,) not in known]
+
+    def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
+        filtered = both.fit.filtered
+        return refine(found.model, filtered, (one[0],), (one[1],), nuisance=filtered.values)
+
+    for fit in each(found, refined_alone, new):
+        keep(found, fit)
 
 
 def _may_overtake(one: Judged, first: Judged, gained: float) -> bool:

@@ -158,6 +158,34 @@ def test_roles(folder: Path) -> None:
         read_case(folder)
 
 
+def test_the_largest_motion_is_learnt_from_and_one_bad_channel_has_no_say_in_that(folder: Path) -> None:
+    def scaled(name: str, motion: float, force: float) -> None:
+        rows = [row.split(",") for row in samples(0.002).splitlines()[1:]]
+        text = [f"{t},{a},{motion * float(d)},{force * float(f)}" for t, a, d, f in rows]
+        (folder / name).write_text("\n".join(["time_s,table,d2,force", *text]) + "\n")
+
+    def held_out() -> list[str]:
+        return [run.file for run in read_case(folder).split()[1]]
+
+    more = (
+        '[[channel]]\nname = "a"\nframe = "5B"\nfloor = 3\nquantity = "absolute_acceleration"\nunit = "g"\n'
+    )
+    third = '[[run]]\nfile = "run3.csv"\n'
+    (folder / "case.toml").write_text(CASE.replace(RUN2, RUN2 + third).replace("[prior]", more + "\n[prior]"))
+    for name, motion, spike in (("run1.csv", 1.0, 99.0), ("run2.csv", 0.5, 1.0), ("run3.csv", 1.2, 1.0)):
+        scaled(name, motion, motion)
+        rows = (folder / name).read_text().splitlines()
+        # An accelerometer beside the two, with a bad sample in the first run.
+        rows = [rows[0] + ",a", *(f"{row},{motion * number % 7}" for number, row in enumerate(rows[1:]))]
+        rows[9] = rows[9].rpartition(",")[0] + f",{spike}"
+        (folder / name).write_text("\n".join(rows) + "\n")
+    assert held_out() == ["run2.csv"]
+    edit(folder / "case.toml", 'file = "run3.csv"', 'file = "run3.csv"\nrole = "held_out"')
+    assert held_out() == ["run3.csv"]
+    edit(folder / "case.toml", 'role = "held_out"', 'role = "training"')
+    assert held_out() == ["run2.csv"]
+
+
 RUN1, RUN2 = ('[[run]]\nfile = "run1.csv"\n', '[[run]]\nfile = "run2.csv"\n')
 CONTACT = CASE[CASE.index('[[channel]]\nname = "force"') : CASE.index("[prior]")]
 """The contact of the case, and the channel of its force."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any, cast
 
 import numpy as np
@@ -25,6 +26,7 @@ from tests.diagnosis.decision.problems import (
     allow,
     bench,
     decided,
+    effect,
     findings,
     judged,
 )
@@ -136,3 +138,27 @@ def test_a_frame_that_one_effect_makes_another_one_may_be_itself_with_two(also: 
     decision = decide(found)
     assert decision.named == bool(named)
     assert len(decision.judged.effects) == (named or 1)
+
+
+@pytest.mark.parametrize(
+    ("gained", "moved", "left", "named"),
+    [
+        pytest.param(40.0, 3.2, 1.0, 2, id="what moved was the second effect"),
+        pytest.param(20.0, 3.2, 1.0, 1, id="too little says so"),
+        pytest.param(40.0, 2.8, 1.0, 1, id="calibration may move it as far"),
+        pytest.param(40.0, 3.2, 1.2, 1, id="the law of the first effect may have moved it"),
+    ],
+)
+def test_a_second_effect_that_calibration_took_is_named_where_the_first_leaves_nothing(
+    gained: float, moved: float, left: float, named: int
+) -> None:
+    model, usual = bench()
+    stiffness = partial(effect, "stiffness_change", 2)
+    tried = (Tried((CUBIC, stiffness), 5000.0 + gained, left), Tried((CUBIC,), 5000.0, left))
+    found = findings(Problem(4.0, tried, "effect_named"), DATA["quiet"])
+    own = [(one.kind, one.place) for one in model.parameters]
+    values = np.zeros(len(model.std))
+    values[own.index(("storey_stiffness", 1))] = -moved * model.std[own.index(("storey_stiffness", 1))]
+    alone: Any = next(one for one in found.judged if len(one.effects) == 1).fit
+    alone.filtered = cast(Filtered, replace(usual, values=values))
+    assert len(decide(found).judged.effects) == named

@@ -24,19 +24,29 @@ A, B, C, D, RIVAL = Named("a"), Named("b"), Named("c"), Named("d"), Named("rival
 
 
 def judged(ln_bayes: float, *effects: Named) -> Judged:
-    fit: Any = SimpleNamespace(effects=effects, filtered=effects, columns=None, ln_bayes=ln_bayes)
+    filtered = SimpleNamespace(effects=effects, values=None)
+    fit: Any = SimpleNamespace(
+        effects=effects, values=effects, filtered=filtered, columns=None, ln_bayes=ln_bayes
+    )
     return cast(Judged, SimpleNamespace(fit=fit, effects=effects, ln_bayes=ln_bayes))
 
 
 def searched(
-    monkeypatch: pytest.MonkeyPatch, alone: dict[Named, float], both: dict[frozenset[Named], float]
+    monkeypatch: pytest.MonkeyPatch,
+    alone: dict[Named, float],
+    both: dict[frozenset[Named], float],
+    after: dict[Named, float] | None = None,
 ) -> Findings:
-    """Return findings on single effects after the search for a second one, with the evidence that pairs would have."""
+    """Return findings on single effects after the search for a second one, with the evidence that pairs would have.
+
+    `after` is the evidence of what is refined alone from where it was found beside another one.
+    """
     null = judged(0.0)
     ranked = sorted((judged(value, one) for one, value in alone.items()), key=lambda one: -one.ln_bayes)
     found = cast(Findings, SimpleNamespace(judged=ranked, null=null, model=None, sizes=None, later=None))
 
-    def scored(_: Any, about: tuple[Named, ...], others: list[Named], *__: Any) -> Any:
+    def scored(_: Any, filtered: Any, others: list[Named], *__: Any) -> Any:
+        about = filtered.effects
         each = [
             SimpleNamespace(effect=one, ln_bayes=both.get(frozenset({*about, one}), 0.0) - alone[about[0]])
             for one in others
@@ -47,11 +57,15 @@ def searched(
         found.judged.append(judged(fit.ln_bayes, *fit.effects))
         found.judged.sort(key=lambda one: -one.ln_bayes)
 
-    def refined(_: Any, about: tuple[Named, ...], one: Any, __: Any) -> Any:
-        effects = (*about, one.effect)
+    def refined(_: Any, filtered: Any, one: Any, __: Any) -> Any:
+        effects = (*filtered.effects, one.effect)
         return SimpleNamespace(effects=effects, ln_bayes=both[frozenset(effects)])
 
+    def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
+        return SimpleNamespace(effects=effects, ln_bayes=(after or {}).get(effects[0], 0.0))
+
     monkeypatch.setattr(module, "score", scored)
+    monkeypatch.setattr(module, "refine", refine)
     monkeypatch.setattr(module, "keep", keep)
     monkeypatch.setattr(module, "refined", refined)
     monkeypatch.setattr(module, "same_motion", lambda one: None)
@@ -85,3 +99,15 @@ def test_without_a_second_effect_nothing_else_is_tried(
 ) -> None:
     found = searched(monkeypatch, {A: 1000.0, single: 999.0}, {frozenset({single, C}): 1400.0})
     assert [one.effects for one in found.judged] == [(A,), (single,)]
+
+
+def test_what_was_found_beside_what_imitates_it_may_lead_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = searched(monkeypatch, {A: 1000.0, B: 900.0}, {frozenset({A, C}): 1400.0}, {C: 1401.0})
+    assert [one.effects for one in found.judged[:2]] == [(C,), (A, C)]
+
+
+def test_what_adds_too_little_to_be_named_beside_another_is_not_refined_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = searched(monkeypatch, {A: 1000.0}, {frozenset({A, C}): 1050.0}, {C: 1401.0})
+    assert [one.effects for one in found.judged] == [(A, C), (A,)]
