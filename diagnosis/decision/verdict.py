@@ -29,7 +29,7 @@ from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import strained, stray_tones
+from pounding.diagnosis.inference.model_checks import beyond_priors, strained, stray_tones
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -58,9 +58,12 @@ def _decided(found: Findings) -> Decision:
     if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
         chosen = _of_two(found, chosen, doubles[0])
     objections, said = _model_checks(found, chosen)
-    # Of what the calibration has taken its misfit says nothing, and so not whether it is larger than an error.
+    # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
     taken = len(chosen.effects) == 1 and _straightens(found, chosen)
-    held, drowned = _holds(found, chosen, objections), not taken and not stands_out(found, chosen)
+    held = _holds(found, chosen, objections) or (
+        taken and not objections and within_model_error(found, chosen)
+    )
+    drowned = not taken and not stands_out(found, chosen)
     if not objections and not taken and _within_errors(found, chosen, drowned, held):
         return Decision("nothing_missing", found.null, (), said)
     if drowned or not held:
@@ -292,16 +295,17 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
 def _straightens(found: Findings, judged: Judged) -> bool:
     """Return whether the calibrated frame is within its priors with a likely effect, and without it far beyond them.
 
-    What is missing has then moved into stiffness and mass, as far as their box lets it, where it shows as no misfit. What
-    the frame is with the effect says that no error of its model bends it. Or the effect is what has moved: a storey's
-    stiffness by more than three prior standard deviations is a change of it, whatever else takes its part.
+    What is missing has then moved into stiffness and mass, or into the damping, as far as their box lets it, where it shows
+    as no misfit. What the frame is with the effect says that no error of its model bends it. Or the effect is what has
+    moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever else takes its part.
     """
     effect, model = judged.effects[0], found.model
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
         return False
-    bent, still_bent = (bool(strained(model, one.fit.filtered.values)) for one in (found.null, judged))
-    if still_bent:
+    without, with_it = (beyond_priors(model, one.fit.filtered.values) for one in (found.null, judged))
+    if with_it[0]:
         return False
+    bent = any(alone and not still for alone, still in zip(without, with_it, strict=True))
     likely = judged.ln_bayes >= thresholds(found)[0]
     return (bent and likely) or _moved(found, found.null, effect)
 

@@ -10,28 +10,46 @@ from scipy.stats import chi2
 
 from pounding.diagnosis.inference.filtering import Filtered, whitened_runs
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING
 from pounding.diagnosis.settings import SETTINGS
 
 STRUCTURE = ("frame_stiffness", "storey_stiffness", "base_stiffness", "joint_stiffness", "floor_mass")
 """Nuisance parameters that say which frame this is."""
+DAMPING = ("frame_damping", "damping_power", "mode_damping", MODAL_DAMPING)
+"""Nuisance parameters that say how it is damped."""
 MAINS_HZ = (50.0, 60.0)
 """Mains frequencies."""
 
 
-def strain(model: Model, values: np.ndarray) -> tuple[float, int]:
+def strain(model: Model, values: np.ndarray, kinds: Sequence[str] = STRUCTURE) -> tuple[float, int]:
     """Return the sum of squares of the frames' nuisance parameters over their priors, and how many they are.
 
     Args:
         model: The baseline model.
         values: Nuisance parameters in their own units, shape (nuisance,).
+        kinds: Which parameters count.
     """
-    ours = np.array([parameter.kind in STRUCTURE for parameter in model.parameters])
+    ours = np.array([parameter.kind in kinds for parameter in model.parameters])
     return float(np.sum((values / model.std)[ours] ** 2)), int(ours.sum())
 
 
 def bent(model: Model, filtered: Filtered) -> bool:
     """Return whether the frames' nuisance parameters are so far from the baseline model that one should start anew."""
     return bool(chi2.sf(*strain(model, filtered.values)) < SETTINGS.checks.bent)
+
+
+def beyond_priors(model: Model, values: np.ndarray) -> tuple[bool, bool]:
+    """Return whether stiffness and mass, and whether the damping, are further from the baseline than their priors allow.
+
+    Args:
+        model: The baseline model.
+        values: Nuisance parameters in their own units, shape (nuisance,).
+    """
+    structure, damping = (
+        bool(chi2.sf(*strain(model, values, kinds)) < SETTINGS.checks.strained)
+        for kinds in (STRUCTURE, DAMPING)
+    )
+    return structure, damping
 
 
 def strained(model: Model, values: np.ndarray) -> list[str]:
@@ -41,9 +59,9 @@ def strained(model: Model, values: np.ndarray) -> list[str]:
         model: The baseline model.
         values: Nuisance parameters in their own units, shape (nuisance,).
     """
-    squares, count = strain(model, values)
-    if chi2.sf(squares, count) > SETTINGS.checks.strained:
+    if not beyond_priors(model, values)[0]:
         return []
+    squares, count = strain(model, values)
     return [
         f"stiffness and mass must go further from the baseline frame than its priors allow (sum of squares {squares:.0f} "
         f"in standard deviations, some {count} at most are to be expected): is this the frame that case.toml names?"

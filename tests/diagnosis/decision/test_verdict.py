@@ -17,6 +17,7 @@ from pounding.diagnosis.decision.measures import (
     signal_to_noise,
 )
 from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
 from tests.diagnosis.decision.problems import (
     CUBIC,
     DATA,
@@ -162,3 +163,27 @@ def test_a_second_effect_that_calibration_took_is_named_where_the_first_leaves_n
     alone: Any = next(one for one in found.judged if len(one.effects) == 1).fit
     alone.filtered = cast(Filtered, replace(usual, values=values))
     assert len(decide(found).judged.effects) == named
+
+
+@pytest.mark.parametrize(
+    ("kinds", "still", "left", "verdict"),
+    [
+        pytest.param(DAMPING, 0.0, 1.2, "effect_named", id="damping taken by calibration"),
+        pytest.param(STRUCTURE, 0.0, 1.2, "effect_named", id="stiffness and mass taken by calibration"),
+        pytest.param(DAMPING, 4.0, 1.2, "nothing_missing", id="damping is as strange with the effect"),
+        pytest.param(DAMPING, 0.0, 9.0, "unknown_effect", id="what remains is no error of a model"),
+        pytest.param((), 0.0, 1.2, "nothing_missing", id="nothing was taken"),
+    ],
+)
+def test_what_the_calibration_took_is_named_though_it_takes_little_out_of_the_motion(
+    kinds: tuple[str, ...], still: float, left: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    allow(monkeypatch, 0.05)
+    model, usual = bench()
+    far = np.array([parameter.kind in kinds for parameter in model.parameters]) * model.std
+    tried = (Tried((partial(effect, "damping_change", 2),), 200.0, left),)
+    found = findings(Problem(1.01 * left, tried, verdict), DATA["quiet"])
+    for one, shift in ((found.null, 4.0), (found.judged[0], still)):
+        fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=shift * far))
+    assert decide(found).verdict == verdict
