@@ -14,7 +14,7 @@ import msgspec
 import numpy as np
 
 from pounding.diagnosis.case.numbers import ModalDatum, Peak
-from pounding.diagnosis.case.quantities import OF_THE_TABLE, UNITS
+from pounding.diagnosis.case.quantities import DISPLACEMENTS, OF_THE_TABLE, UNITS
 
 REFERENCE = "reference"
 """Role of a run of the frame as it was before."""
@@ -190,8 +190,11 @@ class Case:
         """Return how large the motion of each run is beside that of the largest, shape (runs,).
 
         That is the farthest a channel goes from its middle, and of the channels the median: one with a fault has no say.
+        Where displacements were measured these say it alone: what yields, rubs or strikes asks for drift.
         """
-        moving = [number for number, channel in enumerate(self.channels) if not channel.is_table]
+        shaken = [number for number, channel in enumerate(self.channels) if not channel.is_table]
+        drifting = [number for number in shaken if self.channels[number].quantity in DISPLACEMENTS]
+        moving = drifting or shaken
         peaks = np.array([[_farthest(run.values[:, number]) for number in moving] for run in runs])
         known = np.isfinite(peaks).all(axis=0) & (peaks > 0.0).any(axis=0)
         if not known.any():

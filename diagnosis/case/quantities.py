@@ -9,6 +9,7 @@ from pounding.experiments.measurements.quantities import UNITS
 
 __all__ = [
     "ABSOLUTE",
+    "DISPLACEMENTS",
     "LAWS",
     "MODAL_BOUNDS",
     "MODAL_UNITS",
@@ -23,6 +24,8 @@ OF_THE_TABLE = frozenset({"table_acceleration", "table_displacement"})
 OF_A_CONTACT = frozenset({"contact_force"})
 ABSOLUTE = frozenset({"absolute_acceleration", "absolute_displacement"})
 """Quantities that mean something at floor 0, the table, too."""
+DISPLACEMENTS = frozenset({"absolute_displacement", "relative_displacement"})
+"""What says how far a floor goes."""
 
 MODAL_UNITS: dict[str, dict[str, float]] = {
     "frequency": units.FREQUENCY,

@@ -295,9 +295,10 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
 def _straightens(found: Findings, judged: Judged) -> bool:
     """Return whether the calibrated frame is within its priors with a likely effect, and without it far beyond them.
 
-    What is missing has then moved into stiffness and mass, or into the damping, as far as their box lets it, where it shows
-    as no misfit. What the frame is with the effect says that no error of its model bends it. Or the effect is what has
-    moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever else takes its part.
+    What is missing has then moved into stiffness and mass, or what dissipates into the damping, as far as their box lets
+    it, where it shows as no misfit. What the frame is with the effect says that no error of its model bends it. Or the
+    effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever
+    else takes its part.
     """
     effect, model = judged.effects[0], found.model
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
@@ -305,7 +306,7 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     without, with_it = (beyond_priors(model, one.fit.filtered.values) for one in (found.null, judged))
     if with_it[0]:
         return False
-    bent = any(alone and not still for alone, still in zip(without, with_it, strict=True))
+    bent = without[0] or (effect.dissipates and without[1] and not with_it[1])
     likely = judged.ln_bayes >= thresholds(found)[0]
     return (bent and likely) or _moved(found, found.null, effect)
 

@@ -158,32 +158,44 @@ def test_roles(folder: Path) -> None:
         read_case(folder)
 
 
-def test_the_largest_motion_is_learnt_from_and_one_bad_channel_has_no_say_in_that(folder: Path) -> None:
-    def scaled(name: str, motion: float, force: float) -> None:
-        rows = [row.split(",") for row in samples(0.002).splitlines()[1:]]
-        text = [f"{t},{a},{motion * float(d)},{force * float(f)}" for t, a, d, f in rows]
-        (folder / name).write_text("\n".join(["time_s,table,d2,force", *text]) + "\n")
-
-    def held_out() -> list[str]:
-        return [run.file for run in read_case(folder).split()[1]]
-
-    more = (
-        '[[channel]]\nname = "a"\nframe = "5B"\nfloor = 3\nquantity = "absolute_acceleration"\nunit = "g"\n'
-    )
-    third = '[[run]]\nfile = "run3.csv"\n'
-    (folder / "case.toml").write_text(CASE.replace(RUN2, RUN2 + third).replace("[prior]", more + "\n[prior]"))
-    for name, motion, spike in (("run1.csv", 1.0, 99.0), ("run2.csv", 0.5, 1.0), ("run3.csv", 1.2, 1.0)):
-        scaled(name, motion, motion)
-        rows = (folder / name).read_text().splitlines()
-        # An accelerometer beside the two, with a bad sample in the first run.
-        rows = [rows[0] + ",a", *(f"{row},{motion * number % 7}" for number, row in enumerate(rows[1:]))]
-        rows[9] = rows[9].rpartition(",")[0] + f",{spike}"
-        (folder / name).write_text("\n".join(rows) + "\n")
-    assert held_out() == ["run2.csv"]
-    edit(folder / "case.toml", 'file = "run3.csv"', 'file = "run3.csv"\nrole = "held_out"')
-    assert held_out() == ["run3.csv"]
-    edit(folder / "case.toml", 'role = "held_out"', 'role = "training"')
-    assert held_out() == ["run2.csv"]
+@pytest.mark.parametrize(
+    ("displacements", "shaken", "held_out"),
+    [
+        (("d2", "d3", "d4"), 0.5, "run2.csv"),
+        (("d2",), 3.0, "run2.csv"),
+        ((), 3.0, "run3.csv"),
+    ],
+    ids=[
+        "a bad sample has no say",
+        "how far it goes counts",
+        "how it shakes if nothing says how far it goes",
+    ],
+)
+def test_the_largest_motion_is_learnt_from(
+    folder: Path, displacements: tuple[str, ...], shaken: float, held_out: str
+) -> None:
+    channels = ["d2", "d3", "d4"]
+    for file, size, others, spike in (
+        ("run1.csv", 1.0, 1.0, 99.0),
+        ("run2.csv", 0.5, shaken, 0.5),
+        ("run3.csv", 1.2, 1.2, 1.2),
+    ):
+        rows = [row.split(",")[:3] for row in samples(0.002).splitlines()[1:]]
+        lines = [f"{t},{a},{size * float(d)},{others * float(d)},{others * float(d)}" for t, a, d in rows]
+        lines[9] = lines[9].rpartition(",")[0] + f",{spike}"
+        (folder / file).write_text("\n".join([",".join(["time_s,table", *channels]), *lines]) + "\n")
+    kinds = {
+        name: ("relative_displacement", "mm") if name in displacements else ("absolute_acceleration", "g")
+        for name in channels
+    }
+    text = CASE[: CASE.index('[[channel]]\nname = "d2"')].replace(RUN2, RUN2 + '[[run]]\nfile = "run3.csv"\n')
+    for floor, (name, (quantity, unit)) in enumerate(kinds.items(), 2):
+        text += f'[[channel]]\nname = "{name}"\nframe = "5B"\nfloor = {floor}\n'
+        text += f'quantity = "{quantity}"\nunit = "{unit}"\n\n'
+    (folder / "case.toml").write_text(text)
+    assert [run.file for run in read_case(folder).split()[1]] == [held_out]
+    edit(folder / "case.toml", 'file = "run1.csv"', 'file = "run1.csv"\nrole = "held_out"')
+    assert [run.file for run in read_case(folder).split()[1]] == ["run1.csv"]
 
 
 RUN1, RUN2 = ('[[run]]\nfile = "run1.csv"\n', '[[run]]\nfile = "run2.csv"\n')
