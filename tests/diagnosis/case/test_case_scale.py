@@ -12,7 +12,7 @@ from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.frames import definition
 from pounding.frames.scale import known_scale
 from pounding.scale import THESIS
-from tests.diagnosis.case.test_case import CASE, samples
+from tests.diagnosis.case.bench_case import CASE, samples
 
 OWN = "damping_ratio = [0.005, 0.004]"
 
