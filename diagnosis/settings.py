@@ -232,8 +232,8 @@ class Checks:
     """[probability by the priors] Frames with a lower probability are calibrated again: the calibration may be stuck.
     Origin: chosen."""
     strained: float = 1e-8
-    """[probability by the priors] Frames with a lower probability are other frames: the verdict is unknown effect.
-    Origin: chosen."""
+    """[probability by the priors] Frames with a lower probability are other frames: the verdict is unknown effect, unless
+    one effect makes them likely. Damping with a lower one is beyond calibration. Origin: chosen."""
     tone: float = 200.0
     """[power over the median beside it] A line of the spectrum with more power is a tone. Origin: chosen; noise alone
     reaches some 40."""

@@ -192,7 +192,7 @@ class Case:
         That is the farthest a channel goes from its middle, and of the channels the median: one with a fault has no say.
         Where displacements were measured these say it alone: what yields, rubs or strikes asks for drift.
         """
-        shaken = [number for number, channel in enumerate(self.channels) if not channel.is_table]
+        shaken = [number for number, one in enumerate(self.channels) if one.frame and not one.is_table]
         drifting = [number for number in shaken if self.channels[number].quantity in DISPLACEMENTS]
         moving = drifting or shaken
         peaks = np.array([[_farthest(run.values[:, number]) for number in moving] for run in runs])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +30,7 @@ from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import beyond_priors, strained, stray_tones
+from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE, beyond_priors, strained, stray_tones
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -300,13 +301,17 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever
     else takes its part.
     """
-    effect, model = judged.effects[0], found.model
+    effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
         return False
-    without, with_it = (beyond_priors(model, one.fit.filtered.values) for one in (found.null, judged))
-    if with_it[0]:
+
+    def far(one: Judged, kinds: Sequence[str]) -> bool:
+        return beyond_priors(found.model, one.fit.filtered.values, kinds)
+
+    if far(judged, STRUCTURE):
         return False
-    bent = without[0] or (effect.dissipates and without[1] and not with_it[1])
+    damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
+    bent = far(found.null, STRUCTURE) or damping
     likely = judged.ln_bayes >= thresholds(found)[0]
     return (bent and likely) or _moved(found, found.null, effect)
 

@@ -45,8 +45,8 @@ AT_REST = 0.1
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
 DASHPOT_SPREAD, DASHPOT_RANGE = 0.5, (-0.5, 1.0)
-"""Prior standard deviations of a stop's loss
-[s/m] and of what the power of its depth has beyond the first, and how far the latter may go."""
+"""Prior standard deviations of a stop's loss [s/m], of what the power of its depth has beyond the first and of how far its
+loss is a dashpot's [-], and how far the latter two may go."""
 
 
 def within(value: float, ends: tuple[float, float]) -> float:

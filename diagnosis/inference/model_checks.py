@@ -38,18 +38,15 @@ def bent(model: Model, filtered: Filtered) -> bool:
     return bool(chi2.sf(*strain(model, filtered.values)) < SETTINGS.checks.bent)
 
 
-def beyond_priors(model: Model, values: np.ndarray) -> tuple[bool, bool]:
-    """Return whether stiffness and mass, and whether the damping, are further from the baseline than their priors allow.
+def beyond_priors(model: Model, values: np.ndarray, kinds: Sequence[str] = STRUCTURE) -> bool:
+    """Return whether the frames' nuisance parameters are further from the baseline model than their priors allow.
 
     Args:
         model: The baseline model.
         values: Nuisance parameters in their own units, shape (nuisance,).
+        kinds: Which parameters count.
     """
-    structure, damping = (
-        bool(chi2.sf(*strain(model, values, kinds)) < SETTINGS.checks.strained)
-        for kinds in (STRUCTURE, DAMPING)
-    )
-    return structure, damping
+    return bool(chi2.sf(*strain(model, values, kinds)) < SETTINGS.checks.strained)
 
 
 def strained(model: Model, values: np.ndarray) -> list[str]:
@@ -59,7 +56,7 @@ def strained(model: Model, values: np.ndarray) -> list[str]:
         model: The baseline model.
         values: Nuisance parameters in their own units, shape (nuisance,).
     """
-    if not beyond_priors(model, values)[0]:
+    if not beyond_priors(model, values):
         return []
     squares, count = strain(model, values)
     return [

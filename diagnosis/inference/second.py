@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, refined
+from pounding.diagnosis.inference.refining import each, keep, refined, widths
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -56,8 +56,9 @@ def _alone(found: Findings, first: Judged) -> None:
     new = [(effect, values) for effect, values in own if (effect,) not in known]
 
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
-        filtered = both.fit.filtered
-        return refine(found.model, filtered, (one[0],), (one[1],), nuisance=filtered.values)
+        (effect, values), filtered = one, both.fit.filtered
+        width = widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0])
+        return refine(found.model, filtered, (effect,), (values,), (width,), nuisance=filtered.values)
 
     for fit in each(found, refined_alone, new):
         keep(found, fit)

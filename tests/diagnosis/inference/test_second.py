@@ -19,6 +19,10 @@ class Named:
     name: str
     rival: bool = False
 
+    def grid(self, _: object) -> list[tuple[float, ...]]:
+        """Return the one shape that it has."""
+        return [()]
+
 
 A, B, C, D, RIVAL = Named("a"), Named("b"), Named("c"), Named("d"), Named("rival", rival=True)
 
@@ -66,6 +70,7 @@ def searched(
 
     monkeypatch.setattr(module, "score", scored)
     monkeypatch.setattr(module, "refine", refine)
+    monkeypatch.setattr(module, "widths", lambda *_: None)
     monkeypatch.setattr(module, "keep", keep)
     monkeypatch.setattr(module, "refined", refined)
     monkeypatch.setattr(module, "same_motion", lambda one: None)
