@@ -16,6 +16,10 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 PARAMETERS = 5
 """How many parameters a force may have."""
+STEP = PARAMETERS
+"""Place after the parameters of the time [s] over which a force's mean is wanted: a solver's step, 0 for one moment."""
+NUMBERS = PARAMETERS + 1
+"""How many numbers a force is given: its parameters and this time."""
 MEMORY = 4
 """How many numbers a force may remember."""
 
@@ -54,7 +58,7 @@ def called(address: int, p: Any, state: Any, d: float, v: float, t: float, new: 
 
     Args:
         address: Where the law's compiled function is.
-        p: Its parameters in SI, contiguous float64, shape (PARAMETERS,).
+        p: Its parameters in SI and at `STEP` the step [s], contiguous float64, shape (NUMBERS,).
         state: What it remembers, contiguous float64, shape (MEMORY,); it is read only.
         d, v, t: Drift, its rate, and the time since the run began.
         new: What it would remember from now on is written here, contiguous float64, shape (MEMORY,).
@@ -71,7 +75,7 @@ def called_at(address: int, p: int, state: int, d: float, v: float, t: float, ne
 
     Args:
         address: Where the law's compiled function is.
-        p: Address of its parameters in SI, contiguous float64.
+        p: Address of these numbers, contiguous float64.
         state: Address of what it remembers, contiguous float64; it is read only.
         d, v, t: Drift [m], its rate [m/s], and the time since the run began [s].
         new: Address at which it writes what it would remember from now on, contiguous float64.

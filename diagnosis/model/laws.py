@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pounding.calling import PARAMETERS
+from pounding.calling import NUMBERS
 from pounding.experiments.rig.laws import Law, filled
 
 
@@ -29,7 +29,7 @@ class PlacedLaw:
 
 
 def placed_arrays(
-    placed: Sequence[PlacedLaw], floors: np.ndarray, end_s: float
+    placed: Sequence[PlacedLaw], floors: np.ndarray, end_s: float, step_s: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return laws at their places as the compiled predictor takes them.
 
@@ -37,14 +37,15 @@ def placed_arrays(
         placed: The laws.
         floors: Shapes of the modes at the floors [kg^-0.5], shape (floors, modes).
         end_s: End of the run [s].
+        step_s: Step [s] over which the mean force is wanted; zero for the force at one moment.
 
     Returns:
         Addresses (laws,), what the modes contribute to each drift (laws, modes), shares of the table's rate (laws,), and
-        parameters (laws, PARAMETERS).
+        parameters (laws, NUMBERS).
     """
-    rows, parameters = np.zeros((len(placed), floors.shape[1])), np.zeros((len(placed), PARAMETERS))
+    rows, parameters = np.zeros((len(placed), floors.shape[1])), np.zeros((len(placed), NUMBERS))
     for j, one in enumerate(placed):
         rows[j] = one.row @ floors
-        parameters[j] = filled(one.parameters, end_s)
+        parameters[j] = filled(one.parameters, end_s, step_s)
     laws = np.array([one.law.address for one in placed], np.int64)
     return laws, rows, np.array([one.in_room for one in placed], float), parameters

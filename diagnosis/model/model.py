@@ -310,7 +310,7 @@ class Model:
         states = 2 * len(modes.omega) + storeys + 3
         substep = run.step_s / run.substeps
         laws, rows, room, parameters = placed_arrays(
-            assembly.laws, modes.floors, run.step_s * (len(run.table) - 1)
+            assembly.laws, modes.floors, run.step_s * (len(run.table) - 1), substep
         )
         known, table_mid, added = self._inputs(assembly, modes, number, run)
         measured = self._faults.removed(assembly, number)

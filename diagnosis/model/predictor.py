@@ -157,7 +157,7 @@ def predict(
         laws: Address of each effect's law (`pounding.experiments.rig.laws`), shape (effects,).
         rows: Modal row of the drift on which it acts, shape (effects, modes).
         room: 1 where it acts on the rate in the room, which has the table's in it, else 0, shape (effects,).
-        parameters: Its parameters in SI, shape (effects, PARAMETERS).
+        parameters: Its parameters in SI, shape (effects, NUMBERS).
         whole: Whether states and outputs are wanted, too; else those have no samples.
 
     Returns:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pounding.calling import MEMORY, PARAMETERS, called
+from pounding.calling import MEMORY, NUMBERS, called
 from pounding.contact.recorded import recorded
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig import exact_loop as loop
@@ -188,7 +188,7 @@ class ExactRig:
         return Storeys(
             first,
             np.array([one.address for one in laws], np.int64),
-            np.array([filled(tuple(one.parameters), end_s) for one in laws]).reshape(len(laws), PARAMETERS),
+            np.array([filled(tuple(one.parameters), end_s) for one in laws]).reshape(len(laws), NUMBERS),
             np.array([one.in_room for one in laws], np.float64),
             np.array([one.remembers for one in laws], np.bool_),
             np.ascontiguousarray(self._loop_contacts.weight @ gains.T),

@@ -86,7 +86,7 @@ class Storeys(NamedTuple):
     Attributes:
         first: The first connection that is a law in a storey: how many contacts there are.
         address: Where the laws' compiled functions are (l,).
-        parameters: Their parameters in SI (l, PARAMETERS).
+        parameters: Their parameters in SI (l, NUMBERS).
         in_room: Share of the table's velocity in the rate that a law sees (l,).
         remembers: Which of them have a memory (l,).
         jolt: Bound of what a unit force of each adds to each connection's relative acceleration (c, l + f) [1/kg].

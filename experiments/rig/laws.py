@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numba import njit
 
-from pounding.calling import MEMORY, PARAMETERS, called, entry
+from pounding.calling import MEMORY, NUMBERS, STEP, called, entry
 
 _COMPILING = threading.Lock()
 
@@ -37,7 +37,8 @@ class Law:
 
     The function is ``force(p, state, d, v, t, new)`` of the law's parameters `p` in SI, what it remembers `state`, the drift
     `d` [m], its rate `v` [m/s] and the time `t` [s] since the run began. It returns the force [N] and writes to `new` what
-    it remembers if the motion really goes to `d`.
+    it remembers if the motion really goes to `d`. After the parameters `p` has the step (`calling.STEP`) over which the mean
+    force is wanted, for a force that begins or ends within it.
 
     Args:
         function: The force, written for numba.
@@ -102,9 +103,16 @@ def remembering_turns(followed: int) -> Callable[[Force], Law]:
     return lambda function: Law(function, remembers=True, followed=followed)
 
 
-def filled(parameters: tuple[float, ...], end_s: float) -> np.ndarray:
-    """Return parameters as a law takes them, shape (PARAMETERS,), with the run's end [s] where they are NaN."""
-    padded = np.zeros(PARAMETERS)
+def filled(parameters: tuple[float, ...], end_s: float, step_s: float = 0.0) -> np.ndarray:
+    """Return parameters as a law takes them, shape (NUMBERS,).
+
+    Args:
+        parameters: In SI; NaN stands for the run's end.
+        end_s: The run's end [s].
+        step_s: Step [s] over which the force's mean is wanted; zero for the force at one moment.
+    """
+    padded = np.zeros(NUMBERS)
+    padded[STEP] = step_s
     padded[: len(parameters)] = [end_s if np.isnan(number) else number for number in parameters]
     return padded
 
@@ -116,7 +124,7 @@ def along(
 
     Args:
         address: Where its compiled function is.
-        parameters: In SI, shape (PARAMETERS,).
+        parameters: As `filled` returns them, shape (NUMBERS,).
         drift, rate, time: Drift [m], its rate [m/s] and times [s], each (samples,).
     """
     motion = (np.ascontiguousarray(series, float) for series in (drift, rate, time))

@@ -9,6 +9,7 @@ import math
 
 from numba import njit
 
+from pounding.calling import STEP
 from pounding.experiments.rig.laws import Numbers, memoryless, remembering, remembering_turns
 
 STRIBECK_RATE = 5e-3
@@ -110,14 +111,20 @@ def stop(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers)
     p2 the loss [s/m], by which the force at the depth `PRESSED_M` is larger while it is pressed and smaller while it is let
     go; p3 what the power of the depth has beyond the first, the force at that depth being the same; p4 by how much the loss
     grows with less than the depth: none where it grows with it (Hunt and Crossley 1975), 1 where a dashpot stands beside
-    the spring and is there at once (Kelvin and Voigt). It never pulls.
+    the spring and is there at once (Kelvin and Voigt). It never pulls. Of a step in which it touches or lets go, the force
+    is that of the part in which it is touched: else a small change of the motion would move a whole push by a step.
     """
     side = 1.0 if p[0] >= 0.0 else -1.0
     depth = side * (d - p[0])
-    if depth <= 0.0:
+    way = p[STEP] * abs(v)
+    deepest = depth + 0.5 * way
+    if deepest <= 0.0:
         return 0.0
+    touched = 1.0
+    if deepest < way:
+        depth, touched = 0.5 * deepest, deepest / way
     loss = p[2] if p[4] == 0.0 else p[2] * (depth / PRESSED_M) ** -p[4]
-    force = side * p[1] * depth * max(1.0 + loss * side * v, 0.0)
+    force = touched * side * p[1] * depth * max(1.0 + loss * side * v, 0.0)
     return force if p[3] == 0.0 else force * (depth / PRESSED_M) ** p[3]
 
 

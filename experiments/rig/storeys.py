@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.calling import MEMORY, PARAMETERS
+from pounding.calling import MEMORY, NUMBERS
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.motion import FrameMotion, StoreyHistory
 
@@ -26,7 +26,7 @@ class StoreyLaw:
     Attributes:
         address: Where its compiled function is (`pounding.calling.entry`, which must be kept alive as long as this).
         row: What the floors' displacements contribute to the drift (storeys,) [-].
-        parameters: Its parameters in SI (PARAMETERS,); NaN stands for the end of the run [s].
+        parameters: Its parameters in SI (NUMBERS,); NaN stands for the end of the run [s].
         body: Which frame of the row, from 0.
         in_room: Share of the table's rate in the rate that it sees: one in the room, nothing for that of the drift alone.
         remembers: Whether it has a memory; what remembers sees every turn of the drift.
@@ -74,7 +74,7 @@ def check(storey: StoreyLaw | KnownForce, frames: Sequence[ReducedFrame]) -> Non
     frame = frames[storey.body]
     _check_length(f"row of floors of {frame.name}", storey.row, frame.storeys)
     if isinstance(storey, StoreyLaw):
-        _check_length("parameters", storey.parameters, PARAMETERS)
+        _check_length("parameters", storey.parameters, NUMBERS)
         _check_length("memory", storey.memory, MEMORY)
 
 

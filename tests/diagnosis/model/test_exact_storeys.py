@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from pounding.calling import MEMORY, PARAMETERS
+from pounding.calling import MEMORY, NUMBERS
 from pounding.contact import thesis_law
 from pounding.diagnosis.effects.bases import LawEffect
 from pounding.diagnosis.effects.candidates import kinds
@@ -243,7 +243,7 @@ def test_a_law_that_a_frame_cannot_have_is_refused() -> None:
     for changes, words in (
         ({"body": 1}, "frame 1, but there are 1"),
         ({"row": np.ones(4)}, "row of floors of .*give 3 numbers"),
-        ({"parameters": np.ones(2)}, f"parameters.*give {PARAMETERS}"),
+        ({"parameters": np.ones(2)}, f"parameters.*give {NUMBERS}"),
         ({"memory": np.ones(1)}, f"memory.*give {MEMORY}"),
     ):
         with pytest.raises(ExperimentError, match=words):

@@ -126,8 +126,23 @@ def test_a_stop_is_its_own_mirror() -> None:
     assert right[-1] == pytest.approx(40.0)
 
 
+@pytest.mark.parametrize("dashpot", [0.0, 1.0])
+@pytest.mark.parametrize("rate", [0.2, -0.2])
+def test_the_force_of_a_stop_over_a_step_is_the_mean_of_that_at_its_moments(
+    dashpot: float, rate: float
+) -> None:
+    numbers, step = (1e-3, 2e4, 4.0, 0.0, dashpot), 1e-3
+    moments = np.linspace(-step / 2, step / 2, 2001)
+    for middle in (0.85e-3, 0.95e-3, 1.0e-3, 1.05e-3, 1.2e-3):
+        drift = middle + rate * moments
+        wanted = stop.along(numbers, drift, np.full(2001, rate), moments).mean()
+        whole, still = filled(numbers, 1.0, step), np.zeros(MEMORY)
+        assert stop.function(whole, still, middle, rate, 0.0, still) == pytest.approx(wanted, rel=2e-3, abs=2e-3)
+
+
 def test_what_a_law_takes_for_the_end_of_a_run_is_filled_in() -> None:
-    assert list(filled((2.0, float("nan")), 7.0)) == [2.0, 7.0, 0.0, 0.0, 0.0]
+    assert list(filled((2.0, float("nan")), 7.0)) == [2.0, 7.0, 0.0, 0.0, 0.0, 0.0]
+    assert list(filled((2.0,), 7.0, 1e-3)) == [2.0, 0.0, 0.0, 0.0, 0.0, 1e-3]
 
 
 def test_a_law_is_compiled_when_it_is_first_needed() -> None:
