@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.model.kalman import Noise
+from pounding.diagnosis.inference.filtering import Filtered, run_filter, run_signatures, whitened_innovations
+from pounding.diagnosis.model.kalman import Noise, louder_filter
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.settings import SETTINGS
 
-CHANGE = 0.01
-"""Change of a logarithm by which slopes are taken."""
 REACH = 1.0
 """Largest change of a logarithm in one step."""
 SHARES = (1.0, 0.3, 0.1)
@@ -41,47 +40,29 @@ def likeliest_noise(model: Model, filtered: Filtered, latent: bool = True) -> Fi
     return run_filter(model, filtered.values, found, filtered.runs, filtered.effects)
 
 
-@dataclass(frozen=True)
-class _Run:
-    """One run with its noise.
-
-    Attributes:
-        noise: The noise.
-        innovations: In SI, shape (samples, channels).
-        covariance: Of these, as the filter expects it, shape (channels, channels).
-        log_likelihood: Of these.
-    """
-
-    noise: Noise
-    innovations: np.ndarray
-    covariance: np.ndarray
-    log_likelihood: float
-
-
 def _of_run(model: Model, filtered: Filtered, number: int, latent: bool) -> Noise:
     """Return the likeliest noise of one run, that of the filtered model where nothing is to be gained."""
     run, first = filtered.runs[number], filtered.noise[number]
 
-    def at(noise: Noise) -> _Run:
-        one = run_filter(model, filtered.values, [noise], [run], filtered.effects)
-        return _Run(noise, one.prediction.innovations[0], one.filters[0].covariance, one.log_likelihood)
+    def at(noise: Noise) -> Filtered:
+        return run_filter(model, filtered.values, [noise], [run], filtered.effects)
 
     rms = np.nan_to_num(model.observed.rms(model.observed.runs[run]), nan=1.0)
     start = here = at(first)
     free = np.eye(2 + int(np.isfinite(first.channel).sum()))[0 if latent else 1 :]
     for _ in range(SETTINGS.refinement.noise_steps):
         before = here
-        beside = [at(_louder(here.noise, CHANGE * row, rms)) for row in free]
-        information, slope = _scored(here, beside)
+        information, slope = _scored(model, here)
+        information, slope = free @ information @ free.T, free @ slope
         if not (np.isfinite(information).all() and np.isfinite(slope).all()):
             break
         step = np.clip(np.linalg.solve(information + np.eye(len(free)), slope), -REACH, REACH) @ free
-        trials = (at(_louder(here.noise, share * step, rms)) for share in SHARES)
+        trials = (at(_louder(here.noise[0], share * step, rms)) for share in SHARES)
         here = next((one for one in trials if one.log_likelihood > before.log_likelihood), before)
         if here.log_likelihood < before.log_likelihood + SETTINGS.refinement.noise_likelier:
             break
     gained = here.log_likelihood - start.log_likelihood
-    return here.noise if gained > SETTINGS.refinement.noise_likelier else first
+    return here.noise[0] if gained > SETTINGS.refinement.noise_likelier else first
 
 
 def _louder(noise: Noise, by: np.ndarray, rms: np.ndarray) -> Noise:
@@ -103,13 +84,29 @@ def _louder(noise: Noise, by: np.ndarray, rms: np.ndarray) -> Noise:
     return replace(noise, latent=latent, table=table, channel=channel)
 
 
-def _scored(here: _Run, beside: list[_Run]) -> tuple[np.ndarray, np.ndarray]:
-    """Return Fisher's information (numbers, numbers) and the slope (numbers,) of the log likelihood by each logarithm."""
-    inverse = np.linalg.inv(here.covariance)
-    white = np.linalg.cholesky(inverse).T
-    series = np.stack([((one.innovations - here.innovations) @ white.T).ravel() for one in beside]) / CHANGE
-    spread = np.stack([inverse @ (one.covariance - here.covariance) for one in beside]) / CHANGE
-    samples = len(here.innovations)
-    information = series @ series.T + 0.5 * samples * np.einsum("iab,jba->ij", spread, spread)
-    gained = np.array([one.log_likelihood - here.log_likelihood for one in beside]) / CHANGE
-    return information, gained + 0.5 * CHANGE * np.diag(information)
+def _scored(model: Model, here: Filtered) -> tuple[np.ndarray, np.ndarray]:
+    """Return Fisher's information (numbers, numbers) and the slope (numbers,) of the log likelihood by each logarithm.
+
+    Another gain corrects the states by more or less of each innovation, which the closed loop passes on; another covariance
+    divides other noise out.
+
+    Args:
+        model: The baseline model.
+        here: The filtered model of one run.
+    """
+    run = model.observed.runs[here.runs[0]]
+    steady, innovations = here.filters[0], here.prediction.innovations[0]
+    louder = louder_filter(model.linear_system(here.run_modes[0]), here.noise[0], run.step_s, steady)
+    # What the filter corrects the model by, the motion lacks.
+    still = np.zeros(len(innovations))
+    columns = [[Term(still, jumps=-innovations @ one.T)] for one in louder.gain]
+    moved = run_signatures(model, here, 0, columns).astype(float)
+    white = whitened_innovations(model, here)[0]
+    good = np.isfinite(run.measured)
+    spread = steady.whitening @ louder.covariance @ steady.whitening.T
+    halves = np.tril(spread, -1) + 0.5 * spread * np.eye(len(steady.covariance))
+    each = white.reshape(good.shape)
+    seen = each.T @ each
+    information = moved.T @ moved + 0.5 * len(innovations) * np.einsum("iab,jba->ij", spread, spread)
+    slope = np.einsum("ab,iab->i", seen, halves) - moved.T @ white
+    return information, slope - 0.5 * np.einsum("iaa,a->i", spread, good.sum(axis=0))

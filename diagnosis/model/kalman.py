@@ -6,7 +6,7 @@ predictions do not run out of phase with a lightly damped frame and a later line
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -183,6 +183,66 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
     return SteadyFilter(gain, full, step, start, end, system.output, system.direct, updated)
 
 
+@dataclass(frozen=True)
+class LouderFilter:
+    """Derivatives of a steady filter by the logarithms of its noise: that of the latent forces, of the table, of each
+    measured channel.
+
+    Attributes:
+        gain: Of the gain, shape (numbers, states, channels).
+        covariance: Of the innovation covariance, shape (numbers, channels, channels).
+    """
+
+    gain: np.ndarray
+    covariance: np.ndarray
+
+
+def louder_filter(system: LinearSystem, noise: Noise, step_s: float, steady: SteadyFilter) -> LouderFilter:
+    """Return how the steady filter of a sampled system changes with its noise.
+
+    A covariance that changes by what drives the states does so as a stable system's does: each a Lyapunov equation.
+
+    Args:
+        system: The system.
+        noise: Latent forces and noise of table and channels.
+        step_s: Sampling step [s].
+        steady: Its filter.
+    """
+    states, measured = len(system.rate), np.isfinite(noise.channel)
+    output, gain, inner = system.output[measured], steady.gain[:, measured], np.ix_(measured, measured)
+    driven = [
+        discretise(system.rate, noise_density(states, one), step_s)[1]
+        for one in (replace(noise, table=0.0), replace(noise, latent=0.0 * noise.latent))
+    ]
+    shares = np.zeros((2 + len(output), len(output), len(output)))
+    for c, sigma in enumerate(noise.channel[measured]):
+        shares[2 + c, c, c] = 2.0 * sigma**2
+    through = steady.step @ gain
+    pushed = through @ shares @ through.T
+    pushed[:2] += 2.0 * np.array(driven)
+    kept = np.eye(states) - gain @ output
+    predicted = _lyapunov(steady.step @ kept, pushed)
+    slopes = output @ predicted @ output.T + shares
+    louder = LouderFilter(
+        np.zeros((len(shares), states, len(measured))), np.zeros((len(shares), len(measured), len(measured)))
+    )
+    inverse = np.linalg.inv(steady.covariance[inner])
+    louder.gain[:, :, measured] = (kept @ predicted @ output.T - gain @ shares) @ inverse
+    louder.covariance[(slice(None), *inner)] = slopes
+    return louder
+
+
+def _lyapunov(step: np.ndarray, pushed: np.ndarray) -> np.ndarray:
+    """Return the steady covariances of a stable system under pushes, each (pushes, states, states); NaN where not stable."""
+    whole = pushed
+    for _ in range(DOUBLINGS):
+        more = step @ whole @ step.T
+        whole, step = whole + more, step @ step
+        if np.abs(more).max() <= 1e-12 * np.abs(whole).max():
+            return np.asarray(whole)
+    return np.full_like(pushed, np.nan)
+
+
 def noise_density(states: int, noise: Noise) -> np.ndarray:
     """Return the spectral density of the white noise that drives each state, shape (states,)."""
     storeys = len(noise.latent)
@@ -227,6 +287,8 @@ def _first_order_hold(rate: np.ndarray, force: np.ndarray, step_s: float) -> tup
     return held - ramp, ramp
 
 
+DOUBLINGS = 60
+"""Doublings after which what has not become steady never will."""
 LEAST = (1e-12, 1e-9, 1e-6)
 """Covariances that every state has at least, over what drives the driven ones, tried in turn: what nothing drives, and noisy
 channels hardly see, has no steady covariance to many digits."""
@@ -261,7 +323,7 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
     """
     a, g, h = step.T.copy(), output.T @ output, covariance.copy()
     identity = np.eye(len(step))
-    for _ in range(60):
+    for _ in range(DOUBLINGS):
         inverse = np.linalg.inv(identity + g @ h)
         new_h = h + a.T @ h @ inverse @ a
         g = g + a @ inverse @ g @ a.T

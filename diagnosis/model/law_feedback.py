@@ -88,6 +88,7 @@ def filter_with_laws(
     first: int,
     series: np.ndarray,
     at_end: np.ndarray,
+    jumps: np.ndarray,
     state: np.ndarray,
     result: np.ndarray,
 ) -> None:
@@ -97,6 +98,7 @@ def filter_with_laws(
         feedback: The loop with it.
         first: Number of the first sample.
         series, at_end: Size of each term at the samples, shape (samples, terms).
+        jumps: What else each adds to the states after each sample, shape (samples, states, terms), or none.
         state: States before the first sample, which become those after the last one, shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
     """
@@ -105,6 +107,7 @@ def filter_with_laws(
     samples, terms = series.shape
     channels, laws = own_direct.shape
     groups = result.shape[2]
+    jumping = jumps.size > 0
     shown = np.zeros((channels + 2 * laws, terms))
     motion = np.zeros((2 * laws, terms))
     forces = np.zeros((2 * laws, terms))
@@ -145,6 +148,8 @@ def filter_with_laws(
         for i in range(len(state)):
             for t in range(terms):
                 push[i, t] += inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
+                if jumping:
+                    push[i, t] += jumps[k, i, t]
         if turning:
             _turn(transition, push, state)
         else:

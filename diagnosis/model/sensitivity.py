@@ -29,6 +29,7 @@ class Term:
         end: Size at the end of the step before each sample, where it differs from `series` (a force that jumps when
             the state is corrected), shape (samples,), or None.
         table: What a unit of it adds to the table's own acceleration.
+        jumps: What it adds to the states at once when each sample has corrected them, shape (samples, states), or None.
         inertial: The force comes from the table's motion, which an absolute acceleration does not show at once.
     """
 
@@ -38,6 +39,7 @@ class Term:
     end: np.ndarray | None = None
     inertial: bool = False
     table: float = 0.0
+    jumps: np.ndarray | None = None
 
 
 def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray) -> np.ndarray:
@@ -91,9 +93,9 @@ def signature_pieces(
         steady.direct @ force[:modes] * seen + output,
     )
     own = own_motions(closed)
-    turn, shows, moved = closed, shown @ steady.output, inputs
+    turn, shows, moved, onward = closed, shown @ steady.output, inputs, steady.step
     if own is not None:
-        turn, shows, moved = own.turn, shows @ own.back, own.forth @ inputs
+        turn, shows, moved, onward = own.turn, shows @ own.back, own.forth @ inputs, own.forth @ steady.step
     contiguous = np.ascontiguousarray
     loop = Loop(
         transition=contiguous(turn),
@@ -111,12 +113,28 @@ def signature_pieces(
         rows = slice(first, first + piece)
         series = np.array([term.series[rows] for term in terms]).T.copy()
         at_end = np.array([end[rows] for end in ends]).T.copy()
+        jumps = _jumps(terms, rows, onward)
         result = np.empty((len(series), channels, len(groups)), np.float32)
         if feedback is None:
-            _filter(loop, series, at_end, state, result)
+            _filter(loop, series, at_end, jumps, state, result)
         else:
-            filter_with_laws(feedback, first, series, at_end, state, result)
+            filter_with_laws(feedback, first, series, at_end, jumps, state, result)
         yield result
+
+
+def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray:
+    """Return what a step makes of the terms' jumps at some samples, (samples, states, terms), without any (0, 0, 0).
+
+    Args:
+        terms: The terms.
+        rows: The samples.
+        onward: What a step makes of the filter's states, in whatever coordinates the loop's are, shape (states, states).
+    """
+    if all(term.jumps is None for term in terms):
+        return np.zeros((0, 0, 0))
+    still = np.zeros((len(terms[0].series), onward.shape[1]))
+    each = [(still if term.jumps is None else term.jumps)[rows] @ onward.T for term in terms]
+    return np.ascontiguousarray(np.stack(each, axis=2))
 
 
 def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
@@ -135,13 +153,19 @@ def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _filter(
-    loop: Loop, series: np.ndarray, at_end: np.ndarray, state: np.ndarray, result: np.ndarray
+    loop: Loop,
+    series: np.ndarray,
+    at_end: np.ndarray,
+    jumps: np.ndarray,
+    state: np.ndarray,
+    result: np.ndarray,
 ) -> None:
     """Run the closed loop once for each term, and add up what those of a group show.
 
     Args:
         loop: The loop.
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
+        jumps: What else each adds to the states after each sample, shape (samples, states, terms), or none.
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
             shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
@@ -150,6 +174,7 @@ def _filter(
     samples, terms = series.shape
     channels, states = output.shape
     groups = result.shape[2]
+    jumping = jumps.size > 0
     pairs = states - transition.shape[1]
     # Some samples' states side by side: what they show is one product of large matrices, and all loops run over terms.
     x = np.zeros((states, TOGETHER + 1, terms))
@@ -179,6 +204,10 @@ def _filter(
                             + inputs[0, j, t] * series[k, t]
                             + inputs[1, j, t] * at_end[k, t]
                         )
+                    if jumping:
+                        for t in range(terms):
+                            x[i, b + 1, t] += jumps[k, i, t]
+                            x[j, b + 1, t] += jumps[k, j, t]
             for i in range(2 * pairs, states):
                 real = transition[0, i - pairs]
                 for b in range(count):
@@ -189,12 +218,16 @@ def _filter(
                             + inputs[0, i, t] * series[k, t]
                             + inputs[1, i, t] * at_end[k, t]
                         )
+                        if jumping:
+                            x[i, b + 1, t] += jumps[k, i, t]
         else:
             for b in range(count):
                 k = first + b
                 for i in range(states):
                     for t in range(terms):
                         x[i, b + 1, t] = inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
+                        if jumping:
+                            x[i, b + 1, t] += jumps[k, i, t]
                     for s in range(states):
                         real = transition[i, s]
                         for t in range(terms):

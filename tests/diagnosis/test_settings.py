@@ -31,7 +31,6 @@ NO_THRESHOLDS = {
         "coordinates.REACH",
         "filtering.LARGEST_SLOPE",
         "evidence.AT_THE_END",
-        "likeliest_noise.CHANGE",
         "likeliest_noise.REACH",
         "likeliest_noise.SHARES",
         "modal_evidence.STEPS",

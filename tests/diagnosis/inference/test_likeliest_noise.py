@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from pounding.diagnosis.effects.storey import CubicStiffness
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.likeliest_noise import likeliest_noise
+from pounding.diagnosis.inference.likeliest_noise import _louder, _scored, likeliest_noise
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
@@ -82,3 +84,21 @@ def test_a_model_that_blew_up_is_returned_as_it_is() -> None:
     model = measured(noise=SHARE)
     blown = replace(started(model, likely(model)), log_likelihood=-np.inf)
     assert likeliest_noise(model, blown) is blown
+
+
+@pytest.mark.parametrize(
+    "effects", [(), ((CubicStiffness(index=1, frame="bench", storey=2), np.array([2e10])),)]
+)
+def test_slopes_by_the_noise_are_those_of_differences_whatever_acts(effects: Any) -> None:
+    model = measured(effects, noise=SHARE)
+    noise = replace(likely(model), channel=1.2 * likely(model).channel, table=0.05)
+
+    def at(by: np.ndarray) -> Filtered:
+        rms = model.observed.rms(model.observed.runs[0])
+        return run_filter(model, np.zeros(len(model.std)), [_louder(noise, by, rms)], (0,), effects)
+
+    rows = 1e-3 * np.eye(2 + len(noise.channel))
+    wanted = [(at(row).log_likelihood - at(-row).log_likelihood) / 2e-3 for row in rows]
+    information, slope = _scored(model, at(0.0 * rows[0]))
+    assert slope == pytest.approx(wanted, rel=0.01, abs=0.02 * np.abs(wanted).max())
+    assert np.linalg.eigvalsh(information).min() > 0.0

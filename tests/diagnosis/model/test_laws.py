@@ -137,7 +137,9 @@ def test_the_force_of_a_stop_over_a_step_is_the_mean_of_that_at_its_moments(
         drift = middle + rate * moments
         wanted = stop.along(numbers, drift, np.full(2001, rate), moments).mean()
         whole, still = filled(numbers, 1.0, step), np.zeros(MEMORY)
-        assert stop.function(whole, still, middle, rate, 0.0, still) == pytest.approx(wanted, rel=2e-3, abs=2e-3)
+        assert stop.function(whole, still, middle, rate, 0.0, still) == pytest.approx(
+            wanted, rel=2e-3, abs=2e-3
+        )
 
 
 def test_what_a_law_takes_for_the_end_of_a_run_is_filled_in() -> None:
