@@ -287,9 +287,14 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
 
 
 def _acts(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether there is a second effect beside the first one, whatever it explains."""
+    """Return whether there is a second effect beside the first one, whatever it explains.
+
+    What the first one's law gets wrong may pass for one, but is not made good down to the noise by another effect.
+    """
     needs = SETTINGS.decision
-    least = single.ln_bayes + _second_evidence(found, single, double) + needs.second_share * single.ln_bayes
+    only_both = _something_left(found, single) and not _something_left(found, double)
+    share = 0.0 if only_both else needs.second_share
+    least = single.ln_bayes + _second_evidence(found, single, double) + share * single.ln_bayes
     return bool(double.ln_bayes > least and signal_to_noise(found, double, single) >= needs.second_size)
 
 
