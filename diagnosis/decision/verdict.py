@@ -309,6 +309,9 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
         return False
+    if found.pair is not None:
+        # What the contact's law gets wrong, or another logger, may bend a frame as well.
+        return False
 
     def far(one: Judged, kinds: Sequence[str]) -> bool:
         return beyond_priors(found.model, one.fit.filtered.values, kinds)
