@@ -249,6 +249,8 @@ class Checks:
     own: float = 0.02
     """[natural frequency] A line that is so near to a mode is that mode. Origin: lowered from 0.03 after commit
     b0092bb; not measured."""
+    as_stiff: float = 0.1
+    """[share of a run] A mode swings as fast as a law that is as stiff for so long makes it. Origin: chosen."""
     same_tone_hz: float = 0.5
     """[Hz] Lines nearer to each other are one tone. Origin: chosen."""
     hum_hz: float = 0.3

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, find_objects, label, median_filter
 from scipy.stats import chi2
 
-from pounding.diagnosis.inference.filtering import Filtered, whitened_runs
+from pounding.diagnosis.inference.filtering import Filtered, tangents_of, whitened_runs
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import MODAL_DAMPING
 from pounding.diagnosis.settings import SETTINGS
@@ -67,14 +67,15 @@ def strained(model: Model, values: np.ndarray) -> list[str]:
 
 def stray_tones(model: Model, filtered: Filtered) -> list[str]:
     """Return a sentence for each frequency at which several channels show a line that is nobody's."""
-    own = filtered.modes.omega / (2.0 * np.pi)
     found: dict[float, str] = {}
     white = whitened_runs(model, filtered.prediction.innovations, filtered.filters, filtered.runs)
-    for series, number in zip(white, filtered.runs, strict=True):
+    for each, (series, number) in enumerate(zip(white, filtered.runs, strict=True)):
         run = model.observed.runs[number]
+        slowest, fastest = _swings(model, filtered, each)
         shaken = table_lines(run.table, run.step_s)
         for frequency in tones(series, run.step_s):
-            mode = np.abs(frequency / own - 1.0).min() < SETTINGS.checks.own
+            near = SETTINGS.checks.own * frequency
+            mode = np.any((slowest < frequency + near) & (frequency - near < fastest))
             if (
                 not mode
                 and not _hum(frequency)
@@ -88,6 +89,30 @@ def stray_tones(model: Model, filtered: Filtered) -> list[str]:
         "is it a machine, or a part that sways by itself?"
         for frequency, name in found.items()
     ]
+
+
+def _swings(model: Model, filtered: Filtered, number: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest and the highest frequency [Hz] of each mode in a run, each (modes,).
+
+    A frame with a joint that sticks and slips swings faster while it sticks. What is stiff for a short part of the run, as a
+    stop that is knocked against, makes no line.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+    """
+    laws, linear = tangents_of(model, filtered, number), np.diag(filtered.run_modes[number].omega ** 2)
+    if laws is None:
+        hz = np.sqrt(np.diag(linear)) / (2.0 * np.pi)
+        return hz, hz
+    slopes, least = laws.slopes[:, :, 0, 0], SETTINGS.checks.as_stiff
+    squares = (
+        np.linalg.eigvalsh(linear + laws.rows.T * stiffness @ laws.rows)
+        for stiffness in np.quantile(slopes, (least, 1.0 - least), axis=0)
+    )
+    low, high = (np.sqrt(np.maximum(each, 0.0)) / (2.0 * np.pi) for each in squares)
+    return low, high
 
 
 def _hum(frequency: float) -> bool:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.model_checks import strain, strained, stray_tones, table_lines, tones
 from pounding.diagnosis.inference.starting import starting_noise
@@ -21,9 +24,9 @@ def noise(channels: int, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal((SAMPLES, channels))
 
 
-def with_tone(frequency: float, size: float, channels: list[int]) -> Model:
+def with_tone(frequency: float, size: float, channels: list[int], effects: Sequence[Any] = ()) -> Model:
     """The bench with a tone on some channels of its first run, as a share of the channel's rms."""
-    model = measured()
+    model = measured(effects)
     first, *others = model.observed.runs
     series = first.measured.copy()
     for channel in channels:
@@ -74,6 +77,23 @@ def test_a_line_beside_a_mode_is_a_fan_and_one_at_a_mode_is_that_mode() -> None:
     beside, at = (with_tone(own * ratio, 0.3, [0, 1, 2]) for ratio in (1.025, 1.005))
     assert len(stray_tones(beside, null_model(beside))) == 1
     assert stray_tones(at, null_model(at)) == []
+
+
+def test_a_frame_with_a_joint_that_sticks_swings_faster_and_that_is_no_fan() -> None:
+    """Stuck for good, the joint is a second spring as stiff as the storey."""
+    stuck = ((CoulombFriction(index=0, frame="bench", storey=1), np.array([1e5, 1.0, 0.0])),)
+
+    def said(frequency: float) -> list[str]:
+        model = with_tone(frequency, 0.3, [0, 1, 2], stuck)
+        noise = starting_noise(model, (0, 1), 0.01)
+        return stray_tones(model, run_filter(model, np.zeros(len(model.std)), noise, (0, 1), stuck))
+
+    model = measured()
+    row = model.structure.drift[0] @ null_model(model).modes.floors
+    squares = null_model(model).modes.omega ** 2
+    faster = np.linalg.eigvalsh(np.diag(squares) + 6e4 * np.outer(row, row))
+    assert said(np.sqrt(faster[0]) / (2 * np.pi)) == []
+    assert len(said(1.06 * np.sqrt(faster[0]) / (2 * np.pi))) == 1
 
 
 def test_hum_of_the_mains_is_no_fan() -> None:
