@@ -304,7 +304,7 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     What is missing has then moved into stiffness and mass, or what dissipates into the damping, as far as their box lets
     it, where it shows as no misfit. What the frame is with the effect says that no error of its model bends it. Or the
     effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever
-    else takes its part.
+    else takes its part, where none else of its kind has.
     """
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
@@ -321,7 +321,7 @@ def _straightens(found: Findings, judged: Judged) -> bool:
     damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
     bent = far(found.null, STRUCTURE) or damping
     likely = judged.ln_bayes >= thresholds(found)[0]
-    return (bent and likely) or _moved(found, found.null, effect)
+    return (bent and likely) or _moved(found, found.null, judged, effect)
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:
@@ -339,15 +339,15 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
         # What the contact's law gets wrong may bend a frame as well.
         return False
     second = [effect for effect in double.effects if effect not in single.effects]
-    moved = any(_moved(found, single, effect) for effect in second)
+    moved = any(_moved(found, single, double, effect) for effect in second)
     return moved and gained >= thresholds(found)[0] and not _something_left(found, single)
 
 
-def _moved(found: Findings, without: Judged, effect: Effect) -> bool:
-    """Return whether the parameter that an effect changes has moved beyond calibration where the effect is not there."""
-    values = without.fit.filtered.values
+def _moved(found: Findings, without: Judged, judged: Judged, effect: Effect) -> bool:
+    """Return whether the parameter that an effect changes moves beyond calibration only where the effect is not there."""
+    values = without.fit.filtered.values, judged.fit.filtered.values
     alike = [one for one in (effect, same_motion(effect)) if one is not None]
-    return any(one.departed(found.model, values) for one in alike)
+    return any(one.departed(found.model, *values) for one in alike)
 
 
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:

@@ -109,13 +109,14 @@ class Departure(Effect):
         """Indices of the places at which it departs."""
         return (self.index,)
 
-    def departed(self, model: Model, values: np.ndarray) -> bool:
-        """Return whether the nuisance parameter is beyond calibration at one of the places."""
-        own = [(one.kind, one.place) for one in model.parameters]
-        which = [
-            own.index((self.parameter, place)) for place in self.places if (self.parameter, place) in own
-        ]
-        return bool(np.any(np.abs(values[which] / model.std[which]) > SETTINGS.decision.beyond_calibration))
+    def departed(self, model: Model, without: np.ndarray, beside: np.ndarray) -> bool:
+        """Return whether its nuisance parameter is beyond calibration without it, and none of the kind beside it."""
+        kind = np.array([one.kind == self.parameter for one in model.parameters])
+        here = kind & np.array([one.place in self.places for one in model.parameters])
+        far, still = (
+            np.abs(each / model.std) > SETTINGS.decision.beyond_calibration for each in (without, beside)
+        )
+        return bool(np.any(far & here) and not np.any(still & kind))
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the nuisance parameter's own terms."""

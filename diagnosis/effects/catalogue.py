@@ -158,14 +158,16 @@ class Effect:
         del scales
         return [()]
 
-    def departed(self, model: Model, values: np.ndarray) -> bool:
-        """Return whether a nuisance parameter has moved in its stead further than calibration may.
+    def departed(self, model: Model, without: np.ndarray, beside: np.ndarray) -> bool:
+        """Return whether a nuisance parameter has moved in its stead further than calibration may, and with it none does.
+
+        Where others of its kind stay as far away, something else moves them, and most likely that one, too.
 
         Args:
             model: The baseline model.
-            values: Nuisance parameters without the effect in their own units, shape (nuisance,).
+            without, beside: Nuisance parameters without the effect and beside it in their own units, each (nuisance,).
         """
-        del model, values
+        del model, without, beside
         return False
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
