@@ -21,6 +21,7 @@ from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
 from tests.diagnosis.decision.problems import (
     CUBIC,
     DATA,
+    OTHER_FLOOR,
     PROBLEMS,
     Problem,
     Tried,
@@ -142,27 +143,49 @@ def test_a_frame_that_one_effect_makes_another_one_may_be_itself_with_two(also: 
 
 
 @pytest.mark.parametrize(
-    ("gained", "moved", "left", "named"),
+    ("gained", "moved", "still", "left", "named"),
     [
-        pytest.param(40.0, 3.2, 1.0, 2, id="what moved was the second effect"),
-        pytest.param(20.0, 3.2, 1.0, 1, id="too little says so"),
-        pytest.param(40.0, 2.8, 1.0, 1, id="calibration may move it as far"),
-        pytest.param(40.0, 3.2, 1.2, 1, id="the law of the first effect may have moved it"),
+        pytest.param(40.0, 3.2, 0.0, 1.0, 2, id="what moved was the second effect"),
+        pytest.param(20.0, 3.2, 0.0, 1.0, 1, id="too little says so"),
+        pytest.param(40.0, 2.8, 0.0, 1.0, 1, id="calibration may move it as far"),
+        pytest.param(40.0, 3.2, 0.0, 1.2, 1, id="the law of the first effect may have moved it"),
+        pytest.param(40.0, 3.2, 3.2, 1.0, 1, id="something else moves another storey, too"),
     ],
 )
 def test_a_second_effect_that_calibration_took_is_named_where_the_first_leaves_nothing(
-    gained: float, moved: float, left: float, named: int
+    gained: float, moved: float, still: float, left: float, named: int
 ) -> None:
     model, usual = bench()
     stiffness = partial(effect, "stiffness_change", 2)
     tried = (Tried((CUBIC, stiffness), 5000.0 + gained, left), Tried((CUBIC,), 5000.0, left))
     found = findings(Problem(4.0, tried, "effect_named"), DATA["quiet"])
     own = [(one.kind, one.place) for one in model.parameters]
-    values = np.zeros(len(model.std))
-    values[own.index(("storey_stiffness", 1))] = -moved * model.std[own.index(("storey_stiffness", 1))]
-    alone: Any = next(one for one in found.judged if len(one.effects) == 1).fit
-    alone.filtered = cast(Filtered, replace(usual, values=values))
+    here, beside = (own.index(("storey_stiffness", place)) for place in (1, 2))
+    for one in found.judged:
+        values = np.zeros(len(model.std))
+        values[beside] = still * model.std[beside]
+        if len(one.effects) == 1:
+            values[here] = -moved * model.std[here]
+        fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=values))
     assert len(decide(found).judged.effects) == named
+
+
+@pytest.mark.parametrize(
+    ("left", "beside", "named"),
+    [
+        pytest.param(1.5, 1.0, 2, id="both leave nothing but noise"),
+        pytest.param(1.5, 1.3, 1, id="the law of the first effect may leave as much"),
+        pytest.param(1.1, 1.0, 1, id="the first leaves no more than noise, either"),
+    ],
+)
+def test_a_second_effect_that_leaves_nothing_needs_no_share_of_the_first_ones_evidence(
+    left: float, beside: float, named: int
+) -> None:
+    """It adds 200 to 5,000: enough for a second effect, but less than a tenth."""
+    tried = (Tried((CUBIC, OTHER_FLOOR), 5200.0, beside), Tried((CUBIC,), 5000.0, left))
+    decision = decide(findings(Problem(6.0, tried, "effect_named"), DATA["quiet"]))
+    assert len(decision.judged.effects) == named
 
 
 @pytest.mark.parametrize(
