@@ -8,10 +8,17 @@ from typing import ClassVar
 import numpy as np
 
 from pounding.diagnosis.effects.bases import Departure, LawEffect
-from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
+from pounding.diagnosis.effects.catalogue import CATALOGUE, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, loop, relation, same
+from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import floor_mass, storey_stiffness, usual_drift_rate
+from pounding.diagnosis.model.nuisance import (
+    Assembly,
+    column_drift,
+    floor_mass,
+    storey_stiffness,
+    usual_drift_rate,
+)
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import (
     cubic_spring,
@@ -44,6 +51,8 @@ AT_REST = 0.1
 """A stop whose gap is a smaller share of the largest drift touches at rest, and is none."""
 LOSS_SPREAD, PROGRESS_SPREAD = 1.0, 0.3
 PROGRESS_RANGE = (-0.5, 1.5)
+COLUMNS_SPREAD, COLUMNS_RANGE = 0.5, (-0.5, 1.5)
+"""Prior standard deviation of how far what loosens is the columns (1) and not the storey as a whole (0), and its range."""
 DASHPOT_SPREAD, DASHPOT_RANGE = 0.5, (-0.5, 1.0)
 """Prior standard deviations of a stop's loss [s/m], of what the power of its depth has beyond the first and of how far its
 loss is a dashpot's [-], and how far the latter two may go."""
@@ -52,6 +61,18 @@ loss is a dashpot's [-], and how far the latter two may go."""
 def within(value: float, ends: tuple[float, float]) -> float:
     """Return a number, or the end of its range [the same unit] that it is beyond."""
     return min(max(float(value), ends[0]), ends[1])
+
+
+def stiffness_of_storey(effect: Effect, model: Model) -> list[int]:
+    """Return the numbers of the nuisance parameters that change the stiffness of an effect's storey.
+
+    Args:
+        effect: The effect.
+        model: The baseline model.
+    """
+    whole = model.structure.index(str(effect.frame))
+    ours = {("storey_stiffness", effect.index), ("base_stiffness", effect.index), ("frame_stiffness", whole)}
+    return [number for number, one in enumerate(model.parameters) if (one.kind, one.place) in ours]
 
 
 @dataclass(frozen=True)
@@ -90,9 +111,7 @@ class StiffnessChange(Departure):
 
     def relative_to(self, model: Model) -> list[int]:
         """Return what calibration does to the storey: the change is one of the frame at hand, not of the baseline model."""
-        whole = model.structure.index(str(self.frame))
-        ours = {("storey_stiffness", self.index), ("base_stiffness", self.index), ("frame_stiffness", whole)}
-        return [number for number, one in enumerate(model.parameters) if (one.kind, one.place) in ours]
+        return stiffness_of_storey(self, model)
 
 
 @CATALOGUE.add
@@ -288,18 +307,31 @@ class Hysteresis(StoreyEffect):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class Loosening(StoreyEffect):
-    """The storey's stiffness falls linearly over each run to (1 + x) of itself: x k (t / T) d."""
+    """The storey's stiffness falls linearly over each run to (1 + x) of itself: x k (t / T) d.
+
+    What loosens is the storey as a whole or its columns, which bend otherwise where joints turn: that is refined, too.
+    """
 
     name = "loosening"
     law = growing_spring
-    quantities = (Quantity("final_relative_change", "1", symbol="x"),)
+    quantities: ClassVar[tuple[Quantity, ...]] = (
+        Quantity("final_relative_change", "1", symbol="x"),
+        Quantity("of_columns", "1", reported=False, spread=COLUMNS_SPREAD),
+    )
     typical = 0.3
     sign = -1
     described = Description(
-        r"$f = x\,k\,(t/T)\,d$, in each run anew",
+        r"$f = x\,k\,(t/T)\,d$, in each run anew; whether $d$ is the storey's drift or what its columns bend by is refined "
+        "and not reported",
         "`hysteresis` in a run that grows, `stiffness_change`",
         history("storey", "stiffness", np.ones_like, lambda t: 1 - 0.5 * t, "time in the run"),
         told_by="The same shaking twice, or a hammer test before and after: only what loosens ends softer than it began.",
+        shapes={
+            "of_columns": (
+                "the floors beside the storey take more part in it than the catalogue's storey",
+                "it is the storey's columns that loosen, bending more or less than it drifts where joints turn",
+            )
+        },
         plain=("{where} loses {size} of its stiffness in the course of a run",),
     )
 
@@ -307,9 +339,23 @@ class Loosening(StoreyEffect):
         """Return nearly all of the storey's stiffness."""
         return LARGEST_LOSS
 
+    def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
+        """Return the change of the storey as a whole."""
+        return np.array([amplitude, 0.0])
+
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the stiffness at the end of the run, which is when it is whole."""
         return (max(float(values[0]), -LARGEST_LOSS) * self.stiffness(model), float("nan"))
+
+    def relative_to(self, model: Model) -> list[int]:
+        """Return what calibration does to the storey."""
+        return stiffness_of_storey(self, model)
+
+    def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+        """Add a law along the drift, or along what the columns bend by."""
+        drift, columns = self.row(model), column_drift(model.structure, self.index)
+        row = drift + within(values[1], COLUMNS_RANGE) * (columns - drift)
+        assembly.laws.append(PlacedLaw(self.law, row, self.numbers(model, values)))
 
 
 @CATALOGUE.add

@@ -241,6 +241,17 @@ def storey_pattern(structure: Structure, storey: int) -> np.ndarray:
     return pattern
 
 
+def column_drift(structure: Structure, storey: int) -> np.ndarray:
+    """Return the row (floors,) along which a storey's columns bend, which is its drift where no joint turns.
+
+    What a relative change of the storey's stiffness makes of the whole (`storey_pattern`) is that stiffness times the square
+    of this row, but for a few hundredths of it.
+    """
+    sizes, rows = np.linalg.eigh(storey_pattern(structure, storey))
+    row = rows[:, -1] * np.sqrt(max(sizes[-1], 0.0) / storey_stiffness(structure, storey))
+    return np.asarray(np.copysign(1.0, structure.drift[storey] @ row) * row)
+
+
 def floor_mass(structure: Structure, floor: int) -> float:
     """Return the mass [kg] of a floor counted among all frames."""
     name, number = structure.place(floor)

@@ -151,7 +151,7 @@ CATALOGUE = (
         "change of all storeys' stiffness by the end",
         "1",
         _even(-0.5, -0.05, 10),
-        _storeys(Loosening, lambda b, e, x: [x]),
+        _storeys(Loosening, lambda b, e, x: [x, 0.0]),
     ),
     WholeFrame(
         "stiffness_change",

@@ -27,7 +27,7 @@ class LawConnector:
         mbs: The exudyn system.
         body: The frame's body.
         ground: Marker of a coordinate that rests on the table.
-        law: The law, which acts on one floor or between two.
+        law: The law.
         rate: What adds to the drift's rate [m/s], or None.
     """
 
@@ -37,16 +37,29 @@ class LawConnector:
         self._state, self._new = np.array(law.memory, float), np.zeros(MEMORY)
         # The engine asks many times a step, and numbers reach compiled code sooner than arrays.
         self._places = tuple(int(one.ctypes.data) for one in (self._parameters, self._state, self._new))
-        self._looking, self._address = False, law.address
-        self._item = mbs.AddObject(
-            items.ObjectConnectorCoordinateSpringDamper(
-                markerNumbers=ends(body, ground, law.row), stiffness=1.0, springForceUserFunction=self._force
-            )
+        self._address = law.address
+        self._node, self._row = body.node, np.zeros(len(body.reduced.mass))
+        self._row[body.reduced.floor_x] = law.row
+        # The engine keeps no reference to a user function.
+        self._asked = self._all
+        self._item = mbs.AddObject(self._between(body, ground) if _is_drift(law.row) else self._along(body))
+
+    def _between(self, body: Any, ground: int) -> Any:
+        """Return what acts on one floor or between two."""
+        return items.ObjectConnectorCoordinateSpringDamper(
+            markerNumbers=ends(body, ground, self._law.row),
+            stiffness=1.0,
+            springForceUserFunction=self._force,
         )
 
+    def _along(self, body: Any) -> Any:
+        """Return what acts on several floors in other shares, to which the engine gives all of a body's coordinates."""
+        return items.ObjectGenericODE2(nodeNumbers=[body.node], forceUserFunction=self._asked)
+
+    def _all(self, mbs: Any, t: float, item: int, places: Any, rates: Any) -> NDArray[np.floating[Any]]:
+        return -self._force(mbs, t, item, float(self._row @ places), float(self._row @ rates)) * self._row
+
     def _force(self, _mbs: Any, t: float, _item: int, d: float, v: float, *_: float) -> float:
-        if self._looking:
-            return 0.0
         if self._rate is not None:
             v += self._rate(t)
         parameters, state, new = self._places
@@ -56,12 +69,19 @@ class LawConnector:
         """Remember the motion up to now, which is where a step begins."""
         if self._law.remembers:
             kind = exudyn.OutputVariableType
-            # The engine works out the force as well, which nobody needs here.
-            self._looking = True
-            d, v = (float(mbs.GetObjectOutput(self._item, one)) for one in (kind.Displacement, kind.Velocity))
-            self._looking = False
+            # The engine gives the only coordinate of a node as a number.
+            d, v = (
+                float(self._row @ np.atleast_1d(mbs.GetNodeOutput(self._node, one)))
+                for one in (kind.Coordinates, kind.Coordinates_t)
+            )
             self._force(mbs, mbs.systemData.GetTime(), self._item, d, v)
             self._state[:] = self._new
+
+
+def _is_drift(row: NDArray[np.floating[Any]]) -> bool:
+    """Return whether a row of floors is the displacement of one or that between two."""
+    acting = row[row != 0.0]
+    return np.array_equal(acting, [1.0]) or np.array_equal(np.sort(acting), [-1.0, 1.0])
 
 
 def partly(series: Series, share: float) -> Series | None:

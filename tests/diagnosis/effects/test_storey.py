@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
 
-from pounding.diagnosis.effects.storey import DampingChange
+import numpy as np
+import pytest
+
+from pounding.diagnosis.effects.storey import DampingChange, Loosening
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import column_drift
+from pounding.diagnosis.model.storeys import Structure
 from pounding.experiments.rig.storey_forces import damper
-from tests.diagnosis.models import measured
+from tests.diagnosis.models import measured, three_storeys
 
 DAMPER = DampingChange(index=1, frame="bench", storey=2)
 
@@ -29,3 +35,37 @@ def test_the_power_of_a_damper_is_found_with_its_size() -> None:
     fit = refine(model, filtered, (DAMPER,), (np.array([15.0, 0.0]),))
     assert np.all(np.abs(fit.values[0] - truth) < 3.0 * fit.std[0])
     assert np.all(fit.std[0] < 0.1 * truth)
+
+
+def bench_with_joints_that_turn() -> Model:
+    """Return the bench as measured, its columns bending by a fifth of what the storeys beside theirs drift."""
+    model, (frame,) = measured(runs=1), three_storeys().frames
+    bends = frame.drift - 0.2 * (np.eye(3, k=1) + np.eye(3, k=-1)) @ frame.drift
+    patterns = frame.storey_stiffness[:, None, None] * bends[:, :, None] * bends[:, None, :]
+    return Model(Structure((replace(frame, patterns=patterns),)), model.observed, model.prior)
+
+
+def test_columns_bend_by_the_drift_where_no_joint_turns_and_otherwise_by_the_pattern_of_their_storey() -> (
+    None
+):
+    plain = Structure(three_storeys().frames)
+    np.testing.assert_allclose(column_drift(plain, 1), plain.drift[1], atol=1e-12)
+    turning = bench_with_joints_that_turn().structure
+    frame = turning.frames[0]
+    row = column_drift(turning, 1)
+    np.testing.assert_allclose(frame.storey_stiffness[1] * np.outer(row, row), frame.storey_pattern(1))
+    assert row @ turning.drift[1] > 0.0
+
+
+@pytest.mark.parametrize("columns", [0.0, 1.0])
+def test_whether_a_storey_loosens_as_a_whole_or_its_columns_is_found_with_its_size(columns: float) -> None:
+    model, effect = bench_with_joints_that_turn(), Loosening(index=1, frame="bench", storey=2)
+    truth = np.array([-0.3, columns])
+    (run,), rng = model.observed.runs, np.random.default_rng(5)
+    output = model.predict(np.zeros(len(model.std)), None, [(effect, truth)]).outputs[0]
+    noisy = output + 0.01 * output.std(axis=0) * rng.standard_normal(output.shape)
+    model = model.seeing(replace(model.observed, runs=(replace(run, measured=noisy),)))
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
+    fit = refine(model, filtered, (effect,), (np.array([-0.2, 0.0]),))
+    assert np.all(np.abs(fit.values[0] - truth) < 3.0 * fit.std[0])
+    assert np.all(fit.std[0] < [0.05, 0.3])

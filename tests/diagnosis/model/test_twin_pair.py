@@ -19,6 +19,7 @@ from pounding.diagnosis.model.nuisance import Assembly
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.laws import Law
 from pounding.experiments.rig.rig import Accuracy
+from pounding.experiments.rig.storey_forces import friction, growing_spring
 from tests.diagnosis.pair_models import CONTACT, FLOORS, MASS, STEP_S, STIFFNESS, colliding, model_of
 
 STOREY = STIFFNESS["tall"]
@@ -27,7 +28,7 @@ EFFECTS: dict[str, tuple[float, ...]] = {
     "coulomb_friction": (8.0, 15.0, 0.0),
     "cubic_stiffness": (0.2 * STOREY / 0.005**2,),
     "hysteresis": (20.0, 0.4 * STOREY, 8.0, 0.0),
-    "loosening": (-0.3,),
+    "loosening": (-0.3, 0.5),
     "bumper": (0.003, STOREY, 0.0, 0.0, 0.0),
     "dahl_friction": (8.0, 3e-4),
     "air_drag": (6.0, 0.0, 0.0),
@@ -88,6 +89,26 @@ def test_it_is_with_a_law_in_a_storey_or_a_table_that_pitches_too(
     assembly = alone.assemble(np.zeros(len(alone.std)), acting)
     assert assembly.laws or assembly.table_tilt
     # The engine does not measure the error of what a law remembers: short steps keep it small.
+    monkeypatch.setattr(twin, "COLLIDING", Accuracy(longest_step_s=1e-4))
+    exact = without("Rig", monkeypatch, lambda: simulated(alone, acting))
+    agree(exact, without("_exact", monkeypatch, lambda: simulated(alone, acting)))
+    plain = simulated(alone, ())[0]
+    assert np.sqrt(np.mean((exact[0] - plain) ** 2)) > 0.01 * np.sqrt(np.mean(plain**2))
+
+
+@pytest.mark.parametrize("law", [friction, growing_spring])
+def test_it_is_with_a_law_that_acts_on_several_floors_in_any_shares(
+    law: Law, alone: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What its own storey's columns bend by where joints turn; one law remembers, one does not."""
+    numbers = {friction: (8.0, 15.0 * STOREY, 0.0, np.inf), growing_spring: (-0.3 * STOREY, np.nan)}[law]
+
+    class Bending:
+        def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
+            drift = model.structure.drift
+            assembly.laws.append(PlacedLaw(law, drift[1] - 0.3 * drift[0] - 0.2 * drift[2], numbers))
+
+    acting: Any = [(Bending(), np.zeros(1))]
     monkeypatch.setattr(twin, "COLLIDING", Accuracy(longest_step_s=1e-4))
     exact = without("Rig", monkeypatch, lambda: simulated(alone, acting))
     agree(exact, without("_exact", monkeypatch, lambda: simulated(alone, acting)))
