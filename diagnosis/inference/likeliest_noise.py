@@ -99,8 +99,8 @@ def _scored(model: Model, here: Filtered) -> tuple[np.ndarray, np.ndarray]:
     louder = louder_filter(model.linear_system(here.run_modes[0]), here.noise[0], run.step_s, steady)
     # What the filter corrects the model by, the motion lacks.
     still = np.zeros(len(innovations))
-    columns = [[Term(still, jumps=-innovations @ one.T)] for one in louder.gain]
-    moved = run_signatures(model, here, 0, columns).astype(float)
+    columns = [[Term(still, jumps=(innovations, -one))] for one in louder.gain]
+    moved = run_signatures(model, here, 0, columns)
     white = whitened_innovations(model, here)[0]
     good = np.isfinite(run.measured)
     spread = steady.whitening @ louder.covariance @ steady.whitening.T
@@ -108,5 +108,5 @@ def _scored(model: Model, here: Filtered) -> tuple[np.ndarray, np.ndarray]:
     each = white.reshape(good.shape)
     seen = each.T @ each
     information = moved.T @ moved + 0.5 * len(innovations) * np.einsum("iab,jba->ij", spread, spread)
-    slope = np.einsum("ab,iab->i", seen, halves) - moved.T @ white
+    slope = np.einsum("ab,iab->i", seen, halves) - white.astype(moved.dtype) @ moved
     return information, slope - 0.5 * np.einsum("iaa,a->i", spread, good.sum(axis=0))

@@ -29,7 +29,8 @@ class Term:
         end: Size at the end of the step before each sample, where it differs from `series` (a force that jumps when
             the state is corrected), shape (samples,), or None.
         table: What a unit of it adds to the table's own acceleration.
-        jumps: What it adds to the states at once when each sample has corrected them, shape (samples, states), or None.
+        jumps: Series (samples, n), and what a unit of each adds to the states at once when a sample has corrected them,
+            (states, n), or None.
         inertial: The force comes from the table's motion, which an absolute acceleration does not show at once.
     """
 
@@ -39,7 +40,7 @@ class Term:
     end: np.ndarray | None = None
     inertial: bool = False
     table: float = 0.0
-    jumps: np.ndarray | None = None
+    jumps: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray) -> np.ndarray:
@@ -132,9 +133,10 @@ def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray
     """
     if all(term.jumps is None for term in terms):
         return np.zeros((0, 0, 0))
-    still = np.zeros((len(terms[0].series), onward.shape[1]))
-    each = [(still if term.jumps is None else term.jumps)[rows] @ onward.T for term in terms]
-    return np.ascontiguousarray(np.stack(each, axis=2))
+    none = np.zeros((len(terms[0].series), 0)), np.zeros((onward.shape[1], 0))
+    each = [none if term.jumps is None else term.jumps for term in terms]
+    pushed = [series[rows] @ (onward @ ways).T for series, ways in each]
+    return np.ascontiguousarray(np.stack(pushed, axis=2))
 
 
 def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
