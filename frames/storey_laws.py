@@ -125,11 +125,14 @@ class Loosening(_Stated, frozen=True, tag="loosening"):
         storey: The storey, from 1.
         stiffness_change_n_per_m: The whole change [N/m]; negative where the storey loosens.
         whole_at_s: Time since the run began at which it is reached [s]; the end of the run when None.
+        drift_shares: How much each storey's drift, from the lowest, contributes to the deformation of what loosens [-]: the
+            columns of a storey also bend where the joints at their ends turn. The storey's own drift alone when None.
     """
 
     storey: int
     stiffness_change_n_per_m: float
     whole_at_s: float | None = None
+    drift_shares: tuple[float, ...] | None = None
 
 
 class Bumper(_Stated, frozen=True, tag="bumper"):
@@ -193,6 +196,7 @@ BOUNDS: dict[str, Bound] = {
     "power": Bound(0.1, 10.0, "", "forces grow with a small power"),
     "at_m_per_s": Bound(1e-9, 1e6, "", "a storey drifts at some rate"),
     "coefficient_n_s2_per_m2": POSITIVE,
+    "drift_shares": Bound(-100.0, 100.0, "", "a storey contributes a share near 1, and its neighbours less"),
     "air_at_rest": Bound(
         -10.0, 10.0, "", "1 is air at rest in the room, and 0 air that moves with the table"
     ),
@@ -222,5 +226,18 @@ def check(name: str, laws: Sequence[StatedLaw], storeys: int) -> None:
             if key in ("storey", "floor"):
                 if not 1 <= value <= storeys:
                     raise FrameError(f"{where}: {key} is {value}, must be 1 to {storeys}")
+            elif key == "drift_shares":
+                _check_shares(f"{where}: {key}", value, storeys)
             elif value is not None:
                 BOUNDS.get(key, EITHER_SIGN).check(value, f"{where}: {key}", FrameError)
+
+
+def _check_shares(where: str, shares: tuple[float, ...] | None, storeys: int) -> None:
+    if shares is None:
+        return
+    if len(shares) != storeys:
+        raise FrameError(f"{where} has {len(shares)} numbers, must have {storeys}: one for each storey")
+    for share in shares:
+        BOUNDS["drift_shares"].check(share, where, FrameError)
+    if not any(shares):
+        raise FrameError(f"{where} are all 0, so that nothing loosens; state 1 for the storey's own drift")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import Filtered, run_filter, run_signatures, whitened_innovations
-from pounding.diagnosis.model.kalman import Noise, louder_filter
+from pounding.diagnosis.model.kalman import Noise, filter_slopes
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.side_by_side import side_by_side
@@ -96,14 +96,14 @@ def _scored(model: Model, here: Filtered) -> tuple[np.ndarray, np.ndarray]:
     """
     run = model.observed.runs[here.runs[0]]
     steady, innovations = here.filters[0], here.prediction.innovations[0]
-    louder = louder_filter(model.linear_system(here.run_modes[0]), here.noise[0], run.step_s, steady)
+    slopes = filter_slopes(model.linear_system(here.run_modes[0]), here.noise[0], run.step_s, steady)
     # What the filter corrects the model by, the motion lacks.
     still = np.zeros(len(innovations))
-    columns = [[Term(still, jumps=(innovations, -one))] for one in louder.gain]
+    columns = [[Term(still, jumps=(innovations, -one))] for one in slopes.gain]
     moved = run_signatures(model, here, 0, columns)
     white = whitened_innovations(model, here)[0]
     good = np.isfinite(run.measured)
-    spread = steady.whitening @ louder.covariance @ steady.whitening.T
+    spread = steady.whitening @ slopes.covariance @ steady.whitening.T
     halves = np.tril(spread, -1) + 0.5 * spread * np.eye(len(steady.covariance))
     each = white.reshape(good.shape)
     seen = each.T @ each

@@ -24,14 +24,14 @@ def storey_force(
     assembly = model.assemble(fit.values, fit.effects)
     plain = model.assemble(fit.values)
     time = np.arange(len(drift)) * step_s
-    total = np.zeros(len(drift))
+    displacement, velocity = (np.linalg.solve(structure.drift, one.T).T for one in (drift, rate))
+    pushed = displacement @ (assembly.stiffness - plain.stiffness)
     for one in assembly.laws[len(plain.laws) :]:
-        if np.allclose(one.row, structure.drift[storey]) and not one.in_room:
-            total += one.law.along(one.parameters, drift[:, storey], rate[:, storey], time)
+        if not one.in_room:
+            force = one.law.along(one.parameters, displacement @ one.row, velocity @ one.row, time)
+            pushed += force[:, None] * one.row
+    # What acts on the floors above it a storey carries.
     frame, number = structure.place(storey)
     span = structure.span(structure.index(frame))
-    # A change of the stiffness pushes the floors; the storey carries what acts on the floors above it.
-    displacement = np.linalg.solve(structure.drift, drift.T).T
-    pushed = displacement @ (assembly.stiffness - plain.stiffness)
-    total += pushed[:, span.start + number - 1 : span.stop].sum(axis=1)
+    total = pushed[:, span.start + number - 1 : span.stop].sum(axis=1)
     return total if np.any(total) else None

@@ -184,7 +184,7 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
 
 
 @dataclass(frozen=True)
-class LouderFilter:
+class FilterSlopes:
     """Derivatives of a steady filter by the logarithms of its noise: that of the latent forces, of the table, of each
     measured channel.
 
@@ -197,7 +197,7 @@ class LouderFilter:
     covariance: np.ndarray
 
 
-def louder_filter(system: LinearSystem, noise: Noise, step_s: float, steady: SteadyFilter) -> LouderFilter:
+def filter_slopes(system: LinearSystem, noise: Noise, step_s: float, steady: SteadyFilter) -> FilterSlopes:
     """Return how the steady filter of a sampled system changes with its noise.
 
     A covariance that changes by what drives the states does so as a stable system's does: each a Lyapunov equation.
@@ -223,13 +223,13 @@ def louder_filter(system: LinearSystem, noise: Noise, step_s: float, steady: Ste
     kept = np.eye(states) - gain @ output
     predicted = _lyapunov(steady.step @ kept, pushed)
     slopes = output @ predicted @ output.T + shares
-    louder = LouderFilter(
+    found = FilterSlopes(
         np.zeros((len(shares), states, len(measured))), np.zeros((len(shares), len(measured), len(measured)))
     )
     inverse = np.linalg.inv(steady.covariance[inner])
-    louder.gain[:, :, measured] = (kept @ predicted @ output.T - gain @ shares) @ inverse
-    louder.covariance[(slice(None), *inner)] = slopes
-    return louder
+    found.gain[:, :, measured] = (kept @ predicted @ output.T - gain @ shares) @ inverse
+    found.covariance[(slice(None), *inner)] = slopes
+    return found
 
 
 def _lyapunov(step: np.ndarray, pushed: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ of a frame (a sensor, the table, a contact) is said beside it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from pounding.diagnosis.model.frames import definition
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.model.twin import table_of
 from pounding.diagnosis.report.corrected_case import corrected_case
 from pounding.diagnosis.report.frame_text import frame_text
@@ -120,17 +121,27 @@ def _same_frames(one: Assembly, other: Assembly) -> bool:
 def _stated(model: Model, placed: PlacedLaw, label: str) -> tuple[int, StatedLaw]:
     """Return the frame of a law and the law as its file states it."""
     structure = model.structure
-    rows = {"storey": structure.drift, "floor": np.eye(structure.floors)}
-    for kind, every in rows.items():
-        for index in np.flatnonzero((every == placed.row).all(axis=1)):
-            name, number = structure.place(int(index))
-            law = statement(placed.law, placed.parameters, (kind, number), placed.in_room)
-            if law is not None:
-                return structure.index(name), law
+    for kind, index, shares in _places(structure, placed.row):
+        name, number = structure.place(index)
+        law = statement(placed.law, placed.parameters, (kind, number), placed.in_room, shares)
+        if law is not None:
+            return structure.index(name), law
     raise CaseError(
         f"{label}: its force is not one of those that a frame file can state (docs/your-own-frame.md); the report has its "
         "numbers"
     )
+
+
+def _places(structure: Structure, row: np.ndarray) -> Iterator[tuple[str, int, tuple[float, ...] | None]]:
+    """Yield storeys and floors along whose motion a law may act: kind, index among all, and what each drift contributes."""
+    for kind, every in (("storey", structure.drift), ("floor", np.eye(structure.floors))):
+        for place in np.flatnonzero((every == row).all(axis=1)):
+            yield kind, int(place), None
+    shares = np.linalg.solve(structure.drift.T, row)
+    index = int(np.argmax(np.abs(shares)))
+    span = structure.span(structure.index(structure.place(index)[0]))
+    if not np.any(np.delete(shares, span)):
+        yield "storey", index, tuple(_rounded(shares[span]).tolist())
 
 
 def corrected_frame(found: OnFrames, number: int, baseline: Frame, title: str = "") -> StickFrame:

@@ -94,7 +94,11 @@ def _parameter(value: float | None, key: Key) -> float:
 
 
 def statement(
-    law: Law, numbers: Sequence[float], place: tuple[str, int], in_room: float = 0.0
+    law: Law,
+    numbers: Sequence[float],
+    place: tuple[str, int],
+    in_room: float = 0.0,
+    shares: tuple[float, ...] | None = None,
 ) -> StatedLaw | None:
     """Return a law as a frame file states it, the inverse of `parameters`; None for a force that none can state.
 
@@ -103,6 +107,7 @@ def statement(
         numbers: Its parameters in SI; those left out are nothing.
         place: ``storey`` or ``floor``, and its number from 1.
         in_room: Share of the table's rate in the rate that it sees.
+        shares: What each storey's drift contributes to the deformation that it sees; None: its own storey's alone.
     """
     for kind, (force, keys) in STATED.items():
         if force is not law:
@@ -112,12 +117,16 @@ def statement(
             key.name: None if np.isnan(number) else (number + key.less) / key.factor
             for key, number in given.items()
         }
-        at, number = place
+        at, fields[place[0]] = place
         if kind is stated.Drag:
             fields["air_at_rest"] = in_room
         elif in_room:
             return None
-        return kind(**fields, **{at: number}) if at in kind.__struct_fields__ else None
+        if shares is not None:
+            if "drift_shares" not in kind.__struct_fields__:
+                return None
+            fields["drift_shares"] = shares
+        return kind(**fields) if at in kind.__struct_fields__ else None
     return None
 
 
@@ -139,10 +148,19 @@ def _on_the_rig(law: StatedLaw, frame: ReducedFrame, body: int) -> StoreyLaw:
     if isinstance(law, stated.Drag):
         row[law.floor - 1], in_room = 1.0, law.air_at_rest
     else:
-        row = storey_row(frame, law.storey)
+        row = _deformation(law, frame)
     return StoreyLaw(
         force.address, row, _padded(parameters(law)), body, in_room=in_room, remembers=force.remembers
     )
+
+
+def _deformation(law: StatedLaw, frame: ReducedFrame) -> NDArray[np.float64]:
+    """Return what the floors' displacements contribute to the deformation that a storey's law sees (storeys,)."""
+    shares = getattr(law, "drift_shares", None)
+    if shares is None:
+        return storey_row(frame, law.storey)  # type: ignore[union-attr]
+    rows = [storey_row(frame, storey) for storey in range(1, 1 + frame.storeys)]
+    return np.asarray(shares, float) @ np.array(rows)
 
 
 def _padded(numbers: tuple[float, ...]) -> NDArray[np.float64]:

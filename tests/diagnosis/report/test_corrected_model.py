@@ -30,7 +30,7 @@ from pounding.experiments.rig.motion import FrameMotion
 from pounding.experiments.rig.rig import Rig, Solver
 from pounding.frames.definition import Yielding
 from pounding.frames.loading import parse
-from tests.diagnosis.models import measured, three_storeys
+from tests.diagnosis.models import measured, three_storeys, with_joints_that_turn
 
 SAMPLES = 300
 BENCH = frames.StickFrame(
@@ -50,7 +50,8 @@ def bench() -> Model:
     joints = 6e4 * frame.drift.T @ np.diag([0.3, 0.2, 0.1]) @ frame.drift
     # As of a frame of plates, whose floors carry part of each other's mass.
     mass = frame.mass + 0.3 * (np.eye(3, k=1) + np.eye(3, k=-1))
-    structure = Structure((replace(frame, mass=mass, joint_derivative=joints, joint_stiffness=1000.0),))
+    plates = replace(frame, mass=mass, joint_derivative=joints, joint_stiffness=1000.0)
+    structure = with_joints_that_turn(Structure((plates,)))
     observed = measured(samples=SAMPLES, runs=1).observed
     return Model(structure, observed, Prior())
 
@@ -136,6 +137,19 @@ def test_the_frame_in_the_file_moves_as_the_corrected_model_of_the_report(name: 
     assert apart(own, from_file(text, acting, "exudyn")) < close
     # What the file adds is more than what the solvers differ by.
     assert apart(own, from_file(on_file([]), [], "exact")) > 0.02
+
+
+def test_what_loosens_are_columns_that_bend_as_their_joints_turn() -> None:
+    acting = [(effect_of("loosening"), np.array([-0.3, 1.0]))]
+    text = on_file(acting)
+    assert 'kind = "loosening"' in text
+    assert "drift_shares = [" in text
+    own = own_run(acting)
+    assert apart(own, from_file(text, acting, "exact")) < 2e-4
+    assert apart(own, from_file(text, acting, "exudyn")) < 2e-4
+    whole_storey = on_file([(effect_of("loosening"), np.array([-0.3, 0.0]))])
+    assert "drift_shares" not in whole_storey
+    assert apart(own, from_file(whole_storey, acting, "exact")) > 1e-3
 
 
 def test_what_moves_the_floors_otherwise_is_refused() -> None:

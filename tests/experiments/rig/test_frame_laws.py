@@ -23,10 +23,11 @@ LAWS = {
     "quadratic_damper": "storey = 1\ndamping_n_s2_per_m2 = 90",
     "cubic": "storey = 1\nstiffness_n_per_m3 = 1e8",
     "hysteresis": "storey = 1\nyield_force_n = 6\nstiffness_n_per_m = 2.5e3\nsharpness = 4\nunloading = 0.2",
-    "loosening": "storey = 2\nstiffness_change_n_per_m = -2e3",
+    "loosening": "storey = 2\nstiffness_change_n_per_m = -2e3\ndrift_shares = [-0.2, 1.0]",
     "bumper": "storey = 2\ngap_mm = -1.5\nstiffness_n_per_m = 1e4\nloss_s_per_m = 0.5\npower = 1.3\ndashpot = 0.8",
     "drag": "floor = 1\ncoefficient_n_s2_per_m2 = 40\npower = 1.8\nair_at_rest = 0.7",
 }
+LOOSENING = 'kind = "loosening"\nstorey = 2\nstiffness_change_n_per_m = -2e3\n'
 
 
 def stick(*laws: str, more: str = "", name: str = "tower") -> frames.StickFrame:
@@ -38,6 +39,18 @@ def stick(*laws: str, more: str = "", name: str = "tower") -> frames.StickFrame:
     )
     assert isinstance(frame, frames.StickFrame)
     return frame
+
+
+def test_what_loosens_along_its_own_drift_is_the_storey_itself() -> None:
+    both = (
+        stick(more=f"[[storey_law]]\n{LOOSENING}drift_shares = {one}\n") for one in ("[0.0, 1.0]", "[0, 1]")
+    )
+    runs = [
+        Rig([frames.build(one)]).run(motion(), solver="exact").frames[0].displacement_m[-1]
+        for one in (*both, stick(more=f"[[storey_law]]\n{LOOSENING}"))
+    ]
+    np.testing.assert_array_equal(runs[0], runs[2])
+    np.testing.assert_array_equal(runs[1], runs[2])
 
 
 def motion(samples: int = 200) -> Record:
@@ -52,9 +65,10 @@ def test_every_kind_is_tried_here() -> None:
 @pytest.mark.parametrize("kind", LAWS)
 def test_a_law_becomes_the_parameters_of_its_force_and_back(kind: str) -> None:
     (law,) = stick(kind).storey_law
+    shares = getattr(law, "drift_shares", None)
     place = "floor" if kind == "drag" else "storey"
     in_room = getattr(law, "air_at_rest", 0.0)
-    again = statement(STATED[type(law)].law, parameters(law), (place, getattr(law, place)), in_room)
+    again = statement(STATED[type(law)].law, parameters(law), (place, getattr(law, place)), in_room, shares)
     assert type(again) is type(law)
     for key in law.__struct_fields__:
         expected: StatedLaw = getattr(law, key)
@@ -105,6 +119,16 @@ def test_the_required_gap_of_a_frame_with_laws_is_that_of_its_run() -> None:
         ('kind = "dahl_friction"\nstorey = 1\nforce_n = -2\nbuild_up_mm = 1', "force_n is -2; it must be"),
         ('kind = "rust"\nstorey = 1', "storey_law 1: kind is 'rust', must be one of friction, dahl_friction"),
         ('law = "friction"\nstorey = 1', "storey_law 1: kind is missing, must be one of friction, dahl_"),
+        (
+            f"{LOOSENING}drift_shares = [1.0]",
+            "storey_law 1: drift_shares has 1 numbers, must have 2: one for",
+        ),
+        (f"{LOOSENING}drift_shares = [1.0, nan]", "storey_law 1: drift_shares is nan"),
+        (
+            f"{LOOSENING}drift_shares = [0.0, 0]",
+            "storey_law 1: drift_shares are all 0, so that nothing loosens",
+        ),
+        (f'{LOOSENING}drift_shares = "own"', "drift_shares"),
         (
             'kind = "cubic"\nstorey = 1\nstiffness = 1',
             "storey_law 1: 'stiffness' is not a key .*stiffness_n_per_m3",
