@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from pounding.diagnosis.model.kalman import SteadyFilter
 
-ALIKE = 1e6
-"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose six digits."""
+ALIKE = 1e3
+"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose three of the seven
+digits of single precision, in which it is run by its own motions."""
 
 
 def transition(steady: SteadyFilter) -> np.ndarray:
@@ -90,3 +91,7 @@ class Loop(NamedTuple):
     direct: np.ndarray
     column: np.ndarray
     turning: bool
+
+    def rounded(self, precision: type[np.floating[Any]]) -> Loop:
+        """Return the loop with numbers of a precision."""
+        return Loop(*(one.astype(precision, order="C") for one in self[:4]), self.column, self.turning)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -79,7 +79,13 @@ class LawFeedback(NamedTuple):
         below = loop._replace(
             output=np.vstack([loop.output, shows]), direct=np.vstack([loop.direct, -seen @ lacking])
         )
-        return cls(below, *map(np.ascontiguousarray, whole))
+        return cls(below, *whole)
+
+    def rounded(self, precision: type[np.floating[Any]]) -> LawFeedback:
+        """Return the feedback with numbers of a precision."""
+        return LawFeedback(
+            self.loop.rounded(precision), *(one.astype(precision, order="C") for one in self[1:])
+        )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
@@ -108,9 +114,9 @@ def filter_with_laws(
     channels, laws = own_direct.shape
     groups = result.shape[2]
     jumping = jumps.size > 0
-    shown = np.zeros((channels + 2 * laws, terms))
-    motion = np.zeros((2 * laws, terms))
-    forces = np.zeros((2 * laws, terms))
+    shown = np.zeros((channels + 2 * laws, terms), state.dtype)
+    motion = np.zeros((2 * laws, terms), state.dtype)
+    forces = np.zeros((2 * laws, terms), state.dtype)
     starts, ends = forces[:laws], forces[laws:]
     push = np.zeros_like(state)
     moved = np.zeros_like(state)
@@ -177,7 +183,7 @@ def _turn(turn: np.ndarray, push: np.ndarray, state: np.ndarray) -> None:
 def _own_share(slopes: np.ndarray, own_ends: np.ndarray) -> np.ndarray:
     """Return what forces and the answers to what they do themselves make together, shape (laws, laws)."""
     laws = own_ends.shape[1]
-    share = np.eye(laws)
+    share = np.eye(laws, dtype=slopes.dtype)
     for i in range(laws):
         for j in range(laws):
             share[i, j] += slopes[i, 0, 0] * own_ends[i, j] + slopes[i, 0, 1] * own_ends[laws + i, j]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -97,30 +98,30 @@ def signature_pieces(
     turn, shows, moved, onward = closed, shown @ steady.output, inputs, steady.step
     if own is not None:
         turn, shows, moved, onward = own.turn, shows @ own.back, own.forth @ inputs, own.forth @ steady.step
-    contiguous = np.ascontiguousarray
-    loop = Loop(
-        transition=contiguous(turn),
-        output=contiguous(shows),
-        inputs=contiguous(moved[:2]),
-        direct=contiguous(shown @ direct),
-        column=column,
-        turning=own is not None,
-    )
+    # What is shown is kept in single precision anyhow, and own motions do not lose its digits.
+    precision = np.float64 if own is None else np.float32
+    loop = Loop(turn, shows, moved[:2], shown @ direct, column, turning=own is not None)
     feedback = None if laws is None else LawFeedback.of(loop, steady, closed, own, shown, laws, inputs[2])
+    loop, feedback = loop.rounded(precision), feedback and feedback.rounded(precision)
     ends = [term.series if term.end is None else term.end for term in terms]
-    state = moved[2] * np.array([end[0] for end in ends])
+    state = (moved[2] * np.array([end[0] for end in ends])).astype(precision)
     samples = len(ends[0])
     for first in range(0, samples, piece):
         rows = slice(first, first + piece)
-        series = np.array([term.series[rows] for term in terms]).T.copy()
-        at_end = np.array([end[rows] for end in ends]).T.copy()
-        jumps = _jumps(terms, rows, onward)
+        series = _rounded([term.series[rows] for term in terms], precision)
+        at_end = _rounded([end[rows] for end in ends], precision)
+        jumps = _jumps(terms, rows, onward).astype(precision)
         result = np.empty((len(series), channels, len(groups)), np.float32)
         if feedback is None:
             _filter(loop, series, at_end, jumps, state, result)
         else:
             filter_with_laws(feedback, first, series, at_end, jumps, state, result)
         yield result
+
+
+def _rounded(series: Sequence[np.ndarray], precision: type[np.floating[Any]]) -> np.ndarray:
+    """Return the series of each term with numbers of a precision, shape (samples, terms)."""
+    return np.ascontiguousarray(np.array(series, precision).T)
 
 
 def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray:
@@ -179,8 +180,8 @@ def _filter(
     jumping = jumps.size > 0
     pairs = states - transition.shape[1]
     # Some samples' states side by side: what they show is one product of large matrices, and all loops run over terms.
-    x = np.zeros((states, TOGETHER + 1, terms))
-    shown = np.zeros((channels, TOGETHER + 1, terms))
+    x = np.zeros((states, TOGETHER + 1, terms), state.dtype)
+    shown = np.zeros((channels, TOGETHER + 1, terms), state.dtype)
     all_x, all_shown = x.reshape(states, -1), shown.reshape(channels, -1)
     x[:, 0] = state
     for first in range(0, samples, TOGETHER):
