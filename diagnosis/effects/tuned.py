@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
@@ -27,7 +29,14 @@ def oscillator(driving: np.ndarray, omega: float, step_s: float) -> np.ndarray:
         omega: Angular frequency [rad/s].
         step_s: Sampling step [s].
     """
+    numerator, denominator = _filter_of(omega, step_s)
+    return np.asarray(lfilter(numerator, denominator, driving))
+
+
+# Each of some tens of frequencies is asked for in each run, and again by each search.
+@lru_cache(maxsize=1024)
+def _filter_of(omega: float, step_s: float) -> tuple[np.ndarray, np.ndarray]:
     numerator, denominator, _ = cont2discrete(
         ([1.0], [1.0, 2 * TRIED_DAMPING * omega, omega**2]), step_s, method="foh"
     )
-    return np.asarray(lfilter(numerator.ravel(), denominator, driving))
+    return numerator.ravel(), denominator

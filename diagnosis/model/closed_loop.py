@@ -94,4 +94,5 @@ class Loop(NamedTuple):
 
     def rounded(self, precision: type[np.floating[Any]]) -> Loop:
         """Return the loop with numbers of a precision."""
-        return Loop(*(one.astype(precision, order="C") for one in self[:4]), self.column, self.turning)
+        transition, output, inputs, direct = (one.astype(precision, order="C") for one in self[:4])
+        return Loop(transition, output, inputs, direct, self.column, self.turning)

@@ -20,6 +20,8 @@ class LawFeedback(NamedTuple):
         loop: The loop without it, whose `output` and `direct` have the laws' drifts, then their rates, below the channels.
         slopes: Of `Tangents`.
         own_ends: What the end of a law adds to drifts and rates, shape (2 laws, laws).
+        settled: What the ends of laws become of those that answer the terms alone, because each answers what all of them do
+            to the motion at once, shape (samples, laws, laws).
         corrected: How far what is shown corrects these, shape (2 laws, channels).
         pushed: What start and end of each law, all starts first, add to the states in a step, shape (states, 2 laws).
         direct: What the end of each law adds to what is shown, shape (channels, laws).
@@ -29,6 +31,7 @@ class LawFeedback(NamedTuple):
     loop: Loop
     slopes: np.ndarray
     own_ends: np.ndarray
+    settled: np.ndarray
     corrected: np.ndarray
     pushed: np.ndarray
     direct: np.ndarray
@@ -68,9 +71,17 @@ class LawFeedback(NamedTuple):
         inputs, direct = pushed(steady, closed, mean, mean, steady.direct @ laws.rows.T)
         moved = inputs if own is None else own.forth @ inputs
         shows = seen if own is None else seen @ own.back
+        own_ends = -seen @ inputs[2]
+        # The force at the end of a step is a part of the motion that it answers.
+        before = laws.slopes[::2, :, 0, :2]
+        share = before[..., 0, np.newaxis] * own_ends[:count] + before[..., 1, np.newaxis] * own_ends[count:]
+        # Thousands of inverses are slow even of a number.
+        whole_share = np.eye(count) + share
+        settled = np.linalg.inv(whole_share) if count > 1 else 1.0 / whole_share
         whole = (
             laws.slopes,
-            -seen @ inputs[2],
+            own_ends,
+            settled,
             seen @ steady.gain @ np.linalg.inv(shown),
             np.hstack([moved[0], moved[1]]),
             shown @ direct,
@@ -109,7 +120,7 @@ def filter_with_laws(
         result: Filled with what is shown, shape (samples, channels, groups).
     """
     transition, output, inputs, direct, column, turning = feedback.loop
-    _, slopes, own_ends, corrected, own_pushed, own_direct, memory = feedback
+    _, slopes, own_ends, settled, corrected, own_pushed, own_direct, memory = feedback
     samples, terms = series.shape
     channels, laws = own_direct.shape
     groups = result.shape[2]
@@ -126,11 +137,10 @@ def filter_with_laws(
         for c in range(channels + 2 * laws):
             for t in range(terms):
                 shown[c, t] += direct[c, t] * at_end[k, t]
-        # The force at the end of a step is a part of the motion that it answers.
         before, after = slopes[2 * (first + k)], slopes[2 * (first + k) + 1]
         motion[:] = shown[channels:]
-        _answer(before, motion, memory, ends)
-        ends[:] = np.dot(np.linalg.inv(_own_share(before, own_ends)), ends)
+        _answer(before, motion, memory, starts)
+        _weighed(settled[first + k], starts, ends)
         for i in range(2 * laws):
             for j in range(laws):
                 for t in range(terms):
@@ -150,7 +160,7 @@ def filter_with_laws(
                 shown[c, column[t]] += shown[c, t]
             for g in range(groups):
                 result[k, c, g] = shown[c, g]
-        np.dot(own_pushed, forces, push)
+        _weighed(own_pushed, forces, push)
         for i in range(len(state)):
             for t in range(terms):
                 push[i, t] += inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
@@ -180,14 +190,17 @@ def _turn(turn: np.ndarray, push: np.ndarray, state: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
-def _own_share(slopes: np.ndarray, own_ends: np.ndarray) -> np.ndarray:
-    """Return what forces and the answers to what they do themselves make together, shape (laws, laws)."""
-    laws = own_ends.shape[1]
-    share = np.eye(laws, dtype=slopes.dtype)
-    for i in range(laws):
-        for j in range(laws):
-            share[i, j] += slopes[i, 0, 0] * own_ends[i, j] + slopes[i, 0, 1] * own_ends[laws + i, j]
-    return share
+def _weighed(weights: np.ndarray, rows: np.ndarray, found: np.ndarray) -> None:
+    """Fill in the product of weights, (n, m), and rows, (m, terms): for few of them no library is called."""
+    terms = rows.shape[1]
+    for i in range(weights.shape[0]):
+        weight = weights[i, 0]
+        for t in range(terms):
+            found[i, t] = weight * rows[0, t]
+        for j in range(1, weights.shape[1]):
+            weight = weights[i, j]
+            for t in range(terms):
+                found[i, t] += weight * rows[j, t]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
