@@ -249,13 +249,15 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     """Return whether effects are what is missing, whatever remains beside them.
 
     They must explain the larger part of what can be explained on runs that they were not fitted to, and more where
-    something else is known to act as well.
+    something else is known to act as well. What is wrong with a sensor is no error of the frame's model, so it need not
+    explain what remains where that is no more than such an error.
     """
     if any(effect.rival for effect in judged.effects) or _another_frame(found, judged):
         return False
     if _spread(judged):
         return False
-    if not objections and not _something_left(found, judged):
+    apart = of_sensors(judged) and within_model_error(found, judged)
+    if not objections and (apart or not _something_left(found, judged)):
         return True
     if objections:
         return explained(found, judged, 1.0) >= SETTINGS.decision.explained
