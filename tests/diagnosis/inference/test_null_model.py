@@ -37,6 +37,8 @@ def test_the_filter_bends_a_frame_with_friction_more_than_its_motion_asks_for() 
     assert strain(model, moved.filtered.values)[0] < strain(model, likeliest.filtered.values)[0]
 
 
+@pytest.mark.slow
+@pytest.mark.guard
 def test_a_calibration_does_not_creep_in_the_valley_between_masses_and_the_discrepancy() -> None:
     """Of fifteen storeys; with steps that begin afresh alone the sum is 141, and 285 are lost in log posterior."""
     null = draw(14, 20261123)

@@ -83,6 +83,7 @@ def test_latent_forces_give_back_what_they_took_of_the_noise(problem: Problem) -
 
 
 @pytest.mark.slow
+@pytest.mark.guard
 def test_where_a_fit_of_a_tall_frame_begins_does_not_matter() -> None:
     """Slopes that were not the likelihood's ended it in places that depended on the forces it began with."""
     model = modelled(made(replace(BASE, frame="10")))
