@@ -126,7 +126,8 @@ class Loosening(_Stated, frozen=True, tag="loosening"):
         stiffness_change_n_per_m: The whole change [N/m]; negative where the storey loosens.
         whole_at_s: Time since the run began at which it is reached [s]; the end of the run when None.
         drift_shares: How much each storey's drift, from the lowest, contributes to the deformation of what loosens [-]: the
-            columns of a storey also bend where the joints at their ends turn. The storey's own drift alone when None.
+            columns of a storey also bend where the joints at their ends turn. The storey's own drift alone when None; where
+            they are stated, they alone say what is deformed, and `storey` says whose columns loosen.
     """
 
     storey: int
@@ -236,7 +237,7 @@ def _check_shares(where: str, shares: tuple[float, ...] | None, storeys: int) ->
     if shares is None:
         return
     if len(shares) != storeys:
-        raise FrameError(f"{where} has {len(shares)} numbers, must have {storeys}: one for each storey")
+        raise FrameError(f"{where} must have {storeys} numbers, one for each storey, and has {len(shares)}")
     for share in shares:
         BOUNDS["drift_shares"].check(share, where, FrameError)
     if not any(shares):

@@ -33,9 +33,12 @@ def oscillator(driving: np.ndarray, omega: float, step_s: float) -> np.ndarray:
     return np.asarray(lfilter(numerator, denominator, driving))
 
 
-# Each of some tens of frequencies is asked for in each run, and again by each search.
 @lru_cache(maxsize=1024)
 def _filter_of(omega: float, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return numerator and denominator, (3,) each, of an oscillator of an angular frequency [rad/s] that is sampled [s].
+
+    They are kept: each of some tens of frequencies is asked for in each run, and again by each search.
+    """
     numerator, denominator, _ = cont2discrete(
         ([1.0], [1.0, 2 * TRIED_DAMPING * omega, omega**2]), step_s, method="foh"
     )

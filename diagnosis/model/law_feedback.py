@@ -74,10 +74,12 @@ class LawFeedback(NamedTuple):
         own_ends = -seen @ inputs[2]
         # The force at the end of a step is a part of the motion that it answers.
         before = laws.slopes[::2, :, 0, :2]
-        share = before[..., 0, np.newaxis] * own_ends[:count] + before[..., 1, np.newaxis] * own_ends[count:]
-        # Thousands of inverses are slow even of a number.
-        whole_share = np.eye(count) + share
-        settled = np.linalg.inv(whole_share) if count > 1 else 1.0 / whole_share
+        answers = (
+            before[..., 0, np.newaxis] * own_ends[:count] + before[..., 1, np.newaxis] * own_ends[count:]
+        )
+        alone = np.eye(count) + answers
+        # The library's inverse of each sample's matrix is slow, and most often it is that of a number.
+        settled = np.linalg.inv(alone) if count > 1 else 1.0 / alone
         whole = (
             laws.slopes,
             own_ends,

@@ -133,7 +133,12 @@ def _stated(model: Model, placed: PlacedLaw, label: str) -> tuple[int, StatedLaw
 
 
 def _places(structure: Structure, row: np.ndarray) -> Iterator[tuple[str, int, tuple[float, ...] | None]]:
-    """Yield storeys and floors along whose motion a law may act: kind, index among all, and what each drift contributes."""
+    """Yield storeys and floors along whose motion a law may act: kind, index among all, and what each drift contributes.
+
+    Args:
+        structure: The frames.
+        row: What the floors' displacements contribute to the deformation that the law sees, shape (floors,).
+    """
     for kind, every in (("storey", structure.drift), ("floor", np.eye(structure.floors))):
         for place in np.flatnonzero((every == row).all(axis=1)):
             yield kind, int(place), None

@@ -144,23 +144,25 @@ def frame_laws(frames: Sequence[ReducedFrame]) -> list[StoreyLaw]:
 
 def _on_the_rig(law: StatedLaw, frame: ReducedFrame, body: int) -> StoreyLaw:
     force = STATED[type(law)].law
-    row, in_room = np.zeros(frame.storeys), 0.0
-    if isinstance(law, stated.Drag):
-        row[law.floor - 1], in_room = 1.0, law.air_at_rest
-    else:
-        row = _deformation(law, frame)
+    in_room = law.air_at_rest if isinstance(law, stated.Drag) else 0.0
     return StoreyLaw(
-        force.address, row, _padded(parameters(law)), body, in_room=in_room, remembers=force.remembers
+        force.address,
+        _row(law, frame),
+        _padded(parameters(law)),
+        body,
+        in_room=in_room,
+        remembers=force.remembers,
     )
 
 
-def _deformation(law: StatedLaw, frame: ReducedFrame) -> NDArray[np.float64]:
-    """Return what the floors' displacements contribute to the deformation that a storey's law sees (storeys,)."""
-    shares = getattr(law, "drift_shares", None)
-    if shares is None:
-        return storey_row(frame, law.storey)  # type: ignore[union-attr]
-    rows = [storey_row(frame, storey) for storey in range(1, 1 + frame.storeys)]
-    return np.asarray(shares, float) @ np.array(rows)
+def _row(law: StatedLaw, frame: ReducedFrame) -> NDArray[np.float64]:
+    """Return what the floors' displacements contribute to what a law sees of the motion (storeys,)."""
+    if isinstance(law, stated.Drag):
+        return np.asarray(np.eye(frame.storeys)[law.floor - 1])
+    if isinstance(law, stated.Loosening) and law.drift_shares is not None:
+        rows = [storey_row(frame, storey) for storey in range(1, 1 + frame.storeys)]
+        return np.asarray(law.drift_shares, float) @ np.array(rows)
+    return storey_row(frame, law.storey)
 
 
 def _padded(numbers: tuple[float, ...]) -> NDArray[np.float64]:
