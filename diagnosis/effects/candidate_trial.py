@@ -14,6 +14,8 @@ from pounding.diagnosis.errors import CaseError
 
 TRIAL_S = 60.0
 """Time in which a file must be read, compiled and tried [s]; one of three functions takes two, Python's start included."""
+START_S = 60.0
+"""Time that Python may take to start before it [s]: a second, but on a busy machine ten, which is no fault of the file's."""
 
 _CHILD = f"from {__name__} import in_child; in_child()"
 _TRYING, _DONE = "trying: ", "all tried"
@@ -42,7 +44,7 @@ def try_out(path: Path | str) -> None:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            timeout=TRIAL_S,
+            timeout=START_S + TRIAL_S,
         )
         told, late = child.stdout, child.returncode == _RANG
     except subprocess.TimeoutExpired as error:
