@@ -30,7 +30,14 @@ from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE, beyond_priors, strained, stray_tones
+from pounding.diagnosis.inference.model_checks import (
+    DAMPING,
+    STRUCTURE,
+    beyond_priors,
+    straighter,
+    strained,
+    stray_tones,
+)
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -46,10 +53,8 @@ def decide(found: Findings) -> Decision:
 
 def _decided(found: Findings) -> Decision:
     judged = found.claimable()
-    single = [one for one in judged if len(one.effects) == 1]
-    if not single or not (
-        plain(found, single[0], signal_to_noise(found, single[0])) or _straightens(found, single[0])
-    ):
+    single = _of_frames([one for one in judged if len(one.effects) == 1], found)
+    if not single or not _detected(found, single[0]):
         objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
@@ -71,6 +76,18 @@ def _decided(found: Findings) -> Decision:
         return Decision("unknown_effect", chosen, (), said)
     alike = _alike(found, chosen, single)
     return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
+
+
+def _detected(found: Findings, judged: Judged) -> bool:
+    """Return whether a single effect is there: it is large enough, or what the calibration took."""
+    return plain(found, judged, signal_to_noise(found, judged)) or _straightens(found, judged)
+
+
+def _of_frames(single: list[Judged], found: Findings) -> list[Judged]:
+    """Return single effects without those of sensors where one leads that is too small: that says nothing of the frames."""
+    if found.pair is not None or not single or not of_sensors(single[0]) or _detected(found, single[0]):
+        return single
+    return [one for one in single if not of_sensors(one)] or single
 
 
 def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:
@@ -236,12 +253,14 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
 
 
 def _common(found: Findings, judged: Judged) -> tuple[Effect, ...]:
-    """Return those of the effects that every real frame has a little of."""
+    """Return those of the effects that every real frame has a little of, alone or beside another."""
     each = zip(judged.fit.effects, judged.fit.values, strict=True)
+    several = len(judged.effects) > 1
     return tuple(
         effect
         for effect, values in each
-        if effect in judged.effects and effect.is_common(values, found.sizes)
+        if effect in judged.effects
+        and (effect.is_common(values, found.sizes) or (several and effect.common_beside))
     )
 
 
@@ -301,12 +320,12 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
 
 
 def _straightens(found: Findings, judged: Judged) -> bool:
-    """Return whether the calibrated frame is within its priors with a likely effect, and without it far beyond them.
+    """Return whether the calibrated frame is within its priors with a likely effect, and much likelier by them.
 
-    What is missing has then moved into stiffness and mass, or what dissipates into the damping, as far as their box lets
-    it, where it shows as no misfit. What the frame is with the effect says that no error of its model bends it. Or the
-    effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change of it, whatever
-    else takes its part, where none else of its kind has.
+    What is missing has then moved into stiffness, mass and the model discrepancy, where it shows as no misfit, or what
+    dissipates into the damping, far beyond its priors. What the frame is with the effect says that no error of its model
+    bends it. Or the effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change
+    of it, whatever else takes its part, where none else of its kind has.
     """
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
@@ -320,9 +339,10 @@ def _straightens(found: Findings, judged: Judged) -> bool:
 
     if far(judged, STRUCTURE):
         return False
+    needed = thresholds(found)[0]
     damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
-    bent = far(found.null, STRUCTURE) or damping
-    likely = judged.ln_bayes >= thresholds(found)[0]
+    bent = damping or straighter(found.model, found.null.fit.filtered, judged.fit.filtered) >= needed
+    likely = judged.ln_bayes >= needed
     return (bent and likely) or _moved(found, found.null, judged, effect)
 
 

@@ -122,6 +122,9 @@ class Effect:
     common: ClassVar[bool] = False
     """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
     that sways by itself."""
+    common_beside: ClassVar[bool] = False
+    """Whether every real frame has a little of it beside what is missing: how its base, its joints and its weight soften it
+    is in every model, and never quite right."""
 
     def is_common(self, values: np.ndarray, scales: Scales) -> bool:
         """Return whether every real frame has a little of it and no model, with these parameters.

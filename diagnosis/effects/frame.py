@@ -26,6 +26,7 @@ class JointFlexibility(FrameEffect):
 
     name = "joint_flexibility"
     absorbing = True
+    common_beside = True
     quantities = (Quantity("joint_stiffness", "N m/rad", logarithmic=True, symbol="k_j"),)
     typical = 0.5
     """Of the logarithm of the stiffness."""
@@ -65,6 +66,7 @@ class BaseRocking(FrameEffect):
 
     name = "base_rocking"
     absorbing = True
+    common_beside = True
     quantities = (Quantity("rotational_stiffness", "N m/rad", logarithmic=True, symbol="k_r"),)
     sign = 1
     described = Description(
@@ -107,6 +109,7 @@ class PDelta(FrameEffect):
 
     name = "p_delta"
     absorbing = True
+    common_beside = True
     linear = True
     quantities = (Quantity("weight_factor", "1", symbol=r"\phi"),)
     sign = 1

@@ -10,7 +10,7 @@ from scipy.stats import chi2
 
 from pounding.diagnosis.inference.filtering import Filtered, tangents_of, whitened_runs
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import MODAL_DAMPING
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING, MODAL_STIFFNESS
 from pounding.diagnosis.settings import SETTINGS
 
 STRUCTURE = ("frame_stiffness", "storey_stiffness", "base_stiffness", "joint_stiffness", "floor_mass")
@@ -47,6 +47,20 @@ def beyond_priors(model: Model, values: np.ndarray, kinds: Sequence[str] = STRUC
         kinds: Which parameters count.
     """
     return bool(chi2.sf(*strain(model, values, kinds)) < SETTINGS.checks.strained)
+
+
+def straighter(model: Model, before: Filtered, after: Filtered) -> float:
+    """Return the logarithm of how much likelier a frame's stiffness and mass are by their priors than before.
+
+    The model discrepancy counts, which takes what no storey can, at the scale that it had before.
+
+    Args:
+        model: The baseline model.
+        before, after: The filtered models.
+    """
+    kinds, scale = (*STRUCTURE, MODAL_STIFFNESS), model.spread(before.discrepancy) / model.std
+    squares = [strain(model, one.values / scale, kinds)[0] for one in (before, after)]
+    return 0.5 * (squares[0] - squares[1])
 
 
 def strained(model: Model, values: np.ndarray) -> list[str]:

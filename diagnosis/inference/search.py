@@ -103,7 +103,11 @@ def _refined_best(
     if chosen and 0 not in order[: SETTINGS.search.thorough]:
         # What scores best is refined to the end, however hard it is to start.
         order.insert(SETTINGS.search.thorough - 1, 0)
+    of_frame = next((i for i in order if chosen[i].effect.channel is None), None)
     order = order[: SETTINGS.search.thorough]
+    if of_frame is not None and of_frame not in order:
+        # What is wrong with sensors says nothing of whether something is wrong with the frame.
+        order.append(of_frame)
 
     known = {one.effects: one.fit.log_posterior for one in before.judged} if before is not None else {}
     # What was likelier about the null model before than it begins about this one has been refined to the end already.

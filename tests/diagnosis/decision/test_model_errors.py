@@ -28,6 +28,8 @@ from tests.diagnosis.decision.problems import (
     rival,
 )
 
+SOFTER = of("p_delta")
+
 
 @pytest.mark.parametrize(
     ("tried", "verdicts"),
@@ -103,6 +105,11 @@ def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_i
         ((Tried((MASS, ALL), 9000.0, 1.1), Tried((MASS,), 4000.0, 3.5), Tried((ALL,), 900.0, 3.6)), ()),
         ((Tried((MASS, ALL), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0)), ()),
         ((Tried((ALL,), 5.0, 3.0),), ()),
+        (
+            (Tried((MASS, SOFTER), 9000.0, 1.5), Tried((MASS,), 4000.0, 2.0), Tried((SOFTER,), 900.0, 3.5)),
+            (2,),
+        ),
+        ((Tried((SOFTER,), 4000.0, 3.0), Tried((MASS,), 1000.0, 3.5)), ()),
     ],
     ids=[
         "leads",
@@ -112,6 +119,8 @@ def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_i
         "stands out beside an effect",
         "never alone",
         "little evidence",
+        "softens the whole frame beside an effect",
+        "softens the whole frame and leads",
     ],
 )
 def test_an_error_of_the_frame_is_what_it_has_a_little_of_and_leads_or_is_second(

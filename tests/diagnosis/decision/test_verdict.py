@@ -210,3 +210,51 @@ def test_what_the_calibration_took_is_named_though_it_takes_little_out_of_the_mo
         fit: Any = one.fit
         fit.filtered = cast(Filtered, replace(usual, values=shift * far))
     assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("moved", "still", "verdict"),
+    [
+        pytest.param(2.6, 0.0, "effect_named", id="much likelier by the priors with it"),
+        pytest.param(1.5, 0.0, "nothing_missing", id="a little likelier"),
+        pytest.param(2.6, 2.2, "nothing_missing", id="as unlikely with it"),
+    ],
+)
+def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
+    moved: float, still: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Joints half as stiff: the frame's stiffness, its joints and its discrepancy each took a part of that."""
+    allow(monkeypatch, 0.05)
+    model, usual = bench()
+    kinds = ("frame_stiffness", "storey_stiffness", "modal_stiffness")
+    far = np.array([parameter.kind in kinds for parameter in model.parameters]) * model.spread(
+        usual.discrepancy
+    )
+    found = findings(
+        Problem(1.2, (Tried((partial(effect, "p_delta"),), 60.0, 1.19),), verdict), DATA["quiet"]
+    )
+    for one, shift in ((found.null, moved), (found.judged[0], still)):
+        fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=shift * far))
+    assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("leads", "verdict"),
+    [("sensor_offset", "effect_named"), ("added_mass", "nothing_missing")],
+    ids=["a sensor's fault", "another effect of the frame"],
+)
+def test_a_sensors_fault_that_is_too_small_does_not_hide_what_the_calibration_took(
+    leads: str, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    allow(monkeypatch, 0.05)
+    model, usual = bench()
+    far = np.array([parameter.kind in STRUCTURE for parameter in model.parameters]) * model.std
+    tried = (Tried((partial(effect, leads),), 80.0, 1.2), Tried((partial(effect, "p_delta"),), 60.0, 1.19))
+    found = findings(Problem(1.2, tried, verdict), DATA["quiet"])
+    for one, shift in ((found.null, 4.0), (found.judged[0], 4.0), (found.judged[1], 0.0)):
+        fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=shift * far))
+    decision = decide(found)
+    assert decision.verdict == verdict
+    assert [one.name for one in decision.judged.effects] == (["p_delta"] if verdict == "effect_named" else [])
