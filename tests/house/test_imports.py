@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -87,7 +88,8 @@ def name_of(path: Path) -> str:
 MODULES = {name_of(path): path for path in sources()}
 
 
-def imported(path: Path, types: bool = True) -> set[str]:
+@cache
+def imported(path: Path, types: bool = True) -> frozenset[str]:
     """Every module that a module imports, also inside functions and by name in a string; for `types` alone if asked."""
     found = set()
     tree = ast.parse(path.read_text(encoding="utf-8"))
@@ -110,7 +112,7 @@ def imported(path: Path, types: bool = True) -> set[str]:
             and isinstance(node.args[0], ast.Constant)
         ):
             found.add(str(node.args[0].value))
-    return found
+    return frozenset(found)
 
 
 def ours(path: Path, types: bool = True) -> set[str]:
