@@ -80,7 +80,10 @@ def acting(name: str, test: str | None = None, storey: int | None = None) -> Eff
     [
         (acting("stiffness_change", storey=2), -0.35),
         (acting("added_mass", storey=3), 2.0),
-        (acting("p_delta"), 40.0),
+        # The longest; a rocking base, which softens the whole frame too, is the quick one.
+        pytest.param(
+            acting("p_delta"), 40.0, marks=[pytest.mark.slow, pytest.mark.guard], id="p delta, bench-"
+        ),
         (acting("base_rocking"), 1.2e4),
         (acting("hysteresis", "sweep"), -0.25),
     ],
