@@ -127,15 +127,16 @@ def parameters(
 def _candidates(found: Findings) -> tuple[Candidate, ...]:
     """Return every single effect of the catalogue that has a finite evidence, the likeliest first, each place once.
 
-    A sensor's delay and that of its logger have one name and one place.
+    A sensor's delay and that of its logger have one name and one place. What was refined there counts, and no score.
     """
-    ln_bayes: dict[Effect, float] = {one.effect: one.ln_bayes for one in found.scores.ranked}
+    refined: dict[Effect, float] = {}
     for judged in (*found.judged, *found.claimable()):
         if len(judged.effects) == 1:
-            ln_bayes[judged.effects[0]] = judged.ln_bayes
-    ranked = sorted(ln_bayes.items(), key=lambda item: -item[1])
+            refined[judged.effects[0]] = judged.ln_bayes
+    known = {place_of(effect) for effect in refined}
+    scored = {one.effect: one.ln_bayes for one in found.scores.ranked if place_of(one.effect) not in known}
     best: dict[Place, float] = {}
-    for effect, value in ranked:
+    for effect, value in sorted((refined | scored).items(), key=lambda item: -item[1]):
         if not effect.rival and np.isfinite(value):
             best.setdefault(place_of(effect), value)
     return tuple(candidate(place, value) for place, value in best.items())

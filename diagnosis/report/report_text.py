@@ -213,6 +213,12 @@ def against_the_next(report: Report) -> str | None:
         return None
     ln_bayes = effect.log_evidence - tried[0].log_evidence
     name = "The class" if report.verdict == "effect_class" else effect.words()[0].upper() + effect.words()[1:]
+    if ln_bayes < 0.0:
+        other = tried[0].words()
+        return (
+            f"{other[0].upper()}{other[1:]} has more evidence (an ln Bayes factor of {-ln_bayes:.3g} against what is named) "
+            "and is not named: it takes too little out of the measurements, or its score was not worth refining."
+        )
     return (
         f"{name} against the next candidate, {tried[0].words()}: the evidence is {strength(ln_bayes)} "
         f"(ln Bayes factor {ln_bayes:.3g})."

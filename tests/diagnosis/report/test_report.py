@@ -287,6 +287,9 @@ def test_how_strongly_an_effect_is_told_from_the_next_is_said_where_that_can_be_
         tried = (candidate(FRICTION, 412.0), candidate(DAMPING, behind))
         assert f"is {word} " in str(against_the_next(structs.replace(alone, candidates=tried)))
     # All that was tried is in the class, nothing is missing, or impacts were weighed beside motions.
+    ahead = (candidate(DAMPING, 424.0), candidate(FRICTION, 412.0))
+    said = str(against_the_next(structs.replace(alone, candidates=ahead)))
+    assert "has more evidence (an ln Bayes factor of 12 against what is named) and is not named" in said
     assert against_the_next(of_runs()) is None
     assert against_the_next(structs.replace(alone, effects=())) is None
     both = (*alone.candidates, candidate(LAW, 3.0))
