@@ -103,7 +103,8 @@ class Search:
     refined: int = 8
     """[effects] At most so many effects are refined. Origin: chosen."""
     thorough: int = 3
-    """[effects] At most so many of these are refined to the end. Origin: chosen."""
+    """[effects] So many of these are refined to the end, and one of the frames if all of these are of sensors.
+    Origin: chosen."""
     rivals: int = 2
     """[effects] At most so many of the refined are rivals outside the catalogue, which act alike on neighbouring
     floors. Origin: chosen."""

@@ -34,7 +34,7 @@ from pounding.diagnosis.inference.model_checks import (
     DAMPING,
     STRUCTURE,
     beyond_priors,
-    straighter,
+    log_prior_ratio,
     strained,
     stray_tones,
 )
@@ -84,7 +84,10 @@ def _detected(found: Findings, judged: Judged) -> bool:
 
 
 def _of_frames(single: list[Judged], found: Findings) -> list[Judged]:
-    """Return single effects without those of sensors where one leads that is too small: that says nothing of the frames."""
+    """Return single effects, best first, without the faults of sensors where one leads that is too small to be named.
+
+    It takes evidence from noise that is not white, and says nothing of the frames.
+    """
     if found.pair is not None or not single or not of_sensors(single[0]) or _detected(found, single[0]):
         return single
     return [one for one in single if not of_sensors(one)] or single
@@ -341,7 +344,7 @@ def _straightens(found: Findings, judged: Judged) -> bool:
         return False
     needed = thresholds(found)[0]
     damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
-    bent = damping or straighter(found.model, found.null.fit.filtered, judged.fit.filtered) >= needed
+    bent = damping or log_prior_ratio(found.model, found.null.fit.filtered, judged.fit.filtered) >= needed
     likely = judged.ln_bayes >= needed
     return (bent and likely) or _moved(found, found.null, judged, effect)
 

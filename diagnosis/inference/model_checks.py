@@ -49,10 +49,10 @@ def beyond_priors(model: Model, values: np.ndarray, kinds: Sequence[str] = STRUC
     return bool(chi2.sf(*strain(model, values, kinds)) < SETTINGS.checks.strained)
 
 
-def straighter(model: Model, before: Filtered, after: Filtered) -> float:
-    """Return the logarithm of how much likelier a frame's stiffness and mass are by their priors than before.
+def log_prior_ratio(model: Model, before: Filtered, after: Filtered) -> float:
+    """Return the logarithm of how much likelier by their priors stiffness and mass of the frames are after than before.
 
-    The model discrepancy counts, which takes what no storey can, at the scale that it had before.
+    The model discrepancy counts as well, as it takes what no storey can, at the scale that it had before.
 
     Args:
         model: The baseline model.

@@ -99,15 +99,7 @@ def _refined_best(
             f"refining {one.effect.label()}", 0.35 + 0.15 * chosen.index(one) / max(len(chosen), 1)
         ),
     )
-    order = sorted(range(len(chosen)), key=lambda i: -quick[i].log_posterior)
-    if chosen and 0 not in order[: SETTINGS.search.thorough]:
-        # What scores best is refined to the end, however hard it is to start.
-        order.insert(SETTINGS.search.thorough - 1, 0)
-    of_frame = next((i for i in order if chosen[i].effect.channel is None), None)
-    order = order[: SETTINGS.search.thorough]
-    if of_frame is not None and of_frame not in order:
-        # What is wrong with sensors says nothing of whether something is wrong with the frame.
-        order.append(of_frame)
+    order = to_the_end(chosen, [fit.log_posterior for fit in quick])
 
     known = {one.effects: one.fit.log_posterior for one in before.judged} if before is not None else {}
     # What was likelier about the null model before than it begins about this one has been refined to the end already.
@@ -136,6 +128,24 @@ def _refined_best(
         if best(found).effects != led:
             again = _led_further(found)
     return found, again
+
+
+def to_the_end(chosen: Sequence[Score], likely: Sequence[float]) -> list[int]:
+    """Return the numbers of the candidates to refine to the end, the likeliest first.
+
+    Among them are the one that scores best, however hard it is to start, and the likeliest that is no fault of a sensor:
+    what is wrong with sensors says nothing of whether something is wrong with the frame.
+
+    Args:
+        chosen: The candidates, as they score.
+        likely: Log posterior of each after a few steps.
+    """
+    order = sorted(range(len(chosen)), key=lambda i: -likely[i])
+    ends = order[: SETTINGS.search.thorough]
+    if chosen and 0 not in ends:
+        ends[-1] = 0
+    of_frames = [i for i in order if chosen[i].effect.channel is None][:1]
+    return ends + [i for i in of_frames if i not in ends]
 
 
 def _led_further(found: Findings) -> Fit | None:

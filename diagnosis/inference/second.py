@@ -54,11 +54,16 @@ def _alone(found: Findings, first: Judged) -> None:
     known = {one.effects for one in found.judged}
     own = zip(both.fit.effects, both.fit.values, strict=True)
     new = [(effect, values) for effect, values in own if (effect,) not in known]
+    null, scores = found.null.fit, {one.effect: one for one in reversed(found.scores.ranked)}
 
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
         (effect, values), filtered = one, both.fit.filtered
         width = widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0])
-        return refine(found.model, filtered, (effect,), (values,), (width,), nuisance=filtered.values)
+        fit = refine(found.model, filtered, (effect,), (values,), (width,), nuisance=filtered.values)
+        if fit.log_posterior > null.log_posterior or effect not in scores:
+            return fit
+        # It went astray without what it acted beside: what is less likely than nothing is no optimum.
+        return max(fit, refined(found, null.filtered, scores[effect]), key=lambda one: one.log_posterior)
 
     for fit in each(found, refined_alone, new):
         keep(found, fit)

@@ -217,7 +217,7 @@ def against_the_next(report: Report) -> str | None:
         other = tried[0].words()
         return (
             f"{other[0].upper()}{other[1:]} has more evidence (an ln Bayes factor of {-ln_bayes:.3g} against what is named) "
-            "and is not named: it takes too little out of the measurements, or its score was not worth refining."
+            "and is not named: it takes too little out of the measurements, or was only scored and not refined."
         )
     return (
         f"{name} against the next candidate, {tried[0].words()}: the evidence is {strength(ln_bayes)} "

@@ -272,9 +272,7 @@ def test_another_frame_than_believed_is_a_softer_or_a_heavier_one(plain: Case) -
     assert any("6.7" in warning and "12.00 Hz" in warning for warning in concluded.warnings)
 
 
-@pytest.mark.parametrize(
-    "hertz", [8.5, pytest.param(8.9, marks=[pytest.mark.slow, pytest.mark.guard])], ids=str
-)
+@pytest.mark.parametrize("hertz", [8.5, pytest.param(8.9, marks=[pytest.mark.slow, pytest.mark.guard])])
 def test_a_frame_a_little_beyond_its_priors_is_a_softer_or_heavier_one(plain: Case, hertz: float) -> None:
     """The calibration takes the whole of it, with a stiffness that is more than three prior standard deviations off."""
     other = replace(FRAME, frequency_hz=(hertz,))

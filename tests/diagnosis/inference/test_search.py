@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from pounding.diagnosis.inference.findings import Findings, best, judge
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.refining import keep, refined
-from pounding.diagnosis.inference.search import search
+from pounding.diagnosis.inference.search import search, to_the_end
 from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured
@@ -171,3 +173,22 @@ def test_the_order_of_the_candidates_does_not_matter() -> None:
     one, other = searched(problem), searched(problem, backwards=True)
     assert one.judged[0].effects == other.judged[0].effects
     assert evidence(one) == pytest.approx(evidence(other), abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("channels", "likely", "refined_further"),
+    [
+        pytest.param((None, None, None, None), (4.0, 3.0, 2.0, 1.0), [0, 1, 2], id="the three likeliest"),
+        pytest.param((None, None, None, None), (1.0, 4.0, 3.0, 2.0), [1, 2, 0], id="and what scores best"),
+        pytest.param(
+            ("a", "b", "c", None, None), (4.0, 3.0, 2.0, 0.5, 1.0), [0, 1, 2, 4], id="and one of the frame"
+        ),
+        pytest.param(("a", "b"), (1.0, 2.0), [1, 0], id="nothing of the frame was tried"),
+        pytest.param((), (), [], id="nothing was tried"),
+    ],
+)
+def test_what_is_refined_to_the_end(
+    channels: tuple[str | None, ...], likely: tuple[float, ...], refined_further: list[int]
+) -> None:
+    chosen: Any = [SimpleNamespace(effect=SimpleNamespace(channel=channel)) for channel in channels]
+    assert to_the_end(chosen, likely) == refined_further

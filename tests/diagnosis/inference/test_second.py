@@ -24,13 +24,15 @@ class Named:
         return [()]
 
 
+FROM_SCORE = 3.0
+"""Evidence of what is refined alone from its score about the null model."""
 A, B, C, D, RIVAL = Named("a"), Named("b"), Named("c"), Named("d"), Named("rival", rival=True)
 
 
 def judged(ln_bayes: float, *effects: Named) -> Judged:
     filtered = SimpleNamespace(effects=effects, values=None)
     fit: Any = SimpleNamespace(
-        effects=effects, values=effects, filtered=filtered, columns=None, ln_bayes=ln_bayes
+        effects=effects, values=effects, filtered=filtered, columns=None, log_posterior=ln_bayes
     )
     return cast(Judged, SimpleNamespace(fit=fit, effects=effects, ln_bayes=ln_bayes))
 
@@ -47,7 +49,11 @@ def searched(
     """
     null = judged(0.0)
     ranked = sorted((judged(value, one) for one, value in alone.items()), key=lambda one: -one.ln_bayes)
-    found = cast(Findings, SimpleNamespace(judged=ranked, null=null, model=None, sizes=None, later=None))
+    scores = SimpleNamespace(ranked=[SimpleNamespace(effect=C)])
+    found = cast(
+        Findings,
+        SimpleNamespace(judged=ranked, null=null, model=None, sizes=None, later=None, scores=scores),
+    )
 
     def scored(_: Any, filtered: Any, others: list[Named], *__: Any) -> Any:
         about = filtered.effects
@@ -58,15 +64,15 @@ def searched(
         return SimpleNamespace(ranked=sorted(each, key=lambda one: -one.ln_bayes), about=about)
 
     def keep(found: Findings, fit: Any) -> None:
-        found.judged.append(judged(fit.ln_bayes, *fit.effects))
+        found.judged.append(judged(fit.log_posterior, *fit.effects))
         found.judged.sort(key=lambda one: -one.ln_bayes)
 
-    def refined(_: Any, filtered: Any, one: Any, __: Any) -> Any:
+    def refined(_: Any, filtered: Any, one: Any, *__: Any) -> Any:
         effects = (*filtered.effects, one.effect)
-        return SimpleNamespace(effects=effects, ln_bayes=both[frozenset(effects)])
+        return SimpleNamespace(effects=effects, log_posterior=both.get(frozenset(effects), FROM_SCORE))
 
     def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
-        return SimpleNamespace(effects=effects, ln_bayes=(after or {}).get(effects[0], 0.0))
+        return SimpleNamespace(effects=effects, log_posterior=(after or {}).get(effects[0], 0.0))
 
     monkeypatch.setattr(module, "score", scored)
     monkeypatch.setattr(module, "refine", refine)
@@ -116,3 +122,11 @@ def test_what_adds_too_little_to_be_named_beside_another_is_not_refined_alone(
 ) -> None:
     found = searched(monkeypatch, {A: 1000.0}, {frozenset({A, C}): 1050.0}, {C: 1401.0})
     assert [one.effects for one in found.judged] == [(A, C), (A,)]
+
+
+@pytest.mark.parametrize(("reached", "kept"), [(-6000.0, FROM_SCORE), (0.0, FROM_SCORE), (40.0, 40.0)])
+def test_what_goes_astray_alone_begins_from_its_score(
+    reached: float, kept: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = searched(monkeypatch, {A: 1000.0}, {frozenset({A, C}): 1400.0}, {C: reached})
+    assert [one.ln_bayes for one in found.judged if one.effects == (C,)] == [kept]

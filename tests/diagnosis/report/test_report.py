@@ -286,10 +286,12 @@ def test_how_strongly_an_effect_is_told_from_the_next_is_said_where_that_can_be_
     for behind, word in ((409.0, "weak"), (408.0, "strong"), (400.0, "decisive")):
         tried = (candidate(FRICTION, 412.0), candidate(DAMPING, behind))
         assert f"is {word} " in str(against_the_next(structs.replace(alone, candidates=tried)))
-    # All that was tried is in the class, nothing is missing, or impacts were weighed beside motions.
     ahead = (candidate(DAMPING, 424.0), candidate(FRICTION, 412.0))
     said = str(against_the_next(structs.replace(alone, candidates=ahead)))
-    assert "has more evidence (an ln Bayes factor of 12 against what is named) and is not named" in said
+    assert said.startswith(
+        "Damping change in storey 3 of 5B has more evidence (an ln Bayes factor of 12 against"
+    )
+    # All that was tried is in the class, nothing is missing, or impacts were weighed beside motions.
     assert against_the_next(of_runs()) is None
     assert against_the_next(structs.replace(alone, effects=())) is None
     both = (*alone.candidates, candidate(LAW, 3.0))
