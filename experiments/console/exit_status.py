@@ -10,7 +10,14 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from cyclopts import App, CoercionError, CycloptsError, MissingArgumentError, ValidationError
+from cyclopts import (
+    App,
+    CoercionError,
+    CycloptsError,
+    MissingArgumentError,
+    UnknownCommandError,
+    ValidationError,
+)
 from rich.console import Console
 
 from pounding.errors import InputError
@@ -18,6 +25,7 @@ from pounding.experiments.console import remarks
 from pounding.experiments.console.completion import Command
 from pounding.experiments.console.interruption import heeding
 from pounding.experiments.results.provenance import software_version
+from pounding.spelling import did_you_mean, nearest
 
 BAD_INPUT = 2
 NUMBERS: dict[type | None, tuple[str, str]] = {
@@ -66,7 +74,8 @@ def run(app: App, arguments: Sequence[str] | None = None) -> None:
         _leave(_of_option(error), BAD_INPUT)
     except CycloptsError as error:
         page = " ".join([*app.name, *(error.command_chain or ())])
-        _leave(f"{_of_words(error)} (see {page} --help)", BAD_INPUT)
+        said = _of_verb(app, error) if isinstance(error, UnknownCommandError) else _of_words(error)
+        _leave(f"{said} (see {page} --help)", BAD_INPUT)
     except BrokenPipeError:
         # The reader of our output (a pager, `head`) has seen enough; nothing more can be told to it.
         _drop_output()
@@ -91,6 +100,15 @@ def _of_option(error: ValidationError) -> str:
     tokens = error.argument.tokens if error.argument else []
     option = next((token.keyword for token in tokens if token.keyword), None)
     return f"{option}: {error.exception_message}" if option else str(error)
+
+
+def _of_verb(app: App, error: UnknownCommandError) -> str:
+    """Return that a verb, or the name of a study, is not known, and which were meant."""
+    for name in error.command_chain or ():
+        app = app[name]
+    (word, *_) = error.unused_tokens or ("",)
+    question = did_you_mean(nearest(word, [name for name in app if not name.startswith("-")]))
+    return f"{word!r} is not known" + (f"; {question}" if question else "")
 
 
 def _of_words(error: CycloptsError) -> str:

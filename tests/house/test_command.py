@@ -198,6 +198,25 @@ def test_list_as_json() -> None:
 
 
 @pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["pund", "5A"], "'pund' is not known; did you mean pound? (see pounding --help)"),
+        (
+            ["study", "table-4-2"],
+            "'table-4-2' is not known; did you mean table-4-1? (see pounding study --help)",
+        ),
+        (["zzz"], "'zzz' is not known (see pounding --help)"),
+    ],
+)
+def test_a_mistyped_verb_is_answered_with_what_it_is_like(
+    words: list[str], sentence: str, here: Callable[..., Done]
+) -> None:
+    done = here(*words)
+    assert done.returncode == 2
+    assert done.stderr == f"pounding: {sentence}\n"
+
+
+@pytest.mark.parametrize(
     ("words", "named"),
     [
         (["modal", "5C"], "5"),
