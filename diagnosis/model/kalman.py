@@ -322,12 +322,14 @@ def _doubling(step: np.ndarray, output: np.ndarray, covariance: np.ndarray) -> n
     It costs a third of an ordered QZ decomposition, less for many states. None is returned where it does not converge.
     """
     a, g, h = step.T.copy(), output.T @ output, covariance.copy()
-    identity = np.eye(len(step))
+    n = len(step)
+    identity = np.eye(n)
     for _ in range(DOUBLINGS):
-        inverse = np.linalg.inv(identity + g @ h)
-        new_h = h + a.T @ h @ inverse @ a
-        g = g + a @ inverse @ g @ a.T
-        a = a @ inverse @ a
+        solved = np.linalg.solve(identity + g @ h, np.hstack([a, g @ a.T]))
+        by_a, by_g = solved[:, :n], solved[:, n:]
+        new_h = h + a.T @ (h @ by_a)
+        g = g + a @ by_g
+        a = a @ by_a
         change, h = np.abs(new_h - h).max(), new_h
         if not np.isfinite(change):
             return None

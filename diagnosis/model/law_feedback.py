@@ -140,7 +140,9 @@ def filter_with_laws(
             for t in range(terms):
                 shown[c, t] += direct[c, t] * at_end[k, t]
         before, after = slopes[2 * (first + k)], slopes[2 * (first + k) + 1]
-        motion[:] = shown[channels:]
+        for i in range(2 * laws):
+            for t in range(terms):
+                motion[i, t] = shown[channels + i, t]
         _answer(before, motion, memory, starts)
         _weighed(settled[first + k], starts, ends)
         for i in range(2 * laws):
@@ -172,7 +174,9 @@ def filter_with_laws(
             _turn(transition, push, state)
         else:
             np.dot(transition, state, moved)
-            state[:] = moved + push
+            for i in range(len(state)):
+                for t in range(terms):
+                    state[i, t] = moved[i, t] + push[i, t]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
@@ -233,4 +237,7 @@ def _remember(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, new: n
                 if kept != 0.0:
                     for t in range(terms):
                         new[i, r, t] += kept * memory[i, q, t]
-    memory[:] = new
+    for i in range(laws):
+        for r in range(remembered):
+            for t in range(terms):
+                memory[i, r, t] = new[i, r, t]

@@ -120,6 +120,24 @@ class Model:
         return assembly
 
     def _without_effects(self, values: np.ndarray) -> Assembly:
+        # Whatever a nuisance parameter changes, it changes in proportion.
+        still, changes = self._by_parameter
+        return self._baseline.with_numbers(still + np.asarray(values, float) @ changes)
+
+    @cached_property
+    def _by_parameter(self) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of the baseline's assembly, (numbers,), and what a unit of each parameter adds, (nuisance, numbers)."""
+        still = self._baseline.numbers()
+        none = self._baseline.with_numbers(np.zeros_like(still))
+        changes = np.zeros((len(self.parameters), len(still)))
+        for parameter, change in zip(self.parameters, changes, strict=True):
+            alone = none.copy()
+            vary(alone, self.structure, parameter.kind, parameter.place, 1.0)
+            change[:] = alone.numbers()
+        return still, changes
+
+    @cached_property
+    def _baseline(self) -> Assembly:
         structure = self.structure
         floors = structure.floors
         channels = len(self.observed.names)
@@ -142,8 +160,6 @@ class Model:
             span = structure.span(number)
             assembly.mass[span, span] += frame.mass
             assembly.stiffness[span, span] += frame.stiffness
-        for parameter, value in zip(self.parameters, values, strict=True):
-            vary(assembly, structure, parameter.kind, parameter.place, float(value))
         return assembly
 
     def acts(self, run: int) -> bool:

@@ -104,6 +104,31 @@ class Assembly:
         extended = self.extensions or other.extensions
         return placed and not extended and all(np.array_equal(one, two) for one, two in pairs)
 
+    def numbers(self) -> np.ndarray:
+        """Return all numbers but those of laws and of added coordinates one after the other, shape (numbers,)."""
+        return np.concatenate(
+            [np.ravel(one) for one in vars(self).values() if not isinstance(one, list | int)]
+        )
+
+    def with_numbers(self, numbers: np.ndarray) -> Assembly:
+        """Return a copy with other `numbers`.
+
+        Args:
+            numbers: The numbers, shape (numbers,).
+        """
+        other, taken = (
+            replace(self, laws=[*self.laws], extensions=[*self.extensions], influence=[*self.influence]),
+            0,
+        )
+        for key, one in vars(self).items():
+            if isinstance(one, float):
+                setattr(other, key, float(numbers[taken]))
+                taken += 1
+            elif isinstance(one, np.ndarray):
+                setattr(other, key, numbers[taken : taken + one.size].reshape(one.shape))
+                taken += one.size
+        return other
+
     def copy(self) -> Assembly:
         """Return a copy that shares nothing which changes."""
         changing: dict[str, Any] = {

@@ -177,7 +177,11 @@ def predict(
     latent_end, noise_end = math.exp(-decay[0] * step_s), math.exp(-decay[1] * step_s)
     latent_steps, transition = _whole_step(full, latent_left)
     noise_steps, _ = _whole_step(full, noise_left)
-    held = latent_steps[:substeps].sum(axis=0)
+    held = np.zeros((2, n))
+    for j in range(substeps):
+        for m in range(n):
+            held[0, m] += latent_steps[j, 0, m]
+            held[1, m] += latent_steps[j, 1, m]
     stiffness = modes[:, 0] ** 2
     damping = 2.0 * modes[:, 0] * modes[:, 1]
     z = np.zeros(states)
@@ -195,10 +199,14 @@ def predict(
     rate_mid = np.zeros(n)
     eta = z[:n]
     rate = z[n : 2 * n]
-    correcting = bool(np.any(gain != 0.0))
+    correcting = False
+    for c in range(channels):
+        for i in range(states):
+            correcting = correcting or gain[c, i] != 0.0
     for k in range(samples):
         if whole:
-            before[k] = z
+            for i in range(states):
+                before[k, i] = z[i]
         time = k * step_s
         for m in range(n):
             force[m] = -stiffness[m] * eta[m] - damping[m] * rate[m]
@@ -238,7 +246,8 @@ def predict(
                 for i in range(states):
                     z[i] += gain[c, i] * innovations[k, c]
         if whole:
-            after[k] = z
+            for i in range(states):
+                after[k, i] = z[i]
         for m in range(n):
             latent[m] = 0.0
         for s in range(storeys):

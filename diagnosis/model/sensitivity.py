@@ -183,7 +183,9 @@ def _filter(
     x = np.zeros((states, TOGETHER + 1, terms), state.dtype)
     shown = np.zeros((channels, TOGETHER + 1, terms), state.dtype)
     all_x, all_shown = x.reshape(states, -1), shown.reshape(channels, -1)
-    x[:, 0] = state
+    for i in range(states):
+        for t in range(terms):
+            x[i, 0, t] = state[i, t]
     for first in range(0, samples, TOGETHER):
         count = min(TOGETHER, samples - first)
         # One motion after the other, each over some samples: what it needs then stays in the processor's first cache.
@@ -245,5 +247,9 @@ def _filter(
                     shown[c, b, column[t]] += shown[c, b, t]
                 for g in range(groups):
                     result[k, c, g] = shown[c, b, g]
-        x[:, 0] = x[:, count]
-    state[:] = x[:, 0]
+        for i in range(states):
+            for t in range(terms):
+                x[i, 0, t] = x[i, count, t]
+    for i in range(states):
+        for t in range(terms):
+            state[i, t] = x[i, 0, t]

@@ -77,11 +77,11 @@ def law_forces(
         step_s: Sampling step [s].
     """
     along = _Along.of(placed, modes, states, step_s)
-    forces = np.zeros((2 * len(states[0]), len(placed)))
+    forces = np.zeros(along.drift.shape)
     for j, address in enumerate(along.laws):
-        memory = np.zeros((len(forces), MEMORY))
-        _forces(address, along.parameters[j], along.drift[j], along.rate[j], step_s, forces[:, j], memory)
-    return forces, along.rows
+        memory = np.zeros((along.drift.shape[1], MEMORY))
+        _forces(address, along.parameters[j], along.drift[j], along.rate[j], step_s, forces[j], memory)
+    return np.ascontiguousarray(forces.T), along.rows
 
 
 def tangents(
@@ -99,17 +99,21 @@ def tangents(
         return None
     along = _Along.of(placed, modes, states, step_s)
     remembered = max(one.law.followed for one in placed)
-    forces = np.zeros((2 * len(states[0]), len(placed)))
-    slopes = np.zeros((*forces.shape, 1 + remembered, 2 + remembered))
+    forces = np.zeros(along.drift.shape)
+    each = np.zeros((*forces.shape, 1 + remembered, 2 + remembered))
     for j, address in enumerate(along.laws):
         motion = along.parameters[j], along.drift[j], along.rate[j], step_s
-        memory = np.zeros((len(forces), MEMORY))
-        _forces(address, *motion, forces[:, j], memory)
-        _slopes(address, *motion, NUDGE, memory, placed[j].law.followed, slopes[:, j])
+        memory = np.zeros((along.drift.shape[1], MEMORY))
+        _forces(address, *motion, forces[j], memory)
+        moved = along.drift[j], along.rate[j], *memory.T[: placed[j].law.followed]
+        nudge = NUDGE * np.array([np.abs(one).max() for one in moved])
+        _slopes(address, *motion, nudge, memory, each[j])
+    slopes = each.swapaxes(0, 1)
     used = 1 + np.flatnonzero(slopes[:, :, 1:].any(axis=(0, 1, 3)))
     slopes = slopes[:, :, np.r_[0, used]][..., np.r_[0, 1, 1 + used]]
     # Where the motion has blown up there is no slope.
-    return Tangents(along.rows, along.room, forces, np.where(np.isfinite(slopes), slopes, 0.0))
+    slopes = np.ascontiguousarray(np.where(np.isfinite(slopes), slopes, 0.0))
+    return Tangents(along.rows, along.room, np.ascontiguousarray(forces.T), slopes)
 
 
 @njit(cache=True)
@@ -125,10 +129,12 @@ def _forces(
     """Fill in the forces of one law, shape (2 samples,), and what it remembered before each, (2 samples, remembered)."""
     new = np.zeros(memory.shape[1])
     for k in range(drift.size):
-        new[:] = memory[k]
+        for i in range(new.size):
+            new[i] = memory[k, i]
         forces[k] = called(address, parameters, memory[k], drift[k], rate[k], step_s * (k // 2), new)
         if k + 1 < drift.size:
-            memory[k + 1] = new
+            for i in range(new.size):
+                memory[k + 1, i] = new[i]
 
 
 @njit(cache=True)
@@ -138,34 +144,28 @@ def _slopes(
     drift: np.ndarray,
     rate: np.ndarray,
     step_s: float,
-    nudge: float,
+    nudge: np.ndarray,
     memory: np.ndarray,
-    remembered: int,
     slopes: np.ndarray,
 ) -> None:
-    """Fill in the slopes of one law's forces and first `remembered` memories, shape (2 samples, 1 + most, 2 + most)."""
+    """Fill in slopes of one law's forces and of as many memories as are nudged, (2 samples, 1 + most, 2 + most)."""
     there, new = np.zeros(MEMORY), np.zeros(MEMORY)
-    size = np.zeros(2 + remembered)
-    size[0], size[1] = np.abs(drift).max(), np.abs(rate).max()
-    for i in range(remembered):
-        size[2 + i] = np.abs(memory[:, i]).max()
-    size *= nudge
     for k in range(drift.size):
         time = step_s * (k // 2)
-        for i in range(2 + remembered):
-            if size[i] == 0.0:
+        for i in range(nudge.size):
+            if nudge[i] == 0.0:
                 continue
             for side in (1.0, -1.0):
-                by = side / (2.0 * size[i])
+                by = side / (2.0 * nudge[i])
                 d, v = drift[k], rate[k]
-                there[:] = memory[k]
+                for j in range(MEMORY):
+                    there[j], new[j] = memory[k, j], 0.0
                 if i == 0:
-                    d += side * size[0]
+                    d += side * nudge[0]
                 elif i == 1:
-                    v += side * size[1]
+                    v += side * nudge[1]
                 else:
-                    there[i - 2] += side * size[i]
-                new[:] = 0.0
+                    there[i - 2] += side * nudge[i]
                 slopes[k, 0, i] += by * called(address, parameters, there, d, v, time, new)
-                for j in range(remembered):
+                for j in range(nudge.size - 2):
                     slopes[k, 1 + j, i] += by * new[j]

@@ -862,7 +862,9 @@ def advance(
             for c in range(count):
                 state.force[c, 0] = state.force[c, 2]
             if storeys is not None:
-                storeys.memory[0] = storeys.memory[2]
+                for law in range(storeys.memory.shape[1]):
+                    for i in range(storeys.memory.shape[2]):
+                        storeys.memory[0, law, i] = storeys.memory[2, law, i]
                 for law in range(count - opening):
                     forces[row, count + law] = state.force[opening + law, 1]
             if step_s >= left_s * (1.0 - 1e-9):

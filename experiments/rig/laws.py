@@ -139,5 +139,7 @@ def _along(
     force = np.empty(drift.size)
     for k in range(drift.size):
         force[k] = called(address, parameters, state, drift[k], rate[k], time[k], new)
-        state[:] = new
+        # Number by number: for whole rows numba compiles messages about shapes, which takes longer than the loop itself.
+        for i in range(MEMORY):
+            state[i] = new[i]
     return force

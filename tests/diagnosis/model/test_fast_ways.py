@@ -16,7 +16,7 @@ from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model import closed_loop
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import MODAL_DAMPING
+from pounding.diagnosis.model.nuisance import MODAL_DAMPING, vary
 from pounding.diagnosis.model.terms import nuisance_terms
 from tests.diagnosis.models import measured
 
@@ -50,6 +50,18 @@ def test_innovations_alone_are_those_of_the_whole_prediction() -> None:
     ):
         np.testing.assert_array_equal(quick, slow)
     assert [len(one) for one in alone.before] == [0, 0]
+
+
+def test_an_assembly_is_that_of_its_parameters_one_after_the_other() -> None:
+    model, values, _ = problem()
+    slow = model.assemble(np.zeros_like(values))
+    for parameter, value in zip(model.parameters, values, strict=True):
+        vary(slow, model.structure, parameter.kind, parameter.place, float(value))
+    quick = model.assemble(values)
+    for key, one in vars(slow).items():
+        if isinstance(one, np.ndarray | float):
+            np.testing.assert_allclose(getattr(quick, key), one, rtol=1e-12, atol=1e-12 * np.max(np.abs(one), initial=0.0))
+    assert type(quick.table_gain) is float
 
 
 def test_a_kept_assembly_is_not_changed_by_effects() -> None:
