@@ -452,16 +452,21 @@ def _respond_all(contacts: Any, state: Any, response: Any, table: Any, half: Any
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _any_step(
-    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, z: Any, end: Any, touching: bool, step_s: float,
-    start: float, rise: float,
-) -> float:  # fmt: skip
-    """Carry the poles over a step of any length; return what `_pressed` does, 0 in flight."""
+def _free_step(modes: Any, room: Any, z: Any, end: Any, step_s: float, start: float, rise: float) -> None:
+    """Carry the poles over a step in flight of any length."""
     fill(modes.rates, step_s, room.own)
     push(room.own, modes.load, step_s, room.own_push)
-    if not touching:
-        _fly(z, end, room.own, room.own_push, start, rise)
-        return 0.0
+    _fly(z, end, room.own, room.own_push, start, rise)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _any_step(
+    modes: Any, contacts: Any, storeys: Any, state: Any, room: Any, z: Any, end: Any, step_s: float, start: float,
+    rise: float,
+) -> float:  # fmt: skip
+    """Carry the poles over a step of any length with what pushes on its way; return what `_pressed` does."""
+    fill(modes.rates, step_s, room.own)
+    push(room.own, modes.load, step_s, room.own_push)
     fill(modes.rates, 0.5 * step_s, room.half)
     push(room.half, modes.load, 0.5 * step_s, room.half_push)
     _respond_all(contacts, state, room.response[-1], room.own, room.half, step_s)
@@ -566,7 +571,10 @@ def _locate(
     sign = -1.0 if state.closed[event] else 1.0
     low, high, length = 0.0, whole_s, guess_s
     for _ in range(60):
-        _any_step(modes, contacts, storeys, state, room, z, end, touching, length, start, per_s * length)
+        if touching:
+            _any_step(modes, contacts, storeys, state, room, z, end, length, start, per_s * length)
+        else:
+            _free_step(modes, room, z, end, length, start, per_s * length)
         d, v = sign * _deformation(contacts, event, end), sign * _rate(contacts, event, end)
         if d > 0.0:
             high = length
@@ -628,7 +636,7 @@ def _controlled(
             )  # fmt: skip
         else:
             step_s = left_s
-            error = _any_step(modes, contacts, None, state, room, z, end, True, step_s, start, per_s * step_s)
+            error = _any_step(modes, contacts, None, state, room, z, end, step_s, start, per_s * step_s)
         if error >= 0.0 and (error <= limit or shaking.forced_level >= 0 or level == deepest):
             break
         if level == deepest:
@@ -693,9 +701,7 @@ def _followed(
                 modes, contacts, storeys, state, room, z, end, level, step_s, start, per_s * step_s
             )  # fmt: skip
         else:
-            error = _any_step(
-                modes, contacts, storeys, state, room, z, end, True, step_s, start, per_s * step_s
-            )
+            error = _any_step(modes, contacts, storeys, state, room, z, end, step_s, start, per_s * step_s)
         if error >= 0.0 and (error <= limit or forced or level == deepest):
             looked = level >= fine or forced
             if looked or not _may_touch(contacts, storeys, state, z, step_s, shaking.strongest):
@@ -743,7 +749,7 @@ def _flown(
         since = state.since[0]
         tick = math.floor(since / tick_s + 1e-6) + 1
         step_s = min(tick * tick_s - since, left_s)
-        _any_step(modes, contacts, None, state, room, z, end, False, step_s, start, per_s * step_s)
+        _free_step(modes, room, z, end, step_s, start, per_s * step_s)
     else:
         level = _longest_level(tick, shaking.fine, tick_s, wait)
         tick += 1 << (shaking.fine - level)
@@ -752,7 +758,7 @@ def _flown(
             _fly(z, end, modes.tables[level], modes.pushed[level], start, per_s * step_s)
         else:
             step_s = left_s
-            _any_step(modes, contacts, None, state, room, z, end, False, step_s, start, per_s * step_s)
+            _free_step(modes, room, z, end, step_s, start, per_s * step_s)
     return step_s, tick, step_s > wait
 
 
