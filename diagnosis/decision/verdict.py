@@ -53,7 +53,7 @@ def decide(found: Findings) -> Decision:
 
 def _decided(found: Findings) -> Decision:
     judged = found.claimable()
-    single = _of_frames([one for one in judged if len(one.effects) == 1], found)
+    single = _heard(found, [one for one in judged if len(one.effects) == 1])
     if not single or not _detected(found, single[0]):
         objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
@@ -83,14 +83,19 @@ def _detected(found: Findings, judged: Judged) -> bool:
     return plain(found, judged, signal_to_noise(found, judged)) or _straightens(found, judged)
 
 
-def _of_frames(single: list[Judged], found: Findings) -> list[Judged]:
-    """Return single effects, best first, without the faults of sensors where one leads that is too small to be named.
+def _heard(found: Findings, single: list[Judged]) -> list[Judged]:
+    """Return single effects, best first, from the first one on that says something of what may be missing in a frame.
 
-    It takes evidence from noise that is not white, and says nothing of the frames.
+    A fault of a sensor that is too small to be named takes evidence from noise that is not white, and what every real frame
+    has a little of from the errors of its model: that either leads says nothing of what comes after it.
     """
-    if found.pair is not None or not single or not of_sensors(single[0]) or _detected(found, single[0]):
+
+    def silent(one: Judged) -> bool:
+        return bool(of_sensors(one) or _common(found, one)) and not _detected(found, one)
+
+    if found.pair is not None or not single or not silent(single[0]):
         return single
-    return [one for one in single if not of_sensors(one)] or single
+    return [one for one in single if not silent(one)] or single
 
 
 def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -> bool:

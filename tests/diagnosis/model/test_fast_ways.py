@@ -60,7 +60,9 @@ def test_an_assembly_is_that_of_its_parameters_one_after_the_other() -> None:
     quick = model.assemble(values)
     for key, one in vars(slow).items():
         if isinstance(one, np.ndarray | float):
-            np.testing.assert_allclose(getattr(quick, key), one, rtol=1e-12, atol=1e-12 * np.max(np.abs(one), initial=0.0))
+            np.testing.assert_allclose(
+                getattr(quick, key), one, rtol=1e-12, atol=1e-12 * np.max(np.abs(one), initial=0.0)
+            )
     assert type(quick.table_gain) is float
 
 
