@@ -240,6 +240,20 @@ def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
 
 
 @pytest.mark.parametrize(
+    ("leads", "named"),
+    [("appendage", 1), ("sensor_offset", 1), ("added_mass", 0)],
+    ids=["what every frame has a little of", "a sensor's fault", "another effect of the frame"],
+)
+def test_what_leads_and_takes_nothing_out_of_the_motion_hides_no_effect_that_does(
+    leads: str, named: int
+) -> None:
+    tried = (Tried((partial(effect, leads),), 6000.0, 6.0), Tried((CUBIC,), 5000.0, 1.0))
+    decision = decide(findings(Problem(6.0, tried, ""), DATA["quiet"]))
+    assert decision.named == bool(named)
+    assert decision.judged.effects[0] == tried[named].effects[0]()
+
+
+@pytest.mark.parametrize(
     ("leads", "verdict"),
     [("sensor_offset", "effect_named"), ("added_mass", "nothing_missing")],
     ids=["a sensor's fault", "another effect of the frame"],
