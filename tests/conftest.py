@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.compiling import compiled_by
+
 
 def _folder(variable: str, what: str) -> Path:
     named = os.environ.get(variable)
@@ -39,6 +41,11 @@ def pytest_configure() -> None:
     """Let Ctrl-C reach the commands that tests start: a shell has what it runs in the background ignore it."""
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart() -> None:
+    """Let processes that test side by side compile different parts of what all of them use."""
+    compiled_by(os.environ.get("PYTEST_XDIST_WORKER"))
 
 
 @pytest.fixture
