@@ -38,6 +38,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "examples",
     "subsection_order": ["gallery/frames", "gallery/contact", "gallery/experiments", "gallery/diagnosis"],
     "within_subsection_order": "FileNameSortKey",
+    "parallel": 2,
     "abort_on_example_error": True,
     "only_warn_on_example_error": False,
     "reset_modules": ("matplotlib",),
