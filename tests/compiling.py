@@ -1,6 +1,7 @@
-"""What is compiled first where several processes test: each compiles a part, and finds the others' parts on the disk.
+"""What is compiled first where several processes test: each compiles a part of the exact solver, and finds the other's.
 
-Otherwise all of them compile all of it, a minute each in a fresh clone.
+Otherwise all of them compile all of it, most of a minute each in a fresh clone. All import the same, as the order of
+tests may follow from that of imports.
 """
 
 from __future__ import annotations
@@ -21,7 +22,6 @@ def compiled_by(worker: str | None) -> None:
     """
     if worker == "gw0":
         _shaken(None)
-        _diagnosed()
     elif worker == "gw1":
         _shaken(Yielding(storey_shear_n=1e3))
 
@@ -39,9 +39,3 @@ def _shaken(yielding: Yielding | None) -> None:
         )
     )
     Rig([frame]).run(Record("short", np.sin(np.arange(20.0)), 0.01), solver="exact")
-
-
-def _diagnosed() -> None:
-    from tests.diagnosis.inference.problems import PROBLEMS
-
-    PROBLEMS[0].fitted(1.0)

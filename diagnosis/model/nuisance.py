@@ -116,18 +116,18 @@ class Assembly:
         Args:
             numbers: The numbers, shape (numbers,).
         """
-        other, taken = (
-            replace(self, laws=[*self.laws], extensions=[*self.extensions], influence=[*self.influence]),
-            0,
-        )
+        changed: dict[str, Any] = {}
+        taken = 0
         for key, one in vars(self).items():
             if isinstance(one, float):
-                setattr(other, key, float(numbers[taken]))
+                changed[key] = float(numbers[taken])
                 taken += 1
             elif isinstance(one, np.ndarray):
-                setattr(other, key, numbers[taken : taken + one.size].reshape(one.shape))
+                changed[key] = numbers[taken : taken + one.size].reshape(one.shape)
                 taken += one.size
-        return other
+            elif isinstance(one, list):
+                changed[key] = [*one]
+        return replace(self, **changed)
 
     def copy(self) -> Assembly:
         """Return a copy that shares nothing which changes."""
