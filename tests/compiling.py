@@ -1,7 +1,6 @@
-"""What is compiled first where several processes test: each compiles a part of the exact solver, and finds the other's.
+"""What is compiled first where several processes test: each compiles a part, and finds the other's on the disk.
 
-Otherwise all of them compile all of it, most of a minute each in a fresh clone. All import the same, as the order of
-tests may follow from that of imports.
+Otherwise all of them compile all of it, more than a minute each in a fresh clone.
 """
 
 from __future__ import annotations
@@ -20,9 +19,15 @@ def compiled_by(worker: str | None) -> None:
     Args:
         worker: The worker's name; nothing is compiled for those after the second one, nor where nobody shares the work.
     """
+    if worker not in ("gw0", "gw1"):
+        return
+    # Imported by both, whoever needs it.
+    from tests.diagnosis.inference.problems import PROBLEMS
+
     if worker == "gw0":
         _shaken(None)
-    elif worker == "gw1":
+        PROBLEMS[0].fitted(1.0)
+    else:
         _shaken(Yielding(storey_shear_n=1e3))
 
 

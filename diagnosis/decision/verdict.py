@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
+from pounding.diagnosis.decision.hidden_by_calibration import moved, straightens
 from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.decision.measures import (
     before,
@@ -30,14 +30,7 @@ from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import (
-    DAMPING,
-    STRUCTURE,
-    beyond_priors,
-    log_prior_ratio,
-    strained,
-    stray_tones,
-)
+from pounding.diagnosis.inference.model_checks import strained, stray_tones
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -65,7 +58,7 @@ def _decided(found: Findings) -> Decision:
         chosen = _of_two(found, chosen, doubles[0])
     objections, said = _model_checks(found, chosen)
     # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
-    taken = len(chosen.effects) == 1 and _straightens(found, chosen)
+    taken = len(chosen.effects) == 1 and straightens(found, chosen)
     held = _holds(found, chosen, objections) or (
         taken and not objections and within_model_error(found, chosen)
     )
@@ -80,7 +73,7 @@ def _decided(found: Findings) -> Decision:
 
 def _detected(found: Findings, judged: Judged) -> bool:
     """Return whether a single effect is there: it is large enough, or what the calibration took."""
-    return plain(found, judged, signal_to_noise(found, judged)) or _straightens(found, judged)
+    return plain(found, judged, signal_to_noise(found, judged)) or straightens(found, judged)
 
 
 def _heard(found: Findings, single: list[Judged]) -> list[Judged]:
@@ -327,33 +320,6 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
     return bool(double.ln_bayes > least and signal_to_noise(found, double, single) >= needs.second_size)
 
 
-def _straightens(found: Findings, judged: Judged) -> bool:
-    """Return whether the calibrated frame is within its priors with a likely effect, and much likelier by them.
-
-    What is missing has then moved into stiffness, mass and the model discrepancy, where it shows as no misfit, or what
-    dissipates into the damping, far beyond its priors. What the frame is with the effect says that no error of its model
-    bends it. Or the effect is what has moved: a storey's stiffness by more than three prior standard deviations is a change
-    of it, whatever else takes its part, where none else of its kind has.
-    """
-    effect = judged.effects[0]
-    if effect.rival or found.reference or judged.ln_bayes <= 0.0:
-        return False
-    if found.pair is not None:
-        # What the contact's law gets wrong, or another logger, may bend a frame as well.
-        return False
-
-    def far(one: Judged, kinds: Sequence[str]) -> bool:
-        return beyond_priors(found.model, one.fit.filtered.values, kinds)
-
-    if far(judged, STRUCTURE):
-        return False
-    needed = thresholds(found)[0]
-    damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
-    bent = damping or log_prior_ratio(found.model, found.null.fit.filtered, judged.fit.filtered) >= needed
-    likely = judged.ln_bayes >= needed
-    return (bent and likely) or _moved(found, found.null, judged, effect)
-
-
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a frame that is another one with the first effect alone is itself with a likelier pair of effects.
 
@@ -369,15 +335,8 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
         # What the contact's law gets wrong may bend a frame as well.
         return False
     second = [effect for effect in double.effects if effect not in single.effects]
-    moved = any(_moved(found, single, double, effect) for effect in second)
-    return moved and gained >= thresholds(found)[0] and not _something_left(found, single)
-
-
-def _moved(found: Findings, without: Judged, judged: Judged, effect: Effect) -> bool:
-    """Return whether the parameter that an effect changes moves beyond calibration only where the effect is not there."""
-    values = without.fit.filtered.values, judged.fit.filtered.values
-    alike = [one for one in (effect, same_motion(effect)) if one is not None]
-    return any(one.departed(found.model, *values) for one in alike)
+    gone = any(moved(found, single, double, effect) for effect in second)
+    return gone and gained >= thresholds(found)[0] and not _something_left(found, single)
 
 
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:

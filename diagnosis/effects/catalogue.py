@@ -250,8 +250,12 @@ class Registry:
         return kind
 
     def ordered(self) -> list[type[Effect]]:
-        """Return the kinds by groups of places, so that their order is not that in which modules were imported."""
-        return [kind for places in GROUPS.values() for kind in self.kinds if kind.where in places]
+        """Return the kinds by groups of places, in each those always tried, those asked for, those outside the catalogue.
+
+        Alike ones stand as they do in their module, and modules by name: the order is not that of imports.
+        """
+        alike = sorted(self.kinds, key=lambda kind: (kind.rival, not kind.default, kind.__module__))
+        return [kind for places in GROUPS.values() for kind in alike if kind.where in places]
 
     def optional(self) -> list[type[Effect]]:
         """Return the kinds that are tried only where they are asked for; rivals are no answer to ask for."""

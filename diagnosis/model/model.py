@@ -21,7 +21,13 @@ from pounding.diagnosis.model.kalman import (
 from pounding.diagnosis.model.known_forces import KnownForces
 from pounding.diagnosis.model.last import Last
 from pounding.diagnosis.model.laws import placed_arrays
-from pounding.diagnosis.model.nuisance import MODAL_STIFFNESS, Assembly, nuisance_parameters, vary
+from pounding.diagnosis.model.nuisance import (
+    MODAL_STIFFNESS,
+    Assembly,
+    baseline,
+    changes,
+    nuisance_parameters,
+)
 from pounding.diagnosis.model.observations import Observations, RunData
 from pounding.diagnosis.model.predictor import predict
 from pounding.diagnosis.model.sensor_faults import SensorFaults
@@ -120,47 +126,16 @@ class Model:
         return assembly
 
     def _without_effects(self, values: np.ndarray) -> Assembly:
-        # Whatever a nuisance parameter changes, it changes in proportion.
-        still, changes = self._by_parameter
-        return self._baseline.with_numbers(still + np.asarray(values, float) @ changes)
-
-    @cached_property
-    def _by_parameter(self) -> tuple[np.ndarray, np.ndarray]:
-        """Numbers of the baseline's assembly, (numbers,), and what a unit of each parameter adds, (nuisance, numbers)."""
-        still = self._baseline.numbers()
-        none = self._baseline.with_numbers(np.zeros_like(still))
-        changes = np.zeros((len(self.parameters), len(still)))
-        for parameter, change in zip(self.parameters, changes, strict=True):
-            alone = none.copy()
-            vary(alone, self.structure, parameter.kind, parameter.place, 1.0)
-            change[:] = alone.numbers()
-        return still, changes
+        still, added = self._by_parameter
+        return self._baseline.with_numbers(still + np.asarray(values, float) @ added)
 
     @cached_property
     def _baseline(self) -> Assembly:
-        structure = self.structure
-        floors = structure.floors
-        channels = len(self.observed.names)
-        assembly = Assembly(
-            mass=np.zeros((floors, floors)),
-            stiffness=np.zeros((floors, floors)),
-            log_damping=np.log(np.concatenate([frame.damping_ratio for frame in structure.frames])),
-            coupling=np.zeros(len(structure.couplings)),
-            table_gain=0.0,
-            table_delay_s=0.0,
-            table_clock=0.0,
-            table_tilt=0.0,
-            channel_gain=np.zeros(channels),
-            channel_delay_s=np.zeros(channels),
-            channel_clock=np.zeros(channels),
-            channel_offset=np.zeros(channels),
-            event_gain=np.zeros(len(self.observed.contact_events)),
-        )
-        for number, frame in enumerate(structure.frames):
-            span = structure.span(number)
-            assembly.mass[span, span] += frame.mass
-            assembly.stiffness[span, span] += frame.stiffness
-        return assembly
+        return baseline(self.structure, len(self.observed.names), len(self.observed.contact_events))
+
+    @cached_property
+    def _by_parameter(self) -> tuple[np.ndarray, np.ndarray]:
+        return self._baseline.numbers(), changes(self._baseline, self.structure, self.parameters)
 
     def acts(self, run: int) -> bool:
         """Return whether effects act in a run: in all but reference runs, which are of the frame as it was before them."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -187,6 +187,55 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
         Parameter("event_gain", number, event.std) for number, event in enumerate(observed.contact_events)
     ]
     return found
+
+
+def baseline(structure: Structure, channels: int, contact_events: int) -> Assembly:
+    """Return what the frames amount to when all nuisance parameters are zero and no effect acts.
+
+    Args:
+        structure: The frames.
+        channels, contact_events: How many there are.
+    """
+    floors = structure.floors
+    assembly = Assembly(
+        mass=np.zeros((floors, floors)),
+        stiffness=np.zeros((floors, floors)),
+        log_damping=np.log(np.concatenate([frame.damping_ratio for frame in structure.frames])),
+        coupling=np.zeros(len(structure.couplings)),
+        table_gain=0.0,
+        table_delay_s=0.0,
+        table_clock=0.0,
+        table_tilt=0.0,
+        channel_gain=np.zeros(channels),
+        channel_delay_s=np.zeros(channels),
+        channel_clock=np.zeros(channels),
+        channel_offset=np.zeros(channels),
+        event_gain=np.zeros(contact_events),
+    )
+    for number, frame in enumerate(structure.frames):
+        span = structure.span(number)
+        assembly.mass[span, span] += frame.mass
+        assembly.stiffness[span, span] += frame.stiffness
+    return assembly
+
+
+def changes(assembly: Assembly, structure: Structure, parameters: Sequence[Parameter]) -> np.ndarray:
+    """Return what a unit of each nuisance parameter adds to the numbers of an assembly, shape (parameters, numbers).
+
+    `vary` adds in proportion to the parameter's value, whatever the assembly.
+
+    Args:
+        assembly: An assembly of these frames.
+        structure: The frames.
+        parameters: The nuisance parameters.
+    """
+    none = assembly.with_numbers(np.zeros_like(assembly.numbers()))
+    found = []
+    for parameter in parameters:
+        alone = none.copy()
+        vary(alone, structure, parameter.kind, parameter.place, 1.0)
+        found.append(alone.numbers())
+    return np.array(found)
 
 
 def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value: float) -> None:

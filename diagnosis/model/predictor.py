@@ -28,7 +28,11 @@ LEAK = 2.0 * math.pi * 0.002
 
 CONTRACT = {"contract"}
 """Freedom of the compiler: product and sum may be one instruction, which rounds once where two do twice. NaN stay NaN, and
-sums keep their order."""
+sums keep their order.
+
+The compiled loops here and in `sensitivity`, `law_feedback` and `tangents` assign number by number: for the assignment of a
+whole row numba compiles its messages about shapes as well, which takes as long as the loop itself.
+"""
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)

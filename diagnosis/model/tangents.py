@@ -148,7 +148,11 @@ def _slopes(
     memory: np.ndarray,
     slopes: np.ndarray,
 ) -> None:
-    """Fill in slopes of one law's forces and of as many memories as are nudged, (2 samples, 1 + most, 2 + most)."""
+    """Fill in the slopes of one law's forces and of its memories, shape (2 samples, 1 + most, 2 + most).
+
+    `nudge` is by how much drift [m], rate [m/s] and each memory that is followed are changed, shape (2 + memories,); what
+    is always zero is not.
+    """
     there, new = np.zeros(MEMORY), np.zeros(MEMORY)
     for k in range(drift.size):
         time = step_s * (k // 2)

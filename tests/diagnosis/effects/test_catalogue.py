@@ -51,13 +51,13 @@ def test_what_is_not_tried_by_default_is_no_candidate() -> None:
 
 
 def test_the_order_of_candidates_is_that_of_places_and_not_that_of_imports() -> None:
-    backwards = type(CATALOGUE)(list(reversed(kinds())))
     groups = list(GROUPS.values())
-    numbers = [
-        next(i for i, group in enumerate(groups) if kind.where in group) for kind in backwards.ordered()
-    ]
+    numbers = [next(i for i, group in enumerate(groups) if kind.where in group) for kind in kinds()]
     assert numbers == sorted(numbers)
-    assert len(numbers) == len(kinds())
+    modules = sorted({kind.__module__ for kind in CATALOGUE.kinds}, reverse=True)
+    imported_backwards = [kind for name in modules for kind in CATALOGUE.kinds if kind.__module__ == name]
+    assert imported_backwards != CATALOGUE.kinds
+    assert tuple(type(CATALOGUE)(imported_backwards).ordered()) == kinds()
 
 
 def test_the_documentation_has_what_the_effects_say() -> None:
