@@ -14,7 +14,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
-from pounding.diagnosis.decision.beyond_errors import beyond_errors
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
@@ -237,7 +237,8 @@ def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], pro
     progress("looking for what was missing before", 0.03)
     plain = tuple(replace(run, reference=False) for run in observed.runs)
     alone = model.seeing(replace(observed, runs=plain, warnings=[]))
-    decision = decide(beyond_errors(search(alone, effects, known, (), silent), effects, silent))
+    found = search(alone, effects, known, (), silent, enough=error_leads)
+    decision = decide(beyond_errors(found, effects, silent))
     fit = decision.judged.fit
     if decision.verdict == "unknown_effect" or not fit.effects:
         return model
@@ -292,9 +293,13 @@ def _find(
     ]
     effects += [effect for kind in own for effect in places(kind, model)]
     model = _as_before(model, effects, used, progress)
-    found = search(model, effects, used, unseen, progress, start)
-    found.pair = pair
-    found.false_alarms = stored(false_alarms, len(effects))
+    alarms = stored(false_alarms, len(effects))
+
+    def enough(singles: Findings) -> bool:
+        return pair is None and error_leads(replace(singles, false_alarms=alarms))
+
+    found = search(model, effects, used, unseen, progress, start, enough)
+    found.pair, found.false_alarms = pair, alarms
     unhide(found)
     found = beyond_errors(found, effects, progress)
     decision = decide(found)

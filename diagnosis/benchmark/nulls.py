@@ -20,7 +20,7 @@ from scipy.linalg import eigh
 from scipy.stats import binomtest
 
 from pounding.diagnosis.case.case import Case, CaseFrame
-from pounding.diagnosis.decision.beyond_errors import beyond_errors
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
 from pounding.diagnosis.decision.false_alarms import FILE, of_rows, read_nulls
 from pounding.diagnosis.decision.nulls import Shown, shown
 from pounding.diagnosis.decision.verdict import decide
@@ -118,7 +118,7 @@ def null(number: int, seed: int) -> dict[str, object]:
     began = time.process_time()
     drawn = draw(number, seed)
     effects = candidates(drawn.model)
-    found = search(drawn.model, effects, drawn.training, drawn.held_out, silent)
+    found = search(drawn.model, effects, drawn.training, drawn.held_out, silent, enough=error_leads)
     found = beyond_errors(found, effects, silent)
     observed = drawn.model.observed
     samples = sum(len(run.time_s) for run in observed.runs)

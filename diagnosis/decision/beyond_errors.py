@@ -3,13 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from pounding.diagnosis.decision.verdict import error_of_frame
+from pounding.diagnosis.decision.imitated import unhide
+from pounding.diagnosis.decision.verdict import common, error_of_frame
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.null_with_error import with_error
-from pounding.diagnosis.inference.search import Progress
+from pounding.diagnosis.inference.own_motion import moved_by_themselves
+from pounding.diagnosis.inference.search import Progress, never
 from pounding.diagnosis.settings import SETTINGS
+
+
+def error_leads(found: Findings) -> bool:
+    """Return whether the likeliest single effect is an error of the frame: all others are judged anew beside it.
+
+    A second effect beside it, or instead of it, is then one of those, and need not be looked for before.
+
+    Args:
+        found: What was found of single effects; it stays as it is.
+    """
+    likeliest = next((one for one in found.judged if len(one.effects) == 1), None)
+    if likeliest is None or not common(found, likeliest):
+        return False
+    moved = replace(found, judged=list(found.judged))
+    moved_by_themselves(moved)
+    unhide(moved)
+    return error_of_frame(moved) is not None
 
 
 def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress) -> Findings:
@@ -20,9 +40,9 @@ def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress
         effects: The candidates.
         progress: Called with what is being done and the share that is done.
     """
-    for _ in range(SETTINGS.search.errors):
+    for further in reversed(range(SETTINGS.search.errors)):
         error = error_of_frame(found)
         if error is None:
             break
-        found = with_error(found, error, effects, progress)
+        found = with_error(found, error, effects, progress, error_leads if further else never)
     return found

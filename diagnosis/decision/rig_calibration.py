@@ -17,7 +17,7 @@ from time import monotonic
 import msgspec
 import numpy as np
 
-from pounding.diagnosis.decision.beyond_errors import beyond_errors
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
 from pounding.diagnosis.decision.false_alarms import alarms_of, of_nulls
@@ -175,7 +175,7 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     truth = tried[turn(number, len(tried) - 1)]
     model = simulated(found, truth, np.random.default_rng([number, 20261121]))
     effects = found.candidates
-    again = search(model, effects, found.fitted, found.held_out, silent)
+    again = search(model, effects, found.fitted, found.held_out, silent, enough=error_leads)
     again = beyond_errors(again, effects, silent)
     decision = decide(again)
     right = decision.verdict == "nothing_missing"

@@ -84,7 +84,7 @@ def _heard(found: Findings, single: list[Judged]) -> list[Judged]:
     """
 
     def silent(one: Judged) -> bool:
-        return bool(of_sensors(one) or _common(found, one)) and not _detected(found, one)
+        return bool(of_sensors(one) or common(found, one)) and not _detected(found, one)
 
     if found.pair is not None or not single or not silent(single[0]):
         return single
@@ -96,8 +96,8 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
     if found.pair is not None and of_sensors(chosen):
         # Frames that touch may be on two loggers, one of which is late: what sensors tell of that is no error of a model.
         return False
-    common = _common(found, chosen) == chosen.effects
-    error = common and _as_an_error(found, found.null, chosen)
+    shared = common(found, chosen) == chosen.effects
+    error = shared and _as_an_error(found, found.null, chosen)
     unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
     # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
     return within_model_error(found, chosen.beside) and (error or unknown or drowned)
@@ -117,13 +117,13 @@ def error_of_frame(found: Findings) -> Judged | None:
     if found.pair is not None or not single or not plain(found, single[0], signal_to_noise(found, single[0])):
         return None
     alone = {one.effects[0]: one for one in single}
-    if _common(found, single[0]) and in_model(found.null, single[0]):
+    if common(found, single[0]) and in_model(found.null, single[0]):
         return single[0]
     double = next((one for one in found.judged if len(one.effects) == 2), None)
     if double is None or not _acts(found, single[0], double):
         return None
     for error, effect in (double.effects, double.effects[::-1]):
-        known = error in alone and effect in alone and error in _common(found, double)
+        known = error in alone and effect in alone and error in common(found, double)
         # Two of a kind share what one does: the one is no smaller without the other than the other without it.
         if known and error.name != effect.name and in_model(alone[effect], double):
             return alone[error]
@@ -241,7 +241,7 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
     alone = {one.effects[0]: one for one in found.judged if len(one.effects) == 1}
     for error, effect in (double.effects, double.effects[::-1]):
         if (
-            error not in _common(found, double)
+            error not in common(found, double)
             or effect not in alone
             or not _as_an_error(found, alone[effect], double)
         ):
@@ -253,8 +253,13 @@ def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:
     return double
 
 
-def _common(found: Findings, judged: Judged) -> tuple[Effect, ...]:
-    """Return those of the effects that every real frame has a little of, alone or beside another."""
+def common(found: Findings, judged: Judged) -> tuple[Effect, ...]:
+    """Return those of the effects that every real frame has a little of, alone or beside another.
+
+    Args:
+        found: What the search found.
+        judged: The fit of the effects.
+    """
     each = zip(judged.fit.effects, judged.fit.values, strict=True)
     several = len(judged.effects) > 1
     return tuple(

@@ -9,12 +9,14 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refining import keep
-from pounding.diagnosis.inference.search import Progress
+from pounding.diagnosis.inference.search import Enough, Progress, never
 from pounding.diagnosis.inference.second import beside, second
 from pounding.diagnosis.settings import SETTINGS
 
 
-def with_error(found: Findings, error: Judged, effects: Sequence[Effect], progress: Progress) -> Findings:
+def with_error(
+    found: Findings, error: Judged, effects: Sequence[Effect], progress: Progress, enough: Enough = never
+) -> Findings:
     """Return what is found with an error of the frame in the null model; its parameters stay free beside all effects.
 
     Args:
@@ -22,6 +24,7 @@ def with_error(found: Findings, error: Judged, effects: Sequence[Effect], progre
         error: Its fit, alone or beside the errors that the null model has already.
         effects: The candidates.
         progress: Called with what is being done and the share that is done.
+        enough: Whether single effects beside it are enough, once they are refined.
     """
     progress(f"looking beyond a little {error.label()}", 0.8)
     null = replace(error, ln_bayes=0.0, beside=error)
@@ -30,7 +33,7 @@ def with_error(found: Findings, error: Judged, effects: Sequence[Effect], progre
     for fit in known:
         keep(about, fit)
     about.scores = beside(about, effects, null, SETTINGS.search.refined_beside)
-    if about.judged:
+    if about.judged and not enough(about):
         second(about, effects)
     moved_by_themselves(about)
     return about

@@ -25,6 +25,17 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
 Progress = Callable[[str, float], None]
+Enough = Callable[[Findings], bool]
+"""Says of single effects whether they are enough to go on with, so that no second effect need be looked for."""
+
+
+def never(found: Findings) -> bool:
+    """Return that single effects are not enough.
+
+    Args:
+        found: What was found of them.
+    """
+    return False
 
 
 def silent(what: str, share: float) -> None:
@@ -43,6 +54,7 @@ def search(
     held_out: Sequence[int],
     progress: Progress,
     start: Filtered | None = None,
+    enough: Enough = never,
 ) -> Findings:
     """Return what the search finds of each effect.
 
@@ -53,6 +65,7 @@ def search(
         held_out: Numbers of the runs that are only predicted.
         progress: Called with what is being done and the share that is done.
         start: The null model as calibrated, where that is known already.
+        enough: Whether single effects are enough, once they are refined.
     """
     progress("calibrating the baseline model", 0.05)
     start = start or calibrated(model, training)
@@ -65,10 +78,11 @@ def search(
             break
         # The calibration had not found its optimum, and the effects got credit for leading there.
         found, again = _refined_best(model, again, effects, runs, progress, found)
-    if found.judged:
+    found.floor = noise_floor(found, best(found).fit)
+    if found.judged and not enough(found):
         progress("looking for a second effect", 0.75)
         second(found, effects)
-    found.floor = noise_floor(found, best(found).fit)
+        found.floor = noise_floor(found, best(found).fit)
     moved_by_themselves(found)
     return found
 
