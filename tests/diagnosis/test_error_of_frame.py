@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pounding.diagnosis.decision.beyond_errors import beyond_errors
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.measures import model_error
 from pounding.diagnosis.decision.rig_calibration import scattered
@@ -17,6 +17,7 @@ from pounding.diagnosis.decision.verdict import decide, error_of_frame
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.search import search, silent
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.report.calibration import remainder
@@ -49,10 +50,15 @@ def alone() -> Findings:
     return search(model, EFFECTS, [0], [1], silent)
 
 
+def singles() -> Findings:
+    """Return what the search finds of single effects."""
+    return replace(alone(), judged=[one for one in alone().judged if len(one.effects) == 1], later=None)
+
+
 @cache
 def beyond() -> Findings:
     """Return what is found beyond the error."""
-    return beyond_errors(alone(), EFFECTS, silent)
+    return beyond_errors(singles(), EFFECTS, silent)
 
 
 @cache
@@ -85,6 +91,27 @@ def test_an_effect_that_alone_has_little_evidence_is_named_beside_the_error_that
     )
     (said,) = decision.model_checks
     assert said.startswith("the model also has a little appendage, floor 3 of bench")
+
+
+def test_a_second_effect_is_looked_for_only_where_no_error_of_the_frame_leads() -> None:
+    """All effects are judged anew beside an error, and what is beside nothing is not needed before."""
+    found = singles()
+    friction = [one for one in found.judged if one.effects == (RUB,)]
+    assert error_leads(found)
+    assert not error_leads(replace(found, judged=friction))
+    assert not error_leads(replace(found, judged=[]))
+    (first, *_), double = found.judged, next(one for one in alone().judged if len(one.effects) == 2)
+    assert not error_leads(replace(found, judged=[double, *friction, first]))
+    asked: list[Findings] = []
+
+    def enough(of: Findings) -> bool:
+        asked.append(of)
+        return True
+
+    about = with_error(found, first, EFFECTS, silent, enough)
+    assert len(asked) == 1
+    assert about.later is None
+    assert (RUB,) in [one.effects for one in about.judged]
 
 
 @pytest.mark.parametrize(

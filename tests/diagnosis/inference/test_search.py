@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.inference import search as search_module
 from pounding.diagnosis.inference.evidence import scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.refining import keep, refined
-from pounding.diagnosis.inference.search import search, to_the_end
+from pounding.diagnosis.inference.search import never, search, silent, to_the_end
 from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured
@@ -166,6 +167,15 @@ def test_the_effect_that_made_the_data_leads_at_its_place(problem: Problem) -> N
 
 def test_nothing_leads_where_nothing_was_hidden() -> None:
     assert all(one < 3.0 for one in evidence(searched(NOTHING)))
+
+
+def test_no_second_effect_is_looked_for_where_single_ones_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[Findings] = []
+    monkeypatch.setattr(search_module, "second", lambda found, effects: looked.append(found))
+    problem = next(one for one in PROBLEMS if one.name == "cubic_stiffness")
+    for enough in (lambda of: True, never):
+        found = search(problem.model(), [problem.effect], (0,), (1,), silent, enough=enough)
+        assert (found in looked) == (enough is never)
 
 
 def test_the_order_of_the_candidates_does_not_matter() -> None:
