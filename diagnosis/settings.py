@@ -193,8 +193,9 @@ class Refinement:
     likelier: float = 1.0
     """[ln likelihood] Gain from which on smaller latent forces are kept, and a refinement goes on. Origin: chosen."""
     catches_up: float = 3.0
-    """[gain of a round] A refinement goes on only if so many times what its last round gained would take it past the fit
-    that is ahead, as if each gained three quarters of the one before. Origin: chosen."""
+    """[gain so far] A refinement goes on only if so many times what it has gained would take it past the fit that is ahead:
+    beyond what it is refined about, while latent forces become smaller, and then in its last round, as if each gained three
+    quarters of the one before. Origin: chosen."""
     noise_likelier: float = 0.5
     """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
     noise_steps: int = 10

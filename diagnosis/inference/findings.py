@@ -19,7 +19,7 @@ from pounding.diagnosis.inference.misfit import (
     over_floor,
     simulate,
 )
-from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.refine import Fit, Race
 from pounding.diagnosis.inference.tails import FalseAlarms
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -236,10 +236,16 @@ def best(found: Findings) -> Judged:
     return found.judged[0] if found.judged and found.judged[0].ln_bayes > 0 else found.null
 
 
-def ahead(found: Findings) -> float:
-    """Return the log likelihood of the likeliest fit of effects of the catalogue, minus infinity without any."""
+def race(found: Findings, about: Fit | None = None) -> Race:
+    """Return what a refinement is up against: the likeliest fit of effects of the catalogue.
+
+    Args:
+        found: The findings.
+        about: The fit beside which an effect is refined; the null model by default.
+    """
     named = [one for one in found.judged if not any(effect.rival for effect in one.effects)]
-    return max((one.fit.filtered.log_likelihood for one in named), default=-np.inf)
+    ahead = max((one.fit.filtered.log_likelihood for one in named), default=-np.inf)
+    return Race(ahead, (about or found.null.fit).filtered.log_likelihood)
 
 
 def unexplained(found: Findings, judged: Judged) -> bool:

@@ -20,7 +20,7 @@ from pounding.diagnosis.inference.findings import (
 from pounding.diagnosis.inference.misfit import own_error
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
-from pounding.diagnosis.inference.refine import Fit, calibrated_at_scale, calibrated_further, refine
+from pounding.diagnosis.inference.refine import Fit, Race, calibrated_at_scale, calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.inference.swapped import exchange, exchanged
 from pounding.diagnosis.model.kalman import Noise
@@ -36,7 +36,7 @@ def best_null(model: Model, null: Fit) -> Fit:
         return null
     noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
     start = run_filter(model, np.zeros(len(model.std)), noise, runs)
-    again = refine(model, start, ahead=filtered.log_likelihood)
+    again = refine(model, start, race=Race(filtered.log_likelihood))
     return max(null, again, key=lambda fit: fit.log_posterior)
 
 
@@ -50,7 +50,7 @@ def null_again(found: Findings) -> Fit | None:
     led = best(found).fit.filtered
     start = run_filter(model, led.values, led.noise, led.runs)
     gain = worth_anew(found)
-    again = refine(model, start, ahead=null.filtered.log_likelihood + gain)
+    again = refine(model, start, race=Race(null.filtered.log_likelihood + gain))
     return again if again.log_posterior >= null.log_posterior + gain else None
 
 

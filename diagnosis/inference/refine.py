@@ -22,6 +22,32 @@ from pounding.diagnosis.settings import SETTINGS
 
 
 @dataclass(frozen=True)
+class Race:
+    """What a refinement is up against.
+
+    Attributes:
+        ahead: Log likelihood of the likeliest other fit of these data; what will not come near it is not converged.
+        about: That of the model about which it is refined: what that explains no effect has gained.
+    """
+
+    ahead: float = -np.inf
+    about: float = -np.inf
+
+    def lost(self, reached: float, before: float) -> bool:
+        """Return whether a refinement will not come near what is ahead, by what it has gained.
+
+        Args:
+            reached: Its log likelihood.
+            before: That from which the gain counts.
+        """
+        return reached + SETTINGS.refinement.catches_up * max(reached - before, 0.0) < self.ahead
+
+
+ALONE = Race()
+"""Nothing else is known of these data."""
+
+
+@dataclass(frozen=True)
 class Fit:
     """A refined set of effects.
 
@@ -96,7 +122,7 @@ def refine(
     iterations: int = SETTINGS.refinement.calming_steps,
     thorough: bool = True,
     nuisance: np.ndarray | None = None,
-    ahead: float = -np.inf,
+    race: Race = ALONE,
 ) -> Fit:
     """Return the best fit of effects together with the nuisance parameters, the latent forces as small as they may be.
 
@@ -110,7 +136,7 @@ def refine(
         iterations: Steps at each size of the latent forces.
         thorough: Whether noise and latent forces are estimated again; else they stay as in `filtered`.
         nuisance: Other nuisance parameters from which it may start, in their own units, shape (nuisance,).
-        ahead: Log likelihood of another fit of these data; one that will not come near it is not converged.
+        race: What it is up against.
     """
     usual = [np.maximum(np.abs(one), 1e-12) for one in values]
     coordinates = Coordinates.of(
@@ -118,6 +144,7 @@ def refine(
     )
     theta = _start(model, filtered, coordinates, nuisance)
     start = Histories(model, _at(model, filtered, coordinates, theta), coordinates)
+    began = start.filtered.log_likelihood
     histories, theta = _rescaled(*_descended(start, theta, iterations))
     if not thorough:
         return _finished(histories, theta)
@@ -127,7 +154,9 @@ def refine(
     while gained > SETTINGS.refinement.likelier:
         before = histories.filtered.log_likelihood
         if not calm:
-            histories, theta = _calmed(histories, theta, iterations)
+            histories, theta, lost = _calmed(histories, theta, iterations, race, min(race.about, began))
+            if lost:
+                break
         histories = _with_noise(histories)
         quiet = histories.filtered.log_likelihood
         histories, theta = _descended(histories, theta, SETTINGS.refinement.steps)
@@ -136,7 +165,7 @@ def refine(
             histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
         reached = histories.filtered.log_likelihood
         # What smaller forces and other noise gave once they will not give again.
-        if reached + SETTINGS.refinement.catches_up * max(reached - quiet, 0.0) < ahead:
+        if race.lost(reached, quiet):
             break
         calm = histories.filtered.discrepancy in scales
         if not calm:
@@ -190,19 +219,35 @@ def _descended(
     return histories.fresh(), theta
 
 
-def _calmed(histories: Histories, theta: np.ndarray, iterations: int) -> tuple[Histories, np.ndarray]:
-    """Return the fit with latent forces as small as the data like, each size of them after a few steps."""
+def _calmed(
+    histories: Histories, theta: np.ndarray, iterations: int, race: Race, before: float
+) -> tuple[Histories, np.ndarray, bool]:
+    """Return the fit with latent forces as small as the data like, each size of them after a few steps, and whether it lost.
+
+    Smaller latent forces part what is right from what is not: what gains little while something else gains much is not.
+
+    Args:
+        histories: The fit.
+        theta: Its parameters, shape (parameters,).
+        iterations: Steps at each size of the latent forces.
+        race: What it is up against.
+        before: Log likelihood from which its gain counts.
+    """
     model, coordinates = histories.model, histories.coordinates
-    while histories.filtered.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
+    smaller = True
+    while smaller and histories.filtered.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
         current = histories.filtered
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = likeliest_noise(model, trial, latent=False)
         descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
-        if not descended.filtered.log_likelihood > current.log_likelihood + SETTINGS.refinement.likelier:
-            break
-        histories, theta = descended, moved
-    return histories, theta
+        likelier = current.log_likelihood + SETTINGS.refinement.likelier
+        smaller = descended.filtered.log_likelihood > likelier
+        if smaller:
+            histories, theta = descended, moved
+        if race.lost(histories.filtered.log_likelihood, before):
+            return histories, theta, True
+    return histories, theta, False
 
 
 def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:

@@ -10,7 +10,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, ahead, judge_in
+from pounding.diagnosis.inference.findings import Findings, judge_in, race
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
@@ -84,15 +84,17 @@ def refined(
         filtered: The model about which it was scored, filtered.
         one: The candidate's score.
         with_fit: A fit whose effects act beside it; when None it acts alone.
-        start: A fit of it that was ended early; when None it is refined from its score.
+        start: A fit of all these that was ended early; when None it is refined from its score.
         thorough: Whether to refine to the end.
     """
     model, effect = found.model, one.effect
     width = widths(model, effect, found.sizes, one.shape)
-    if start is not None:
-        return refine(model, start.filtered, (effect,), (start.values[0],), (width,), ahead=ahead(found))
     others, theirs = ((), ()) if with_fit is None else (with_fit.effects, with_fit.values)
     wide = (*(widths(model, other, found.sizes, other.grid(found.sizes)[0]) for other in others), width)
+
+    against = race(found, with_fit)
+    if start is not None:
+        return refine(model, start.filtered, start.effects, start.values, wide, race=against)
 
     def fitted(start: tuple[np.ndarray, np.ndarray], thorough: bool) -> Fit:
         return refine(
@@ -103,7 +105,7 @@ def refined(
             wide,
             thorough=thorough,
             nuisance=start[1],
-            ahead=ahead(found),
+            race=against,
         )
 
     starts = _starts(found, filtered, one)
@@ -112,7 +114,7 @@ def refined(
     quick = max((fitted(start, False) for start in starts), key=lambda fit: fit.log_posterior)
     if not thorough:
         return quick
-    return refine(model, quick.filtered, quick.effects, quick.values, wide, ahead=ahead(found))
+    return refine(model, quick.filtered, quick.effects, quick.values, wide, race=against)
 
 
 def _starts(found: Findings, filtered: Filtered, one: Score) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -9,7 +9,7 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EveryStorey
 from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run_filter
-from pounding.diagnosis.inference.findings import Findings, ahead, best, unexplained
+from pounding.diagnosis.inference.findings import Findings, best, race, unexplained
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep
 from pounding.diagnosis.inference.starting import starting_noise
@@ -28,12 +28,12 @@ def rescue(found: Findings, effects: Sequence[Effect]) -> None:
         effects: The candidates.
     """
     model = found.model
-    start, reached = anew(found), ahead(found)
+    start, against = anew(found), race(found)
 
     def rescued(tried: tuple[Effect, np.ndarray]) -> Fit:
         effect, values = tried
         filtered = run_filter(model, start.values, start.noise, found.fitted, [tried])
-        return refine(model, filtered, (effect,), (values,), ahead=reached)
+        return refine(model, filtered, (effect,), (values,), race=against)
 
     for fit in each(found, rescued, _hopeful(found, effects, start)):
         keep(found, fit)

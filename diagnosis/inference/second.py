@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -90,11 +91,17 @@ def beside(
     others = [effect for effect in effects if effect not in told]
     later = score(found.model, fit.filtered, others, found.sizes, fit.columns)
 
-    def both(one: Score) -> Fit:
-        return refined(found, fit.filtered, one, fit)
+    worth = _worth(later, most)
+    quick = each(found, partial(refined, found, fit.filtered, with_fit=fit, thorough=False), worth)
+    order = sorted(range(len(worth)), key=lambda i: -quick[i].log_posterior)
 
-    for fitted in each(found, both, _worth(later, most)):
-        keep(found, fitted)
+    def both(i: int) -> Fit:
+        return refined(found, fit.filtered, worth[i], fit, quick[i])
+
+    # What leads is refined first: of the others only those that come near it need be.
+    for together in (order[:1], order[1:]):
+        for fitted in each(found, both, together):
+            keep(found, fitted)
     return later
 
 
