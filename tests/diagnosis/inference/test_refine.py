@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.refine import ALONE, Race, refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.predictor import ACCELERATION
 from tests.benchmarks.diagnosis_cost import BASE, made, modelled, stiffening
-from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem
+from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 
 STARTS = (0.7, 1.4)
 """Multiples of the true size from which a refinement starts."""
@@ -51,6 +51,34 @@ def test_an_effect_that_is_not_in_the_data_gets_no_evidence(problem: Problem) ->
     fit = refine(NOTHING.model(), null.filtered, (problem.effect,), (0.3 * size,), (np.abs(size),))
     assert fit.log_posterior < null.log_posterior + 1.0
     assert abs(fit.values[0][0]) < 0.1 * abs(size[0]) or abs(fit.values[0][0]) < 3 * fit.std[0][0]
+
+
+@pytest.mark.parametrize(
+    ("ahead", "reached", "before", "lost"),
+    [(1000.0, 240.0, 0.0, True), (1000.0, 260.0, 0.0, False), (1000.0, 999.0, 1200.0, True), (900.0, 999.0, 1200.0, False)],
+)  # fmt: skip
+def test_what_gained_less_than_a_quarter_of_another_has_lost(
+    ahead: float, reached: float, before: float, lost: bool
+) -> None:
+    assert Race(ahead).lost(reached, before) == lost
+    assert not ALONE.lost(reached, before)
+
+
+def test_what_explains_little_beside_another_is_not_converged_and_what_may_come_near_is() -> None:
+    problem = Problem("cubic_stiffness", 1, (4e8,))
+    model, null = problem.model(), problem.null()
+    right = problem.fitted(STARTS[0])
+    wrong = next(one for one in catalogue() if one.name == "cubic_stiffness" and one.storey == 3)
+    about, ahead = null.filtered.log_likelihood, right.filtered.log_likelihood
+
+    def refined(race: Race) -> float:
+        size = np.array(problem.truth)
+        return refine(model, null.filtered, (wrong,), (size,), race=race).filtered.log_likelihood
+
+    whole = refined(ALONE)
+    assert refined(Race(ahead, about)) < whole
+    # The same fit of the same data, but little is ahead of it.
+    assert refined(Race(whole + 5.0, about)) == pytest.approx(whole, abs=0.5)
 
 
 def test_the_null_model_of_its_own_data_stays_at_the_baseline() -> None:

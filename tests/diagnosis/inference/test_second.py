@@ -67,8 +67,11 @@ def searched(
         found.judged.append(judged(fit.log_posterior, *fit.effects))
         found.judged.sort(key=lambda one: -one.ln_bayes)
 
-    def refined(_: Any, filtered: Any, one: Any, *__: Any) -> Any:
+    def refined(
+        _: Any, filtered: Any, one: Any, with_fit: Any = None, start: Any = None, thorough: bool = True
+    ) -> Any:
         effects = (*filtered.effects, one.effect)
+        assert (start is None) == (with_fit is None or not thorough)
         return SimpleNamespace(effects=effects, log_posterior=both.get(frozenset(effects), FROM_SCORE))
 
     def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
