@@ -44,6 +44,7 @@ def _alone(found: Findings, first: Judged) -> None:
     """Refine alone what was found beside the leading effect and says much: it may need that one no longer.
 
     About a null model far from the frame a large effect may look like nothing, and be found only beside what imitates it.
+    The errors that the null model has stay beside it.
 
     Args:
         found: The findings, to which the fits are added.
@@ -53,18 +54,20 @@ def _alone(found: Findings, first: Judged) -> None:
     if both.ln_bayes < first.ln_bayes + SETTINGS.decision.second_evidence:
         return
     known = {one.effects for one in found.judged}
-    own = zip(both.fit.effects, both.fit.values, strict=True)
-    new = [(effect, values) for effect, values in own if (effect,) not in known]
     null, scores = found.null.fit, {one.effect: one for one in reversed(found.scores.ranked)}
+    own = list(zip(both.fit.effects, both.fit.values, strict=True))
+    errors = [one for one in own if one[0] in null.effects]
+    new = [one for one in own if one[0] not in null.effects and (one[0],) not in known]
 
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
-        (effect, values), filtered = one, both.fit.filtered
-        width = widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0])
-        fit = refine(found.model, filtered, (effect,), (values,), (width,), nuisance=filtered.values)
-        if fit.log_posterior > null.log_posterior or effect not in scores:
+        filtered, (effects, values) = both.fit.filtered, zip(*errors, one, strict=True)
+        wide = [widths(found.model, each, found.sizes, each.grid(found.sizes)[0]) for each in effects]
+        fit = refine(found.model, filtered, effects, values, wide, nuisance=filtered.values)
+        if fit.log_posterior > null.log_posterior or one[0] not in scores:
             return fit
         # It went astray without what it acted beside: what is less likely than nothing is no optimum.
-        return max(fit, refined(found, null.filtered, scores[effect]), key=lambda one: one.log_posterior)
+        again = refined(found, null.filtered, scores[one[0]], null if errors else None)
+        return max(fit, again, key=lambda one: one.log_posterior)
 
     for fit in each(found, refined_alone, new):
         keep(found, fit)

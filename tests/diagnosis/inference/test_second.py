@@ -26,13 +26,14 @@ class Named:
 
 FROM_SCORE = 3.0
 """Evidence of what is refined alone from its score about the null model."""
-A, B, C, D, RIVAL = Named("a"), Named("b"), Named("c"), Named("d"), Named("rival", rival=True)
+A, B, C, D, ERROR, RIVAL = (*map(Named, ("a", "b", "c", "d", "error")), Named("rival", rival=True))
 
 
-def judged(ln_bayes: float, *effects: Named) -> Judged:
-    filtered = SimpleNamespace(effects=effects, values=None)
+def judged(ln_bayes: float, *effects: Named, errors: tuple[Named, ...] = ()) -> Judged:
+    every = (*errors, *effects)
+    filtered = SimpleNamespace(effects=every, values=None)
     fit: Any = SimpleNamespace(
-        effects=effects, values=effects, filtered=filtered, columns=None, log_posterior=ln_bayes
+        effects=every, values=every, filtered=filtered, columns=None, log_posterior=ln_bayes
     )
     return cast(Judged, SimpleNamespace(fit=fit, effects=effects, ln_bayes=ln_bayes))
 
@@ -42,13 +43,15 @@ def searched(
     alone: dict[Named, float],
     both: dict[frozenset[Named], float],
     after: dict[Named, float] | None = None,
+    errors: tuple[Named, ...] = (),
 ) -> Findings:
     """Return findings on single effects after the search for a second one, with the evidence that pairs would have.
 
-    `after` is the evidence of what is refined alone from where it was found beside another one.
+    `after` is the evidence of what is refined alone from where it was found beside another one; `errors` act in the null model.
     """
-    null = judged(0.0)
-    ranked = sorted((judged(value, one) for one, value in alone.items()), key=lambda one: -one.ln_bayes)
+    null = judged(0.0, errors=errors)
+    each = (judged(value, one, errors=errors) for one, value in alone.items())
+    ranked = sorted(each, key=lambda one: -one.ln_bayes)
     scores = SimpleNamespace(ranked=[SimpleNamespace(effect=C)])
     found = cast(
         Findings,
@@ -56,7 +59,7 @@ def searched(
     )
 
     def scored(_: Any, filtered: Any, others: list[Named], *__: Any) -> Any:
-        about = filtered.effects
+        about = filtered.effects[len(errors) :]
         each = [
             SimpleNamespace(effect=one, ln_bayes=both.get(frozenset({*about, one}), 0.0) - alone[about[0]])
             for one in others
@@ -64,7 +67,8 @@ def searched(
         return SimpleNamespace(ranked=sorted(each, key=lambda one: -one.ln_bayes), about=about)
 
     def keep(found: Findings, fit: Any) -> None:
-        found.judged.append(judged(fit.log_posterior, *fit.effects))
+        assert fit.effects[: len(errors)] == errors
+        found.judged.append(judged(fit.log_posterior, *fit.effects[len(errors) :], errors=errors))
         found.judged.sort(key=lambda one: -one.ln_bayes)
 
     def refined(
@@ -72,10 +76,11 @@ def searched(
     ) -> Any:
         effects = (*filtered.effects, one.effect)
         assert (start is None) == (with_fit is None or not thorough)
-        return SimpleNamespace(effects=effects, log_posterior=both.get(frozenset(effects), FROM_SCORE))
+        own = frozenset(effects[len(errors) :])
+        return SimpleNamespace(effects=effects, log_posterior=both.get(own, FROM_SCORE))
 
     def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
-        return SimpleNamespace(effects=effects, log_posterior=(after or {}).get(effects[0], 0.0))
+        return SimpleNamespace(effects=effects, log_posterior=(after or {}).get(effects[-1], 0.0))
 
     monkeypatch.setattr(module, "score", scored)
     monkeypatch.setattr(module, "refine", refine)
@@ -118,6 +123,14 @@ def test_without_a_second_effect_nothing_else_is_tried(
 def test_what_was_found_beside_what_imitates_it_may_lead_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     found = searched(monkeypatch, {A: 1000.0, B: 900.0}, {frozenset({A, C}): 1400.0}, {C: 1401.0})
     assert [one.effects for one in found.judged[:2]] == [(C,), (A, C)]
+
+
+def test_errors_of_the_frame_stay_beside_what_is_refined_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = searched(
+        monkeypatch, {A: 1000.0, B: 900.0}, {frozenset({A, C}): 1400.0}, {C: 1401.0}, errors=(ERROR,)
+    )
+    assert [one.effects for one in found.judged] == [(C,), (A, C), (A,), (B,)]
+    assert found.judged[0].fit.effects == (ERROR, C)
 
 
 def test_what_adds_too_little_to_be_named_beside_another_is_not_refined_alone(
