@@ -47,7 +47,7 @@ def searched(
 ) -> Findings:
     """Return findings on single effects after the search for a second one, with the evidence that pairs would have.
 
-    `after` is the evidence of what is refined alone from where it was found beside another one; `errors` act in the null model.
+    `after`: evidence of what is refined alone from where it was found beside another; `errors` act in the null model.
     """
     null = judged(0.0, errors=errors)
     each = (judged(value, one, errors=errors) for one, value in alone.items())
