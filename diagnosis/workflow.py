@@ -19,7 +19,6 @@ from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.decision.false_alarms import stored
-from pounding.diagnosis.decision.imitated import unhide
 from pounding.diagnosis.decision.verdict import decide
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, places
@@ -300,7 +299,6 @@ def _find(
 
     found = search(model, effects, used, unseen, progress, start, enough)
     found.pair, found.false_alarms = pair, alarms
-    unhide(found)
     found = beyond_errors(found, effects, progress)
     decision = decide(found)
     return (found, decision) if start is None else _settled(found, decision, measured)

@@ -36,10 +36,11 @@ def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress
     """Return what is found with the errors of the frame in the null model, one after the other; as it is without any.
 
     Args:
-        found: What the search found.
+        found: What the search found; where a wide model discrepancy hid something, it is judged without that.
         effects: The candidates.
         progress: Called with what is being done and the share that is done.
     """
+    unhide(found)
     for further in reversed(range(SETTINGS.search.errors)):
         error = error_of_frame(found)
         if error is None:
