@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ from pounding.diagnosis.inference.findings import Findings, best, judge
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.refining import keep, refined
-from pounding.diagnosis.inference.search import never, search, silent, to_the_end
+from pounding.diagnosis.inference.search import search, silent, to_the_end
 from pounding.diagnosis.inference.starting import calibrated
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured
@@ -169,13 +169,34 @@ def test_nothing_leads_where_nothing_was_hidden() -> None:
     assert all(one < 3.0 for one in evidence(searched(NOTHING)))
 
 
-def test_no_second_effect_is_looked_for_where_single_ones_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
-    looked: list[Findings] = []
-    monkeypatch.setattr(search_module, "second", lambda found, effects: looked.append(found))
-    problem = next(one for one in PROBLEMS if one.name == "cubic_stiffness")
-    for enough in (lambda of: True, never):
-        found = search(problem.model(), [problem.effect], (0,), (1,), silent, enough=enough)
-        assert (found in looked) == (enough is never)
+@pytest.mark.parametrize("enough", [True, False])
+def test_no_second_effect_is_looked_for_where_single_ones_are_enough(
+    enough: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found: Any = SimpleNamespace(judged=[SimpleNamespace(fit=None, ln_bayes=1.0)], floor=None)
+    model: Any = SimpleNamespace(since=tuple)
+    asked: list[Any] = []
+    looked: list[Any] = []
+    stubs: dict[str, Any] = {
+        "refine": lambda *_: None,
+        "best_null": lambda *_: None,
+        "unswapped": lambda *_: (model, None),
+        "_refined_best": lambda *_: (found, None),
+        "noise_floor": lambda *_: 0.01,
+        "moved_by_themselves": lambda _: None,
+        "second": lambda of, _: looked.append(of),
+    }
+    for name, stub in stubs.items():
+        monkeypatch.setattr(search_module, name, stub)
+
+    def said(of: Any) -> bool:
+        asked.append(of.floor)
+        return enough
+
+    search(model, [], (0,), (1,), silent, start=cast(Any, object()), enough=said)
+    # An error of the frame is told by what exceeds the noise floor.
+    assert asked == [0.01]
+    assert looked == ([] if enough else [found])
 
 
 def test_the_order_of_the_candidates_does_not_matter() -> None:
