@@ -14,7 +14,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
-from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads, search_beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
@@ -236,8 +236,7 @@ def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], pro
     progress("looking for what was missing before", 0.03)
     plain = tuple(replace(run, reference=False) for run in observed.runs)
     alone = model.seeing(replace(observed, runs=plain, warnings=[]))
-    found = search(alone, effects, known, (), silent, enough=error_leads)
-    decision = decide(beyond_errors(found, effects, silent))
+    decision = decide(search_beyond_errors(alone, effects, known, ()))
     fit = decision.judged.fit
     if decision.verdict == "unknown_effect" or not fit.effects:
         return model

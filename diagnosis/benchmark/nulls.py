@@ -20,7 +20,7 @@ from scipy.linalg import eigh
 from scipy.stats import binomtest
 
 from pounding.diagnosis.case.case import Case, CaseFrame
-from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
+from pounding.diagnosis.decision.beyond_errors import search_beyond_errors
 from pounding.diagnosis.decision.false_alarms import FILE, of_rows, read_nulls
 from pounding.diagnosis.decision.nulls import Shown, shown
 from pounding.diagnosis.decision.verdict import decide
@@ -30,7 +30,6 @@ from pounding.diagnosis.hidden.instruments import recorded
 from pounding.diagnosis.hidden.rigging import RUNS, draw_rig
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.inference.discrepancy import SCALES
-from pounding.diagnosis.inference.search import search, silent
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
@@ -118,8 +117,7 @@ def null(number: int, seed: int) -> dict[str, object]:
     began = time.process_time()
     drawn = draw(number, seed)
     effects = candidates(drawn.model)
-    found = search(drawn.model, effects, drawn.training, drawn.held_out, silent, enough=error_leads)
-    found = beyond_errors(found, effects, silent)
+    found = search_beyond_errors(drawn.model, effects, drawn.training, drawn.held_out)
     observed = drawn.model.observed
     samples = sum(len(run.time_s) for run in observed.runs)
     row = Row(

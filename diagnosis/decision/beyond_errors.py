@@ -11,7 +11,8 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
-from pounding.diagnosis.inference.search import Progress, never
+from pounding.diagnosis.inference.search import Progress, never, search, silent
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -28,8 +29,25 @@ def error_leads(found: Findings) -> bool:
         return False
     moved = replace(found, judged=list(found.judged))
     moved_by_themselves(moved)
-    unhide(moved)
+    if moved.null.beside is None:
+        # Beside an error of the frame the discrepancy is one that has been put right (`beyond_errors`).
+        unhide(moved)
     return error_of_frame(moved) is not None
+
+
+def search_beyond_errors(
+    model: Model, effects: Sequence[Effect], training: Sequence[int], held_out: Sequence[int]
+) -> Findings:
+    """Return what is found in runs of frames that do not touch, with the errors of the frame in the null model.
+
+    Args:
+        model: The baseline model.
+        effects: The candidates.
+        training: Numbers of the runs that are fitted.
+        held_out: Numbers of the runs that are only predicted.
+    """
+    found = search(model, effects, training, held_out, silent, enough=error_leads)
+    return beyond_errors(found, effects, silent)
 
 
 def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress) -> Findings:

@@ -17,7 +17,7 @@ from time import monotonic
 import msgspec
 import numpy as np
 
-from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
+from pounding.diagnosis.decision.beyond_errors import search_beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, SimulatedTruth, features_from, fit, shipped
 from pounding.diagnosis.decision.false_alarms import alarms_of, of_nulls
@@ -25,7 +25,7 @@ from pounding.diagnosis.decision.nulls import Shown, drawn, shown, with_data_of
 from pounding.diagnosis.decision.verdict import decide, features
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, best
-from pounding.diagnosis.inference.search import Progress, search, silent
+from pounding.diagnosis.inference.search import Progress
 from pounding.diagnosis.inference.tails import FalseAlarms
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
@@ -175,8 +175,7 @@ def simulate_and_judge(found: Findings, number: int) -> Outcome:
     truth = tried[turn(number, len(tried) - 1)]
     model = simulated(found, truth, np.random.default_rng([number, 20261121]))
     effects = found.candidates
-    again = search(model, effects, found.fitted, found.held_out, silent, enough=error_leads)
-    again = beyond_errors(again, effects, silent)
+    again = search_beyond_errors(model, effects, found.fitted, found.held_out)
     decision = decide(again)
     right = decision.verdict == "nothing_missing"
     if truth.effects:

@@ -61,13 +61,13 @@ def _alone(found: Findings, first: Judged) -> None:
 
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
         filtered, (effects, values) = both.fit.filtered, zip(*errors, one, strict=True)
-        wide = [widths(found.model, each, found.sizes, each.grid(found.sizes)[0]) for each in effects]
+        wide = [widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in effects]
         fit = refine(found.model, filtered, effects, values, wide, nuisance=filtered.values)
         if fit.log_posterior > null.log_posterior or one[0] not in scores:
             return fit
         # It went astray without what it acted beside: what is less likely than nothing is no optimum.
         again = refined(found, null.filtered, scores[one[0]], null if errors else None)
-        return max(fit, again, key=lambda one: one.log_posterior)
+        return max(fit, again, key=lambda either: either.log_posterior)
 
     for fit in each(found, refined_alone, new):
         keep(found, fit)

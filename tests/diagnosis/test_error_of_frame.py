@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pounding.diagnosis.decision import beyond_errors as module
 from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.measures import model_error
@@ -112,6 +113,21 @@ def test_a_second_effect_is_looked_for_only_where_no_error_of_the_frame_leads() 
     assert len(asked) == 1
     assert about.later is None
     assert (RUB,) in [one.effects for one in about.judged]
+
+
+def test_what_leads_is_asked_as_it_will_be_judged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The discrepancy is put right once: about the baseline model, and not again beside an error."""
+    asked: list[Findings] = []
+    monkeypatch.setattr(module, "common", lambda *_: (RUB,))
+    monkeypatch.setattr(module, "moved_by_themselves", lambda _: None)
+    monkeypatch.setattr(module, "unhide", asked.append)
+    monkeypatch.setattr(module, "error_of_frame", lambda of: of.judged[0])
+    beside = replace(singles(), null=replace(alone().null, beside=alone().null))
+    for found, times in ((singles(), 1), (beside, 0)):
+        asked.clear()
+        assert error_leads(found)
+        assert len(asked) == times
+        assert found not in asked
 
 
 @pytest.mark.parametrize(
