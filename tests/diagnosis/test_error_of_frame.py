@@ -17,8 +17,9 @@ from pounding.diagnosis.decision.rig_calibration import scattered
 from pounding.diagnosis.decision.verdict import decide, error_of_frame
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference import null_with_error
+from pounding.diagnosis.inference.evidence import Scores
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.search import search, silent
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.report.calibration import remainder
@@ -94,25 +95,35 @@ def test_an_effect_that_alone_has_little_evidence_is_named_beside_the_error_that
     assert said.startswith("the model also has a little appendage, floor 3 of bench")
 
 
-def test_a_second_effect_is_looked_for_only_where_no_error_of_the_frame_leads() -> None:
-    """All effects are judged anew beside an error, and what is beside nothing is not needed before."""
+def test_an_error_of_the_frame_leads_where_the_likeliest_single_effect_is_one() -> None:
     found = singles()
     friction = [one for one in found.judged if one.effects == (RUB,)]
+    (first, *_), double = found.judged, next(one for one in alone().judged if len(one.effects) == 2)
     assert error_leads(found)
     assert not error_leads(replace(found, judged=friction))
     assert not error_leads(replace(found, judged=[]))
-    (first, *_), double = found.judged, next(one for one in alone().judged if len(one.effects) == 2)
     assert not error_leads(replace(found, judged=[double, *friction, first]))
-    asked: list[Findings] = []
 
-    def enough(of: Findings) -> bool:
-        asked.append(of)
-        return True
 
-    about = with_error(found, first, EFFECTS, silent, enough)
-    assert len(asked) == 1
-    assert about.later is None
-    assert (RUB,) in [one.effects for one in about.judged]
+@pytest.mark.parametrize("enough", [True, False])
+def test_a_second_effect_is_looked_for_beside_an_error_unless_another_error_leads(
+    enough: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All effects are judged anew beside the next error, and what is beside nothing is not needed before."""
+    looked: list[Findings] = []
+    (error, *others) = singles().judged
+
+    def beside(about: Findings, *_: object) -> Scores:
+        about.judged = others
+        return about.scores
+
+    monkeypatch.setattr(null_with_error, "beside", beside)
+    monkeypatch.setattr(null_with_error, "second", lambda about, _: looked.append(about))
+    monkeypatch.setattr(null_with_error, "moved_by_themselves", lambda _: None)
+    about = null_with_error.with_error(singles(), error, EFFECTS, silent, lambda of: enough)
+    assert len(looked) == (0 if enough else 1)
+    assert about.null.effects == ()
+    assert about.judged == others
 
 
 def test_what_leads_is_asked_as_it_will_be_judged(monkeypatch: pytest.MonkeyPatch) -> None:
