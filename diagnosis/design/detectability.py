@@ -19,7 +19,7 @@ from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score, Scores
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.sight import Sight
-from pounding.diagnosis.model.side_by_side import side_by_side
+from pounding.diagnosis.model.forked import forked
 
 ROUNDS = 8
 LARGEST_STRIDE = 4.0
@@ -78,7 +78,7 @@ def smallest(case: Case, found: Findings, decision: Decision, sight: Sight) -> l
     """
     kinds: dict[str, list[Smallest | None]] = {}
     about = _scores(found, decision)
-    least = side_by_side(lambda one: _least(found, *one, sight), about)
+    least = forked(lambda one: _least(found, *one, sight), about, shared=found.shared)
     for (one, _), size in zip(about, least, strict=True):
         kinds.setdefault(one.effect.name, []).append(size)
     return [_entry(case, found, name, places) for name, places in kinds.items()]

@@ -116,6 +116,11 @@ class Findings:
         """Numbers of all runs that are fitted."""
         return (*self.reference, *self.training)
 
+    @property
+    def shared(self) -> tuple[object, ...]:
+        """What results of pieces of work refer to: the model, and kinds of effects, of which a user's cannot be imported."""
+        return (self.model, *dict.fromkeys(type(effect) for effect in self.candidates))
+
     def claimable(self) -> list[Judged]:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
 

@@ -12,8 +12,9 @@ from pounding.diagnosis.inference.evidence import Score
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, judge_in, race
 from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.model.forked import forked
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.side_by_side import R, T, in_turn, side_by_side
+from pounding.diagnosis.model.side_by_side import R, T, in_turn
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -34,7 +35,7 @@ def each(
     observed = found.model.observed
     samples = sum(observed.runs[run].measured.size for run in found.training)
     if samples * len(found.model.std) < SETTINGS.search.side_by_side:
-        return side_by_side(function, pieces, told)
+        return forked(function, pieces, told, found.shared)
     return in_turn(function, pieces, told)
 
 

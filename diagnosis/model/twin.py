@@ -8,7 +8,7 @@ of the engine, so that a step that is taken back leaves no trace.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -22,6 +22,7 @@ from pounding import frames
 from pounding.contact.connector import ContactConnector
 from pounding.contact.laws import Law as ContactLaw
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.forked import forked
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -61,7 +62,7 @@ def simulate_engine(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
-    seen: Callable[[int, FrameMotion], None] | None = None,
+    seen: Mapping[int, Callable[[FrameMotion], None]] | None = None,
 ) -> list[np.ndarray]:
     """Return the channels (samples, channels) in SI of each run as the exudyn rig gives them.
 
@@ -70,18 +71,26 @@ def simulate_engine(
         values: Its nuisance parameters in their own units, shape (nuisance,).
         effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
-        seen: Called with the number of each run and the motion of all frames in it, as one body. The body's first
+        seen: What is called with the motion of all frames in a run, as one body, by the number of the run. The body's first
             coordinates are the floors' displacements relative to the table, frame by frame.
 
     Raises:
         CaseError: The engine did not get through a run.
     """
-    outputs = []
-    for run, (assembly, _) in zip(runs, model.systems(values, effects, runs), strict=True):
+    systems = dict(zip(runs, model.systems(values, effects, runs), strict=True))
+    asked = seen or {}
+
+    def shaken(run: int) -> tuple[np.ndarray, FrameMotion | None]:
+        assembly, _ = systems[run]
         motion = _shaken(model, assembly, run, values, effects)
-        outputs.append(channels(model, assembly, run, motion, values, effects))
-        if seen is not None:
-            seen(run, motion)
+        # The motions of all long runs would fill the memory.
+        return channels(model, assembly, run, motion, values, effects), motion if run in asked else None
+
+    outputs = []
+    for run, (series, motion) in zip(runs, forked(shaken, runs), strict=True):
+        outputs.append(series)
+        if motion is not None:
+            asked[run](motion)
     return outputs
 
 

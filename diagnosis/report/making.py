@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from msgspec import UNSET
@@ -199,11 +200,8 @@ def _outputs(diagnosis: Diagnosis, motions: dict[int, FrameMotion]) -> Outputs:
         return {}
     model, filtered = corrected(found, judged)
     runs = (*found.training, *found.held_out)
-
-    def seen(run: int, motion: FrameMotion) -> None:
-        if run == shown_run(found):
-            motions[run] = motion
-
+    shown = shown_run(found)
+    seen = {shown: partial(motions.__setitem__, shown)}
     try:
         outputs = simulate_engine(model, filtered.values, filtered.effects, runs, seen)
     except CaseError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import jinja2
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.forked import meanwhile
 from pounding.diagnosis.report.details import detailed
 from pounding.diagnosis.report.figures import figures
 from pounding.diagnosis.report.loops import loops
@@ -60,9 +62,11 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
     loop = loops(diagnosis)
     report = detailed(diagnosis, made, loop)
     first = sheet(diagnosis, report)
-    pictures = figures(diagnosis, report, made.outputs, loop, first.figure_mm)
     shown = on_the_frame(diagnosis, made.motions)
-    if (picture := write_frames(shown, folder, film=film)) is not None:
+    with meanwhile(partial(figures, diagnosis, report, made.outputs, loop, first.figure_mm)) as drawn:
+        picture = write_frames(shown, folder, film=film)
+        pictures = drawn()
+    if picture is not None:
         pictures["on_the_frame"] = picture
     case, stated = diagnosis.case, assumptions(diagnosis.case, report)
     _write(

@@ -93,7 +93,7 @@ def on_file(acting: list[tuple[Effect, np.ndarray]]) -> str:
 def own_run(acting: list[tuple[Effect, np.ndarray]], values: np.ndarray = CALIBRATED) -> FrameMotion:
     """Return the diagnosis' own run with the effects and other nuisance parameters."""
     motions: list[FrameMotion] = []
-    simulate_engine(MODEL, values, acting, [0], lambda _, motion: motions.append(motion))
+    simulate_engine(MODEL, values, acting, [0], {0: motions.append})
     return motions[0]
 
 

@@ -1,0 +1,182 @@
+"""Independent pieces of work in processes of their own: of what Python itself does, threads would do one thing at a time.
+
+A process is a copy of this one, made in a moment by the system (`fork`), and has all that a piece needs already; only its
+result is sent back. Where a system has no such copies, or none that may be trusted, pieces are done in turn.
+"""
+
+from __future__ import annotations
+
+import io
+import multiprocessing
+import pickle
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing.connection import Connection, wait
+from typing import Any, TypeVar
+
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.side_by_side import cores, in_turn
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+COPIES = sys.platform == "linux"
+"""Whether this process may be copied: elsewhere libraries of the system do not survive it."""
+
+
+def forked(
+    function: Callable[[T], R],
+    pieces: Sequence[T],
+    told: Callable[[T], None] | None = None,
+    shared: Sequence[object] = (),
+) -> list[R]:
+    """Return the function's result for each piece, in the order of the pieces, as `side_by_side` does.
+
+    Args:
+        function: Does a piece. What it changes is not seen here, only what it returns.
+        pieces: The pieces.
+        told: Called with each piece as its turn comes, in the order of the pieces.
+        shared: Objects that results may refer to, which are large or have no name by which they could be imported: a
+            result refers to the same ones here.
+
+    Raises:
+        CaseError: A process was ended from outside, as when memory runs out.
+    """
+    if not COPIES or cores() < 2 or len(pieces) < 2:
+        return in_turn(function, pieces, told)
+    turns = iter(range(len(pieces)))
+    results: dict[int, R] = {}
+    busy: dict[int, _Copy] = {}
+
+    def begin(copy: _Copy) -> None:
+        number = next(turns, None)
+        copy.begin(number)
+        if number is None:
+            del busy[copy.answers.fileno()]
+        elif told is not None:
+            told(pieces[number])
+
+    with ExitStack() as stack:
+        for _ in range(min(cores(), len(pieces))):
+            copy = stack.enter_context(_Copy(function, pieces, shared))
+            busy[copy.answers.fileno()] = copy
+            begin(copy)
+        while busy:
+            ready = wait([copy.answers for copy in busy.values()])
+            for copy in [one for one in busy.values() if one.answers in ready]:
+                number, results[number] = copy.result()
+                begin(copy)
+    return [results[number] for number in range(len(pieces))]
+
+
+@contextmanager
+def meanwhile(function: Callable[[], R]) -> Iterator[Callable[[], R]]:
+    """Have a copy of this process work while this one goes on; what is yielded waits for its result and returns it.
+
+    Where there is no second core, or no copy, the work is done when its result is asked for.
+
+    Args:
+        function: Does the work. What it changes is not seen here, only what it returns.
+    """
+    if not COPIES or cores() < 2:
+        yield function
+        return
+    with _Copy(lambda _: function(), [None], ()) as copy:
+        copy.begin(0)
+        yield lambda: copy.result()[1]
+
+
+class _Copy:
+    """A copy of this process that does pieces as it is told to; it ends with the block that it is used in."""
+
+    def __init__(
+        self, function: Callable[[Any], Any], pieces: Sequence[Any], shared: Sequence[object]
+    ) -> None:
+        context = multiprocessing.get_context("fork")
+        self._shared = shared
+        self.answers, theirs = context.Pipe()
+        work = (theirs, self.answers, function, pieces, shared)
+        self._process = context.Process(target=_work, args=work, daemon=True)
+        with warnings.catch_warnings():
+            # Our own threads are idle now and hold no lock; what other threads hold, no piece asks for.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._process.start()
+        theirs.close()
+
+    def __enter__(self) -> _Copy:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.terminate()
+        self._process.join()
+        self.answers.close()
+
+    def begin(self, number: int | None) -> None:
+        """Have a piece done; None where there is nothing left to do."""
+        self.answers.send(number)
+
+    def result(self) -> tuple[int, Any]:
+        """Return the number of the piece that has been done, and its result; raise what it raised."""
+        try:
+            number, done, value = _Unpickler(self.answers.recv_bytes(), self._shared).load()
+        except EOFError:
+            self._process.join()
+            raise CaseError(
+                f"a process of the diagnosis ended before its work was done, with status {self._process.exitcode}, as when "
+                "memory runs out; free some memory, or let the diagnosis have one core: taskset -c 0 pounding diagnose ..."
+            ) from None
+        if not done:
+            raise value
+        return number, value
+
+
+def _work(
+    answers: Connection,
+    parent_s: Connection,
+    function: Callable[[Any], Any],
+    pieces: Sequence[Any],
+    shared: Sequence[object],
+) -> None:
+    # Ctrl-C is for the process that waits; it ends this one, or its end of the connection is closed with it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent_s.close()
+    with suppress(EOFError, BrokenPipeError):
+        while (number := answers.recv()) is not None:
+            try:
+                answer = _pickled((number, True, function(pieces[number])), shared)
+            except Exception as error:
+                answer = _pickled((number, False, error), shared)
+            answers.send_bytes(answer)
+
+
+def _pickled(thing: object, shared: Sequence[object]) -> bytes:
+    buffer = io.BytesIO()
+    _Pickler(buffer, shared).dump(thing)
+    return buffer.getvalue()
+
+
+class _Pickler(pickle.Pickler):
+    """Names what is shared by its number instead of writing it."""
+
+    def __init__(self, file: io.BytesIO, shared: Sequence[object]) -> None:
+        super().__init__(file, protocol=5)
+        self._numbers = {id(one): number for number, one in enumerate(shared)}
+
+    def persistent_id(self, obj: object) -> int | None:
+        """Return the number of what is shared, None for all else."""
+        return self._numbers.get(id(obj))
+
+
+class _Unpickler(pickle.Unpickler):
+    """Puts what is shared where its number stands."""
+
+    def __init__(self, data: bytes, shared: Sequence[object]) -> None:
+        super().__init__(io.BytesIO(data))
+        self._shared = shared
+
+    def persistent_load(self, number: int) -> object:
+        """Return what is shared under a number."""
+        return self._shared[number]

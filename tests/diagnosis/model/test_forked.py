@@ -1,0 +1,120 @@
+"""Independent pieces in copies of this process: results in the order of the pieces, all but what is shared copied."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.forked import COPIES, forked, meanwhile
+from pounding.diagnosis.model.side_by_side import cores
+
+pytestmark = pytest.mark.skipif(
+    not COPIES, reason="this system has no copies of a process that may be trusted"
+)
+
+
+@pytest.fixture(autouse=True)
+def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
+
+
+def test_results_keep_the_order_of_the_pieces_whichever_ends_first() -> None:
+    def slow(piece: int) -> int:
+        time.sleep(0.02 * (3 - piece))
+        return piece * piece
+
+    heard: list[int] = []
+    assert forked(slow, [0, 1, 2], heard.append) == [0, 1, 4]
+    assert heard == [0, 1, 2]
+
+
+def test_pieces_run_at_the_same_time_in_two_processes_without_further_threads() -> None:
+    both = multiprocessing.get_context("fork").Barrier(2)
+
+    def met(_: int) -> tuple[int, int]:
+        both.wait(timeout=10.0)
+        return os.getpid(), cores()
+
+    (one, its_cores), (other, _) = forked(met, [0, 1])
+    assert len({one, other, os.getpid()}) == 3
+    assert its_cores == 1
+    assert cores() == 2
+
+
+def test_what_is_shared_comes_back_as_the_same_object_and_all_else_as_a_copy() -> None:
+    class Nameless:
+        """It cannot be imported, as a user's effect cannot."""
+
+    model, own = Nameless(), [1.0]
+    results = forked(lambda _: (model, Nameless, own), [0, 1], shared=(model, Nameless))
+    for same, kind, copied in results:
+        assert same is model
+        assert kind is Nameless
+        assert copied == own
+        assert copied is not own
+
+
+def test_an_error_in_a_piece_is_the_callers_and_no_process_stays() -> None:
+    def fails(piece: int) -> int:
+        raise ValueError(f"piece {piece}")
+
+    with pytest.raises(ValueError, match=r"piece [01]"):
+        forked(fails, [0, 1])
+    assert not multiprocessing.active_children()
+
+
+def test_a_process_that_is_ended_from_outside_is_said_to_be() -> None:
+    with pytest.raises(CaseError, match="status -9, as when memory runs out; free some memory"):
+        forked(lambda _: os.kill(os.getpid(), signal.SIGKILL), [0, 1])
+
+
+def test_a_copy_works_meanwhile() -> None:
+    both = multiprocessing.get_context("fork").Barrier(2)
+    with meanwhile(lambda: (both.wait(timeout=10.0), os.getpid())) as result:
+        both.wait(timeout=10.0)
+        assert result()[1] != os.getpid()
+    assert not multiprocessing.active_children()
+
+
+def test_on_one_core_the_work_is_done_here_and_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0}, raising=False)
+    assert forked(lambda _: os.getpid(), [0, 1]) == [os.getpid()] * 2
+    with meanwhile(os.getpid) as result:
+        assert result() == os.getpid()
+
+
+WAITING = """
+import os, time
+os.sched_getaffinity = lambda _: {0, 1}
+from pounding.diagnosis.model.forked import forked
+def wait(piece):
+    print(os.getpid(), flush=True)
+    time.sleep(60)
+forked(wait, [0, 1])
+"""
+
+
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
+def test_copies_end_with_the_process_that_waits_for_them(how: signal.Signals, tmp_path: Path) -> None:
+    code = WAITING if how is signal.SIGINT else WAITING.replace("time.sleep(60)", "time.sleep(1)")
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    )
+    assert process.stdout is not None
+    copies = [int(process.stdout.readline()) for _ in range(2)]
+    process.send_signal(how)
+    _, errors = process.communicate(timeout=30)
+    assert process.returncode != 0
+    assert errors.count("Traceback") <= 1  # the one of who waits
+    deadline = time.monotonic() + 10.0
+    while any(Path(f"/proc/{copy}").exists() for copy in copies):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
