@@ -4,12 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.signal import firwin, resample_poly
 
 SMOOTH, LINEAR, HELD = "smooth", "linear", "zoh"
+FINER = 4
+"""Samples of the smooth curve for each of the logger's: a cubic spline through these errs by less than 0.1 % at half the
+logger's rate, and one through the logger's own by 2 % at a quarter of that rate and by half near its half."""
+SHARP = firwin(2 * 32 * FINER + 1, 1.0 / FINER, window=("kaiser", 8.0))
+"""Low pass that lets through what a logger can sample: 0.01 % of ripple up to nine tenths of half its rate."""
 
 
 class TableMotion:
     """The table's acceleration as a function of time.
+
+    A smooth one has nothing above half the logger's rate, as its filter leaves it: that says how it goes on between samples.
 
     Args:
         samples: Acceleration [m/s^2], shape (samples,).
@@ -22,7 +30,8 @@ class TableMotion:
     def __init__(self, samples: np.ndarray, step_s: float, between: str, width_s: float) -> None:
         self._times, self._samples = np.arange(len(samples)) * step_s, samples
         self._between, self._half_s = between, 0.5 * width_s
-        self._spline = CubicSpline(self._times, samples)
+        fine = resample_poly(samples, FINER, 1, window=SHARP, padtype="antireflect")
+        self._spline = CubicSpline(np.arange(len(fine)) * (step_s / FINER), fine)
         self._ends = np.arange(len(samples) + 1) * step_s
         self._rate = np.concatenate([[0.0], np.cumsum(samples) * step_s])
 

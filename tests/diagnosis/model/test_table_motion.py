@@ -69,6 +69,17 @@ def test_what_a_linear_oscillator_does_is_reproduced_better_where_it_is_stated(
     assert error(model, predicted(model)) < 0.01
 
 
+@pytest.mark.parametrize("of_half_the_rate", [0.1, 0.5, 0.9])
+def test_between_samples_a_smooth_table_has_nothing_above_half_the_rate(of_half_the_rate: float) -> None:
+    """A spline through the samples errs by 2 % of a shaking at half of that, and by half of one at nine tenths."""
+    omega = of_half_the_rate * np.pi / 0.01
+    smooth = TableMotion(np.sin(omega * 0.01 * np.arange(1000)), 0.01, SMOOTH, 0.005)
+    times = 0.01 * (np.arange(100, 900)[:, None] + [0.0, 0.25, 0.61])
+    np.testing.assert_allclose(smooth.at(times), np.sin(omega * times), atol=2e-3)
+    slopes = smooth.slope()[100:900] / omega
+    np.testing.assert_allclose(slopes, np.cos(omega * times[:, 0]), atol=0.02)
+
+
 @pytest.mark.parametrize(("held", "stated"), [(True, HELD), (False, LINEAR)])
 def test_the_engine_follows_what_is_stated(held: bool, stated: str) -> None:
     model = model_of(driven(held, stated))
