@@ -51,9 +51,10 @@ class Linearised:
         """Return the log evidence at each of `SCALES`, up to what is common, shape (scales,)."""
         return np.array([self._log_weight(one / self.scale) for one in SCALES])
 
-    def likeliest(self) -> float:
-        """Return the one of `SCALES` with most evidence [-]."""
-        return float(SCALES[np.argmax(self.log_weights())])
+    def likelier(self) -> list[float]:
+        """Return those of `SCALES` that have more evidence than the own one [-], the likeliest first."""
+        weights = self.log_weights()
+        return [float(SCALES[i]) for i in np.argsort(-weights) if weights[i] > self._log_weight(1.0)]
 
     def gained(self) -> float:
         """Return the log evidence averaged over `SCALES` less that at the own scale; nothing without a discrepancy.

@@ -251,18 +251,25 @@ def _calmed(
 
 
 def _rescaled(histories: Histories, theta: np.ndarray) -> tuple[Histories, np.ndarray]:
-    """Return the fit with the likeliest scale of the model discrepancy, and theta in its units."""
+    """Return the fit with a likelier scale of the model discrepancy, and theta in its units; as it is without one.
+
+    What slopes promise of a scale far from here need not be so: the likeliest that keeps its promise is taken.
+    """
     model, filtered, coordinates = histories.model, histories.filtered, histories.coordinates
     if not model.discrepant.any():
         return histories, theta
-    gram, slope = coordinates.posterior(_terms(histories)).normal_equations(theta)
+    posterior = coordinates.posterior(_terms(histories))
+    gram, slope = posterior.normal_equations(theta)
     if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
         # Where an effect blows up there is no other scale to go to.
         return histories, theta
-    scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likeliest()
-    if scale == filtered.discrepancy:
-        return histories, theta
-    return _at_scale(histories, theta, gram, slope, scale)
+    here = posterior.log_evidence(theta, gram)
+    for scale in Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).likelier():
+        moved, there = _at_scale(histories, theta, gram, slope, scale)
+        by = wider(model.discrepant, len(theta), scale / filtered.discrepancy)
+        if moved.coordinates.posterior(_terms(moved)).log_evidence(there, gram * np.outer(by, by)) > here:
+            return moved, there
+    return histories, theta
 
 
 def _at_scale(

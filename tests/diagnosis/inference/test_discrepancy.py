@@ -47,8 +47,37 @@ def test_the_likeliest_scale_is_near_the_true_one_in_the_middle_of_many() -> Non
         columns, data = linear(float(SCALES[5]), seed)
         unit = columns * np.where(OURS, SCALES[3], 1e-3)
         theta = np.zeros(FREE + DISCREPANT)
-        found.append(Linearised(unit.T @ unit, unit.T @ data, theta, OURS, float(SCALES[3])).likeliest())
+        found.append(Linearised(unit.T @ unit, unit.T @ data, theta, OURS, float(SCALES[3])).likelier()[0])
     assert np.median(found) == pytest.approx(SCALES[5], rel=0.5)
+
+
+def test_scales_are_likelier_than_the_own_one_in_the_order_of_their_evidence() -> None:
+    columns, data = linear(float(SCALES[5]), 1)
+    unit = columns * np.where(OURS, SCALES[3], 1e-3)
+    found = Linearised(unit.T @ unit, unit.T @ data, np.zeros(FREE + DISCREPANT), OURS, float(SCALES[3]))
+    weights = dict(zip(SCALES.tolist(), found.log_weights(), strict=True))
+    in_order = sorted(weights, key=lambda scale: -weights[scale])
+    assert found.likelier() == in_order[: in_order.index(float(SCALES[3]))]
+
+
+def test_a_scale_is_not_taken_for_what_slopes_promise_but_for_what_it_keeps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Slopes know nothing of the ends of the priors, at which a narrow discrepancy leaves a frame that is another one."""
+    model = other_frame(0.02)
+    null = refine(model, calibrated(model, (0,)))
+    wide = null.filtered.discrepancy
+    asked = []
+
+    def every_scale(found: Linearised) -> list[float]:
+        asked.append(found.scale)
+        return [float(SCALES[0]), *map(float, SCALES)]
+
+    monkeypatch.setattr(Linearised, "likelier", every_scale)
+    again = refine(model, null.filtered, thorough=False)
+    assert asked == [wide]
+    assert again.filtered.discrepancy > 0.2 * wide > 2 * SCALES[0]
+    assert again.log_posterior > null.log_posterior - 1.0
 
 
 def test_evidence_is_the_mean_over_the_scales() -> None:
