@@ -122,12 +122,19 @@ class Candidate(Place, frozen=True, kw_only=True):
 
     Attributes:
         log_evidence: The ln Bayes factor against 'nothing missing'.
+        parameters: How large it would be; unset where it was only scored and not refined.
     """
 
     log_evidence: float
+    parameters: tuple[Parameter, ...] | UnsetType = UNSET
 
     def __repr__(self) -> str:
         return f"Candidate({self.words()}, log_evidence {self.log_evidence:.4g})"
+
+    def sized(self) -> str:
+        """Return what, where and, if it is known, how large, in words."""
+        values = ", ".join(one.words() for one in self.parameters or ())
+        return f"{self.words()} ({values})" if values else self.words()
 
 
 class Claim(Candidate, frozen=True, kw_only=True):
@@ -145,15 +152,12 @@ class Claim(Candidate, frozen=True, kw_only=True):
         alike = f", one of a class of {len(self.members)}" if len(self.members) > 1 else ""
         return f"Claim({self.sized()}, log_evidence {self.log_evidence:.4g}{alike})"
 
-    def sized(self) -> str:
-        """Return what, where and how large, in words."""
-        values = ", ".join(one.words() for one in self.parameters)
-        return f"{self.words()} ({values})" if values else self.words()
 
-
-def candidate(place: Place, log_evidence: float) -> Candidate:
+def candidate(
+    place: Place, log_evidence: float, parameters: tuple[Parameter, ...] | UnsetType = UNSET
+) -> Candidate:
     """Return a candidate at a place."""
-    return Candidate(**fields(place), log_evidence=float(log_evidence))
+    return Candidate(**fields(place), log_evidence=float(log_evidence), parameters=parameters)
 
 
 def claim(

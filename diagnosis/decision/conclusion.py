@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from msgspec import Struct
+from msgspec import UNSET, Struct
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.decision.claims import (
@@ -24,7 +24,7 @@ from pounding.diagnosis.decision.decision import Decision, Verdict
 from pounding.diagnosis.decision.measures import less_certain
 from pounding.diagnosis.decision.verdict import features
 from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
-from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.findings import Findings, Judged
 
 
 class ContactMisfit(Struct, frozen=True, kw_only=True):
@@ -78,7 +78,7 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
         confidence=confidence(given),
         basis=basis(given),
         effects=_claims(case, found, decision),
-        candidates=_candidates(found),
+        candidates=_candidates(case, found),
         warnings=(*case.warnings, *found.model.observed.warnings, *decision.model_checks),
     )
 
@@ -124,19 +124,30 @@ def parameters(
     return shown
 
 
-def _candidates(found: Findings) -> tuple[Candidate, ...]:
+def _candidates(case: Case, found: Findings) -> tuple[Candidate, ...]:
     """Return every single effect of the catalogue that has a finite evidence, the likeliest first, each place once.
 
     A sensor's delay and that of its logger have one name and one place. What was refined there counts, and no score.
     """
-    refined: dict[Effect, float] = {}
-    for judged in (*found.judged, *found.claimable()):
-        if len(judged.effects) == 1:
-            refined[judged.effects[0]] = judged.ln_bayes
+    refined = {one.effects[0]: one for one in (*found.judged, *found.claimable()) if len(one.effects) == 1}
     known = {place_of(effect) for effect in refined}
-    scored = {one.effect: one.ln_bayes for one in found.scores.ranked if place_of(one.effect) not in known}
-    best: dict[Place, float] = {}
-    for effect, value in sorted((refined | scored).items(), key=lambda item: -item[1]):
+    evidence = {effect: judged.ln_bayes for effect, judged in refined.items()}
+    evidence |= {one.effect: one.ln_bayes for one in found.scores.ranked if place_of(one.effect) not in known}
+    best: dict[Place, Effect] = {}
+    for effect, value in sorted(evidence.items(), key=lambda item: -item[1]):
         if not effect.rival and np.isfinite(value):
-            best.setdefault(place_of(effect), value)
-    return tuple(candidate(place, value) for place, value in best.items())
+            best.setdefault(place_of(effect), effect)
+    return tuple(
+        candidate(
+            place,
+            evidence[effect],
+            _sizes(case, found, refined[effect], effect) if effect in refined else UNSET,
+        )
+        for place, effect in best.items()
+    )
+
+
+def _sizes(case: Case, found: Findings, judged: Judged, effect: Effect) -> tuple[Parameter, ...]:
+    """Return the parameters of a single effect that was judged, alone or beside an error of the frame."""
+    sizes = judged.fit.stated(found.model, less_certain(found, judged))
+    return tuple(parameters(case, found, effect, *sizes[judged.fit.effects.index(effect)]))

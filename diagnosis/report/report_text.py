@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import msgspec
-from msgspec import UnsetType
+from msgspec import UNSET, UnsetType
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.quantities import UNITS
@@ -93,9 +93,23 @@ def beside_the_verdict(report: Report) -> list[str]:
     """Return what stands under the verdict in its box: the law's shape, what remains, the least change that would show."""
     said = [report.shape.statement] if report.shape else []
     said += [f"what remains: {report.remainder.statement}"] if report.remainder else []
+    said += nearest(report)
     said += frequencies_in_step(report)
     said += least_change(report)
     return [f"{one[0].upper()}{one[1:]}." for one in said]
+
+
+def nearest(report: Report) -> list[str]:
+    """Return what comes nearest to being named where nothing is, if the measurements speak strongly for it."""
+    if report.verdict != "nothing_missing" or not report.candidates or not report.thresholds:
+        return []
+    likeliest, needs = report.candidates[0], report.thresholds
+    if likeliest.parameters is UNSET or likeliest.log_evidence < STRONG:
+        return []
+    return [
+        f"nearest to a verdict is {likeliest.sized()}: its ln Bayes factor is {likeliest.log_evidence:.3g}, and a name "
+        f"needs {number(needs.log_evidence)} and {percent(needs.share_of_noise)} of some channel's noise, or more"
+    ]
 
 
 def frequencies_in_step(report: Report) -> list[str]:

@@ -16,6 +16,7 @@ from pounding.diagnosis.report.report_text import (
     against_the_next,
     before_the_change,
     frequencies_in_step,
+    nearest,
     number,
     percent,
     sentence,
@@ -59,8 +60,8 @@ def _of_runs(report: Report) -> Iterator[RenderableType]:
         yield _effects(report)
     if report.remainder is not None:
         yield Text(f"What remains: {report.remainder.statement}.")
-    for alike in frequencies_in_step(report):
-        yield Text(f"{alike[0].upper()}{alike[1:]}.")
+    for beside in (*nearest(report), *frequencies_in_step(report)):
+        yield Text(f"{beside[0].upper()}{beside[1:]}.")
     if report.where:
         title = "Where the baseline model disagrees most"
         spots = [

@@ -31,7 +31,14 @@ from pounding.diagnosis.report.report import (
     Threshold,
     Thresholds,
 )
-from pounding.diagnosis.report.report_text import against_the_next, next_steps, percent, sentence, together
+from pounding.diagnosis.report.report_text import (
+    against_the_next,
+    beside_the_verdict,
+    next_steps,
+    percent,
+    sentence,
+    together,
+)
 from pounding.diagnosis.report.tables import tables
 
 FRICTION = Place(effect="coulomb_friction", frame="5B", storey=3)
@@ -354,6 +361,36 @@ def test_where_nothing_is_missing_nothing_is_said_to_be_explained(verdict: Verdi
 
 def test_what_is_not_known_is_a_dash() -> None:
     assert [percent(value) for value in (None, UNSET, 0.0, 0.1234)] == ["–", "–", "0 %", "12.3 %"]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "evidence", "refined", "said"),
+    [
+        ("nothing_missing", 6.4, True, True),
+        ("nothing_missing", 2.9, True, False),
+        ("nothing_missing", 6.4, False, False),
+        ("unknown_effect", 6.4, True, False),
+    ],
+)
+def test_what_comes_nearest_to_being_named_is_said_with_its_size(
+    verdict: Verdict, evidence: float, refined: bool, said: bool
+) -> None:
+    """A storey that lost a fifth, and that the calibration may have lost as well, is not passed over in silence."""
+    place = Place(effect="stiffness_change", frame="5B", storey=1)
+    sizes = (parameter("relative_change", -0.221, 0.029, "1"),) if refined else UNSET
+    absorbing = Threshold(log_evidence=7.66, share_of_noise=0.4)
+    report = structs.replace(
+        of_runs(),
+        verdict=verdict,
+        effects=(),
+        candidates=(candidate(place, evidence, sizes),),
+        thresholds=Thresholds(log_evidence=7.66, share_of_noise=0.2, absorbing=absorbing),
+    )
+    sentence = (
+        "Nearest to a verdict is stiffness change in storey 1 of 5B (relative change -0.221 ± 0.029): its ln Bayes factor "
+        "is 6.4, and a name needs 7.66 and 20 % of some channel's noise, or more."
+    )
+    assert (sentence in beside_the_verdict(report)) == said
 
 
 @pytest.mark.parametrize(("needed", "lines"), [(30.0, 1), (200.0, 2)])
