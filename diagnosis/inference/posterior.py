@@ -134,8 +134,10 @@ def add_products(gram: np.ndarray, slope: np.ndarray, columns: np.ndarray, resid
     # Piece by piece: a copy of them all in double precision would leave the processor's cache.
     for first in range(0, len(columns), PIECE):
         wide = columns[first : first + PIECE].astype(float, copy=False)
-        gram += wide.T @ wide
-        slope += wide.T @ residual[first : first + PIECE]
+        # What blows up is no optimum, as its information is not finite.
+        with np.errstate(over="ignore", invalid="ignore"):
+            gram += wide.T @ wide
+            slope += wide.T @ residual[first : first + PIECE]
 
 
 def product(columns: np.ndarray, residual: np.ndarray) -> np.ndarray:

@@ -190,6 +190,15 @@ def test_products_of_a_long_run_need_no_copy_of_it() -> None:
     assert np.all(slope == len(columns))
 
 
+def test_products_of_what_blows_up_are_not_finite_and_no_warning() -> None:
+    columns = np.array([[1.0, np.inf], [1.0, -np.inf]])
+    gram, slope = np.zeros((2, 2)), np.zeros(2)
+    add_products(gram, slope, columns, np.ones(2))
+    assert gram[0, 0] == 2.0
+    assert not np.isfinite(gram[0, 1])
+    assert not np.isfinite(slope[1])
+
+
 def test_slopes_that_are_too_large_for_their_digits_still_give_a_step_inside_the_bounds() -> None:
     """As those of friction that sticks and slips: a crash of the whole diagnosis before."""
     blown = np.array([1e12, 3e11, 7e10])
