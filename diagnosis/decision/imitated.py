@@ -29,4 +29,5 @@ def unhide(found: Findings) -> None:
         (one if one.ln_bayes < needed else no_more_discrepant(found, one, scale) for one in found.judged),
         key=lambda one: -one.ln_bayes,
     )
+    found.wide = found.null
     found.null = no_more_discrepant(found, found.null, scale)

@@ -94,6 +94,8 @@ class Findings:
     reference: tuple[int, ...] = ()
     plain: Judged | None = None
     """The null model without the errors of the frame that are in it; None where none is."""
+    wide: Judged | None = None
+    """The null model with the scale of the discrepancy that it likes best; None where it has that (`decision.imitated`)."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 

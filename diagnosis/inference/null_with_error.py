@@ -29,7 +29,7 @@ def with_error(
     progress(f"looking beyond a little {error.label()}", 0.8)
     null = replace(error, ln_bayes=0.0, beside=error)
     known = [one.fit for one in found.judged if _has_more(one, error)]
-    about = replace(found, null=null, plain=found.baseline, judged=[], later=None)
+    about = replace(found, null=null, plain=found.baseline, judged=[], later=None, wide=None)
     for fit in known:
         keep(about, fit)
     about.scores = beside(about, effects, null, SETTINGS.search.refined_beside)
