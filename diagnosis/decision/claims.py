@@ -156,7 +156,13 @@ class Claim(Candidate, frozen=True, kw_only=True):
 def candidate(
     place: Place, log_evidence: float, parameters: tuple[Parameter, ...] | UnsetType = UNSET
 ) -> Candidate:
-    """Return a candidate at a place."""
+    """Return a candidate at a place.
+
+    Args:
+        place: The effect and its place.
+        log_evidence: Its ln Bayes factor against 'nothing missing'.
+        parameters: How large it would be; unset where it was only scored.
+    """
     return Candidate(**fields(place), log_evidence=float(log_evidence), parameters=parameters)
 
 
