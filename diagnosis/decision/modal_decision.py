@@ -9,7 +9,16 @@ from scipy.special import logsumexp
 from scipy.stats import chi2
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.decision.claims import Candidate, Claim, Place, candidate, claim, parameter, places_of
+from pounding.diagnosis.decision.claims import (
+    Candidate,
+    Claim,
+    Parameter,
+    Place,
+    candidate,
+    claim,
+    parameter,
+    places_of,
+)
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Basis
 from pounding.diagnosis.decision.decision import Verdict
@@ -71,10 +80,9 @@ def _claims(found: ModalFindings) -> list[Claim]:
         others = [place for one in found.alike for place in places_of(one.acting[number])]
         members = places_of(acting)
         members += [place for place in others if place not in members]
-        quantity = acting.quantities[0]
-        value, std = (float(v[number]) * quantity.per_si for v in (best.value, best.std))
-        sizes = [parameter(quantity.name, value, std, quantity.unit)]
-        shown.append(claim(members[0], sizes, best.log_evidence - found.null.log_evidence, members))
+        shown.append(
+            claim(members[0], [_size(best, number)], best.log_evidence - found.null.log_evidence, members)
+        )
     return shown
 
 
@@ -82,5 +90,13 @@ def _candidates(found: ModalFindings) -> list[Candidate]:
     entries: dict[Place, Candidate] = {}
     for one in found.singles:
         for place in places_of(one.acting[0]):
-            entries.setdefault(place, candidate(place, one.log_evidence - found.null.log_evidence))
+            evidence = one.log_evidence - found.null.log_evidence
+            entries.setdefault(place, candidate(place, evidence, (_size(one, 0),)))
     return list(entries.values())
+
+
+def _size(weighed: Weighed, number: int) -> Parameter:
+    """Return the size of one of the effects that were weighed together, by its number among them."""
+    quantity = weighed.acting[number].quantities[0]
+    value, std = (float(each[number]) * quantity.per_si for each in (weighed.value, weighed.std))
+    return parameter(quantity.name, value, std, quantity.unit)

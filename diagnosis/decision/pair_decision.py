@@ -83,7 +83,10 @@ def joined(
         claims = second
     tried = [
         *frames.candidates,
-        *(candidate(one.place, one.log_evidence) for one in (*_cell(case, pair), *second, *found)),
+        *(
+            candidate(one.place, one.log_evidence, one.parameters)
+            for one in (*_cell(case, pair), *second, *found)
+        ),
     ]
     warnings = [*pair.warnings, *_odd(case, contact_findings), *([] if poor else _two_loggers(frames))]
     whole = replace(

@@ -9,7 +9,7 @@ from msgspec import UNSET, UnsetType
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.quantities import UNITS
-from pounding.diagnosis.decision.claims import Claim
+from pounding.diagnosis.decision.claims import Claim, Place
 from pounding.diagnosis.design.contenders import DECISIVE, STRONG, strength
 from pounding.diagnosis.design.detectability import Detectability, Sized
 from pounding.diagnosis.model.nuisance import (
@@ -104,7 +104,7 @@ def nearest(report: Report) -> list[str]:
     if report.verdict != "nothing_missing" or not report.candidates or not report.thresholds:
         return []
     likeliest, needs = report.candidates[0], report.thresholds
-    if likeliest.parameters is UNSET or likeliest.log_evidence < STRONG:
+    if likeliest.parameters is UNSET or likeliest.log_evidence < STRONG or _of_a_contact(likeliest):
         return []
     return [
         f"nearest to a verdict is {likeliest.sized()}: its ln Bayes factor is {likeliest.log_evidence:.3g}, and a name "
@@ -223,7 +223,7 @@ def against_the_next(report: Report) -> str | None:
         return None
     (effect,) = report.effects
     tried = [one for one in report.candidates if one.place not in effect.members]
-    if not tried or any(one.contact is not None or one.left is not None for one in report.candidates):
+    if not tried or any(map(_of_a_contact, report.candidates)):
         return None
     ln_bayes = effect.log_evidence - tried[0].log_evidence
     name = "The class" if report.verdict == "effect_class" else effect.words()[0].upper() + effect.words()[1:]
@@ -237,6 +237,11 @@ def against_the_next(report: Report) -> str | None:
         f"{name} against the next candidate, {tried[0].words()}: the evidence is {strength(ln_bayes)} "
         f"(ln Bayes factor {ln_bayes:.3g})."
     )
+
+
+def _of_a_contact(place: Place) -> bool:
+    """Return whether an effect is of a contact, which is judged by its impacts and not by how frames move."""
+    return place.contact is not None or place.left is not None
 
 
 def together(effects: Sequence[Claim]) -> list[Claim]:

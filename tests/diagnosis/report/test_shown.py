@@ -91,6 +91,12 @@ def test_a_rounder_loop_than_the_catalogues_is_called_so_with_its_figure() -> No
     assert said.statement.endswith("the measured loop has the law's shape within its uncertainty")
 
 
+def test_a_candidate_that_was_refined_has_the_size_that_is_claimed_of_it() -> None:
+    said = rounded().conclusion
+    assert said.candidates[0].place == said.effects[0].place
+    assert said.candidates[0].parameters == said.effects[0].parameters
+
+
 def test_loops_of_measurements_and_of_the_law_are_seen_through_one_smoother() -> None:
     loop = loops(rounded())
     assert loop is not None
