@@ -98,8 +98,8 @@ class Search:
     worth: float = 2.0
     """[ln Bayes factor] A scored effect with less is not refined. Origin: chosen."""
     side_by_side: int = 10_000_000
-    """[numbers] Two effects are refined at the same time only if the nuisance parameters' signatures of all training
-    runs have fewer: those of both are in memory. Origin: chosen for the memory."""
+    """[numbers] Two pieces of work, as effects to refine, are done at the same time only if the nuisance parameters'
+    signatures of all their runs have fewer: those of both are in memory. Origin: chosen for the memory."""
     refined: int = 8
     """[effects] At most so many effects are refined. Origin: chosen."""
     thorough: int = 3

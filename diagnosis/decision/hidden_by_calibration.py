@@ -37,7 +37,7 @@ def straightens(found: Findings, judged: Judged) -> bool:
         return False
     needed = thresholds(found)[0]
     damping = effect.dissipates and far(found.null, DAMPING) and not far(judged, DAMPING)
-    # A null model with a smaller discrepancy than it likes is bent by that alone.
+    # A null model with a smaller discrepancy than the likeliest is bent by that alone.
     without = (found.wide or found.null).fit.filtered
     bent = damping or log_prior_ratio(found.model, without, judged.fit.filtered) >= needed
     likely = judged.ln_bayes >= needed

@@ -78,7 +78,7 @@ def smallest(case: Case, found: Findings, decision: Decision, sight: Sight) -> l
     """
     kinds: dict[str, list[Smallest | None]] = {}
     about = _scores(found, decision)
-    least = forked(lambda one: _least(found, *one, sight), about, shared=found.shared)
+    least = forked(lambda one: _least(found, *one, sight), about, shared=found.shared, at_once=found.is_light)
     for (one, _), size in zip(about, least, strict=True):
         kinds.setdefault(one.effect.name, []).append(size)
     return [_entry(case, found, name, places) for name, places in kinds.items()]

@@ -95,7 +95,7 @@ class Findings:
     plain: Judged | None = None
     """The null model without the errors of the frame that are in it; None where none is."""
     wide: Judged | None = None
-    """The null model with the scale of the discrepancy that it likes best; None where it has that (`decision.imitated`)."""
+    """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 
@@ -117,6 +117,11 @@ class Findings:
     def fitted(self) -> tuple[int, ...]:
         """Numbers of all runs that are fitted."""
         return (*self.reference, *self.training)
+
+    @property
+    def is_light(self) -> bool:
+        """Whether there is memory for two pieces of work on these runs at a time."""
+        return self.model.is_light(self.training)
 
     @property
     def shared(self) -> tuple[object, ...]:

@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.findings import Findings, judge_in, race
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.model.forked import forked
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.side_by_side import R, T, in_turn
+from pounding.diagnosis.model.side_by_side import R, T
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -32,11 +32,7 @@ def each(
         pieces: The pieces.
         told: Called with each piece before it is refined.
     """
-    observed = found.model.observed
-    samples = sum(observed.runs[run].measured.size for run in found.training)
-    if samples * len(found.model.std) < SETTINGS.search.side_by_side:
-        return forked(function, pieces, told, found.shared)
-    return in_turn(function, pieces, told)
+    return forked(function, pieces, told, found.shared, found.is_light)
 
 
 def keep(found: Findings, fit: Fit) -> None:

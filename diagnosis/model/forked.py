@@ -1,7 +1,7 @@
-"""Independent pieces of work in processes of their own: of what Python itself does, threads would do one thing at a time.
+"""Independent pieces of work in worker processes: of what Python itself does, threads would do one thing at a time.
 
-A process is a copy of this one, made in a moment by the system (`fork`), and has all that a piece needs already; only its
-result is sent back. Where a system has no such copies, or none that may be trusted, pieces are done in turn.
+A worker is forked from this process, which takes a moment, and has all that a piece needs already; only its result is sent
+back. Where processes cannot be forked, or libraries of the system do not survive it, pieces are done in turn.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from pounding.diagnosis.model.side_by_side import cores, in_turn
 T = TypeVar("T")
 R = TypeVar("R")
 
-COPIES = sys.platform == "linux"
-"""Whether this process may be copied: elsewhere libraries of the system do not survive it."""
+FORKS = sys.platform == "linux"
+"""Whether workers may be forked from this process: elsewhere libraries of the system do not survive it."""
 
 
 def forked(
@@ -32,6 +32,7 @@ def forked(
     pieces: Sequence[T],
     told: Callable[[T], None] | None = None,
     shared: Sequence[object] = (),
+    at_once: bool = True,
 ) -> list[R]:
     """Return the function's result for each piece, in the order of the pieces, as `side_by_side` does.
 
@@ -41,56 +42,57 @@ def forked(
         told: Called with each piece as its turn comes, in the order of the pieces.
         shared: Objects that results may refer to, which are large or have no name by which they could be imported: a
             result refers to the same ones here.
+        at_once: Whether there is memory for several pieces at a time; else they are done in turn.
 
     Raises:
-        CaseError: A process was ended from outside, as when memory runs out.
+        CaseError: A worker was ended from outside, as when memory runs out.
     """
-    if not COPIES or cores() < 2 or len(pieces) < 2:
+    if not (FORKS and at_once) or cores() < 2 or len(pieces) < 2:
         return in_turn(function, pieces, told)
     turns = iter(range(len(pieces)))
     results: dict[int, R] = {}
-    busy: dict[int, _Copy] = {}
+    busy: list[_Worker] = []
 
-    def begin(copy: _Copy) -> None:
+    def begin(worker: _Worker) -> None:
         number = next(turns, None)
-        copy.begin(number)
+        worker.begin(number)
         if number is None:
-            del busy[copy.answers.fileno()]
+            busy.remove(worker)
         elif told is not None:
             told(pieces[number])
 
     with ExitStack() as stack:
         for _ in range(min(cores(), len(pieces))):
-            copy = stack.enter_context(_Copy(function, pieces, shared))
-            busy[copy.answers.fileno()] = copy
-            begin(copy)
+            busy.append(stack.enter_context(_Worker(function, pieces, shared)))
+            begin(busy[-1])
         while busy:
-            ready = wait([copy.answers for copy in busy.values()])
-            for copy in [one for one in busy.values() if one.answers in ready]:
-                number, results[number] = copy.result()
-                begin(copy)
+            ready = wait([worker.answers for worker in busy])
+            for worker in [one for one in busy if one.answers in ready]:
+                number, results[number] = worker.result()
+                begin(worker)
     return [results[number] for number in range(len(pieces))]
 
 
 @contextmanager
-def meanwhile(function: Callable[[], R]) -> Iterator[Callable[[], R]]:
-    """Have a copy of this process work while this one goes on; what is yielded waits for its result and returns it.
+def meanwhile(function: Callable[[], R], at_once: bool = True) -> Iterator[Callable[[], R]]:
+    """Have a worker process work while this one goes on; what is yielded waits for its result and returns it.
 
-    Where there is no second core, or no copy, the work is done when its result is asked for.
+    Where there is no second core, or no worker, the work is done when its result is asked for.
 
     Args:
         function: Does the work. What it changes is not seen here, only what it returns.
+        at_once: Whether there is memory for it beside what this process does.
     """
-    if not COPIES or cores() < 2:
+    if not (FORKS and at_once) or cores() < 2:
         yield function
         return
-    with _Copy(lambda _: function(), [None], ()) as copy:
-        copy.begin(0)
-        yield lambda: copy.result()[1]
+    with _Worker(lambda _: function(), [None], ()) as worker:
+        worker.begin(0)
+        yield lambda: worker.result()[1]
 
 
-class _Copy:
-    """A copy of this process that does pieces as it is told to; it ends with the block that it is used in."""
+class _Worker:
+    """A process that does pieces as it is told to; it ends with the block in which it is used."""
 
     def __init__(
         self, function: Callable[[Any], Any], pieces: Sequence[Any], shared: Sequence[object]
@@ -106,7 +108,7 @@ class _Copy:
             self._process.start()
         theirs.close()
 
-    def __enter__(self) -> _Copy:
+    def __enter__(self) -> _Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -125,8 +127,9 @@ class _Copy:
         except EOFError:
             self._process.join()
             raise CaseError(
-                f"a process of the diagnosis ended before its work was done, with status {self._process.exitcode}, as when "
-                "memory runs out; free some memory, or let the diagnosis have one core: taskset -c 0 pounding diagnose ..."
+                "a worker process of the diagnosis ended before its work was done, with status "
+                f"{self._process.exitcode}, as when memory runs out; free some memory, or let the diagnosis have one core: "
+                "taskset -c 0 pounding diagnose ..."
             ) from None
         if not done:
             raise value

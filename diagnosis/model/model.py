@@ -35,6 +35,7 @@ from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Coupling, Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
 from pounding.diagnosis.model.tilt import tilt_inputs
+from pounding.diagnosis.settings import SETTINGS
 
 
 class Acting(Protocol):
@@ -228,6 +229,15 @@ class Model:
     def seeing(self, observed: Observations) -> Model:
         """Return the same frames and priors with other observations."""
         return Model(self.structure, observed, self.prior, self.always)
+
+    def is_light(self, runs: Sequence[int]) -> bool:
+        """Return whether there is memory for two pieces of work on some runs at a time.
+
+        Args:
+            runs: Numbers of the runs.
+        """
+        samples = sum(self.observed.runs[run].measured.size for run in runs)
+        return bool(samples * len(self.std) < SETTINGS.search.side_by_side)
 
     def table_at(self, assembly: Assembly, number: int, times_s: np.ndarray) -> np.ndarray:
         """Return the table's acceleration [m/s^2] with an assembly's gain, delay and clock, shape of `times_s`.

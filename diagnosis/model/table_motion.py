@@ -9,7 +9,7 @@ from scipy.signal import firwin, resample_poly
 SMOOTH, LINEAR, HELD = "smooth", "linear", "zoh"
 FINER = 4
 """Samples of the smooth curve for each of the logger's: a cubic spline through these errs by less than 0.1 % at half the
-logger's rate, and one through the logger's own by 2 % at a quarter of that rate and by half near its half."""
+logger's rate, and one through the logger's own by 2 % at a quarter of it and by half of the shaking near half of it."""
 SHARP = firwin(2 * 32 * FINER + 1, 1.0 / FINER, window=("kaiser", 8.0))
 """Low pass that lets through what a logger can sample: 0.01 % of ripple up to nine tenths of half its rate."""
 

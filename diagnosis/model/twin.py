@@ -87,7 +87,7 @@ def simulate_engine(
         return channels(model, assembly, run, motion, values, effects), motion if run in asked else None
 
     outputs = []
-    for run, (series, motion) in zip(runs, forked(shaken, runs), strict=True):
+    for run, (series, motion) in zip(runs, forked(shaken, runs, at_once=model.is_light(runs)), strict=True):
         outputs.append(series)
         if motion is not None:
             asked[run](motion)

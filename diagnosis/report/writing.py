@@ -63,7 +63,8 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
     report = detailed(diagnosis, made, loop)
     first = sheet(diagnosis, report)
     shown = on_the_frame(diagnosis, made.motions)
-    with meanwhile(partial(figures, diagnosis, report, made.outputs, loop, first.figure_mm)) as drawn:
+    draw = partial(figures, diagnosis, report, made.outputs, loop, first.figure_mm)
+    with meanwhile(draw, diagnosis.found.is_light) as drawn:
         picture = write_frames(shown, folder, film=film)
         pictures = drawn()
     if picture is not None:

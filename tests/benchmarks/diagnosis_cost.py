@@ -127,7 +127,7 @@ def pair() -> Case:
 
 
 def cost(case: Path, out: Path) -> dict[str, Any]:
-    """Return what diagnosing a folder costs in this process and its copies: seconds, and most memory at a time [MiB]."""
+    """Return what diagnosing a folder costs in this process and its workers: seconds, and most memory at a time [MiB]."""
     processor, wall = processor_s(), time.perf_counter()
     with Memory() as memory:
         report = diagnose(case, out)
@@ -146,7 +146,7 @@ def processor_s() -> float:
 
 
 class Memory:
-    """The most memory that this process and its copies have at a time, looked at ten times a second.
+    """The most memory that this process and its workers have at a time, looked at ten times a second.
 
     Attributes:
         most_mb: It [MiB]; what several of them share counts once.
@@ -167,10 +167,10 @@ class Memory:
 
     def _watch(self) -> None:
         while not self._ended.wait(0.1):
-            copies = [
+            workers = [
                 one for task in Path("/proc/self/task").iterdir() for one in told(task / "children").split()
             ]
-            self.most_mb = max(self.most_mb, sum(map(share_mb, ["self", *copies])))
+            self.most_mb = max(self.most_mb, sum(map(share_mb, ["self", *workers])))
 
 
 def share_mb(process: str) -> float:
@@ -249,10 +249,14 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--out", type=Path, help="JSON file of the costs")
+    parser.add_argument("--base", action="store_true", help="only the base case; prints its cost as JSON")
     parser.add_argument("--one", type=Path, help="folder of a case; prints its cost as JSON")
     options = parser.parse_args()
     if options.one is not None:
         print(json.dumps(cost(options.one, options.one.with_name("report"))))
+        return
+    if options.base:
+        print(json.dumps(apart(BASE)))
         return
     found = measured()
     console = Console()

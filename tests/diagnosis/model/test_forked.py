@@ -1,4 +1,4 @@
-"""Independent pieces in copies of this process: results in the order of the pieces, all but what is shared copied."""
+"""Worker processes: they work at the same time, share what is said to be shared, and never outlive who waits for them."""
 
 from __future__ import annotations
 
@@ -13,27 +13,16 @@ from pathlib import Path
 import pytest
 
 from pounding.diagnosis.errors import CaseError
-from pounding.diagnosis.model.forked import COPIES, forked, meanwhile
+from pounding.diagnosis.model.forked import FORKS, forked, meanwhile
 from pounding.diagnosis.model.side_by_side import cores
+from tests.benchmarks.diagnosis_cost import BASE, LONG, made, modelled
 
-pytestmark = pytest.mark.skipif(
-    not COPIES, reason="this system has no copies of a process that may be trusted"
-)
+pytestmark = pytest.mark.skipif(not FORKS, reason="no workers may be forked on this system")
 
 
 @pytest.fixture(autouse=True)
 def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1}, raising=False)
-
-
-def test_results_keep_the_order_of_the_pieces_whichever_ends_first() -> None:
-    def slow(piece: int) -> int:
-        time.sleep(0.02 * (3 - piece))
-        return piece * piece
-
-    heard: list[int] = []
-    assert forked(slow, [0, 1, 2], heard.append) == [0, 1, 4]
-    assert heard == [0, 1, 2]
 
 
 def test_pieces_run_at_the_same_time_in_two_processes_without_further_threads() -> None:
@@ -76,7 +65,7 @@ def test_a_process_that_is_ended_from_outside_is_said_to_be() -> None:
         forked(lambda _: os.kill(os.getpid(), signal.SIGKILL), [0, 1])
 
 
-def test_a_copy_works_meanwhile() -> None:
+def test_a_worker_works_meanwhile() -> None:
     both = multiprocessing.get_context("fork").Barrier(2)
     with meanwhile(lambda: (both.wait(timeout=10.0), os.getpid())) as result:
         both.wait(timeout=10.0)
@@ -91,6 +80,18 @@ def test_on_one_core_the_work_is_done_here_and_in_turn(monkeypatch: pytest.Monke
         assert result() == os.getpid()
 
 
+def test_where_memory_is_short_the_work_is_done_here_and_in_turn() -> None:
+    assert forked(lambda _: os.getpid(), [0, 1], at_once=False) == [os.getpid()] * 2
+    with meanwhile(os.getpid, at_once=False) as result:
+        assert result() == os.getpid()
+
+
+def test_long_runs_are_no_light_work() -> None:
+    runs = [0, 1, 2]
+    assert modelled(made(BASE)).is_light(runs)
+    assert not modelled(made(LONG)).is_light(runs)
+
+
 WAITING = """
 import os, time
 os.sched_getaffinity = lambda _: {0, 1}
@@ -103,18 +104,18 @@ forked(wait, [0, 1])
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_copies_end_with_the_process_that_waits_for_them(how: signal.Signals, tmp_path: Path) -> None:
+def test_workers_end_with_the_process_that_waits_for_them(how: signal.Signals, tmp_path: Path) -> None:
     code = WAITING if how is signal.SIGINT else WAITING.replace("time.sleep(60)", "time.sleep(1)")
     process = subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
     )
     assert process.stdout is not None
-    copies = [int(process.stdout.readline()) for _ in range(2)]
+    workers = [int(process.stdout.readline()) for _ in range(2)]
     process.send_signal(how)
     _, errors = process.communicate(timeout=30)
     assert process.returncode != 0
     assert errors.count("Traceback") <= 1  # the one of who waits
     deadline = time.monotonic() + 10.0
-    while any(Path(f"/proc/{copy}").exists() for copy in copies):
+    while any(Path(f"/proc/{worker}").exists() for worker in workers):
         assert time.monotonic() < deadline
         time.sleep(0.05)

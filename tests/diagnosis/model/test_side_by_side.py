@@ -1,4 +1,4 @@
-"""Independent pieces on several threads: results in the order of the pieces, no threads within threads."""
+"""Independent pieces on several threads, or in worker processes: results in the order of the pieces, no threads within."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import multiprocessing
 import os
 import threading
 import time
+from collections.abc import Callable
 
 import pytest
 
+from pounding.diagnosis.model.forked import forked
 from pounding.diagnosis.model.side_by_side import cores, side_by_side
 
 
@@ -18,13 +20,16 @@ def two_cores(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(multiprocessing, "parent_process", lambda: None)
 
 
-def test_results_keep_the_order_of_the_pieces_whichever_ends_first() -> None:
+@pytest.mark.parametrize("together", [side_by_side, forked])
+def test_results_keep_the_order_of_the_pieces_whichever_ends_first(
+    together: Callable[[Callable[[int], int], list[int], Callable[[int], None]], list[int]],
+) -> None:
     def slow(piece: int) -> int:
         time.sleep(0.02 * (3 - piece))
         return piece * piece
 
     heard: list[int] = []
-    assert side_by_side(slow, [0, 1, 2], heard.append) == [0, 1, 4]
+    assert together(slow, [0, 1, 2], heard.append) == [0, 1, 4]
     assert heard == [0, 1, 2]
 
 
