@@ -165,22 +165,44 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
     Raises:
         CaseError: Noise and motion are of too different sizes for a filter.
     """
-    states = len(system.rate)
-    density = noise_density(states, noise)
-    step, covariance = discretise(system.rate, density, step_s)
+    states, estimated = len(system.rate), _worth_estimating(system)
+    rate, square = system.rate[np.ix_(estimated, estimated)], np.ix_(estimated, estimated)
+    step, covariance = discretise(rate, noise_density(states, noise)[estimated], step_s)
     measured = np.isfinite(noise.channel)
-    output = system.output[measured]
+    output = system.output[np.ix_(measured, estimated)]
     scale = 1.0 / noise.channel[measured]
     predicted = _riccati(step, output * scale[:, None], covariance)
     scaled = output * scale[:, None]
     innovation = scaled @ predicted @ scaled.T + np.eye(len(scaled))
-    gain = np.zeros((states, len(measured)))
-    gain[:, measured] = np.linalg.solve(innovation, scaled @ predicted).T * scale
+    corrected = np.linalg.solve(innovation, scaled @ predicted).T * scale
     full = np.eye(len(measured))
     full[np.ix_(measured, measured)] = innovation / np.outer(scale, scale)
-    start, end = _first_order_hold(system.rate, system.force, step_s)
-    updated = predicted - gain[:, measured] @ output @ predicted
-    return SteadyFilter(gain, full, step, start, end, system.output, system.direct, updated)
+    found = SteadyFilter(
+        gain=np.zeros((states, len(measured))),
+        covariance=full,
+        step=np.zeros((states, states)),
+        force_start=np.zeros(system.force.shape),
+        force_end=np.zeros(system.force.shape),
+        output=system.output,
+        direct=system.direct,
+        updated=np.zeros((states, states)),
+    )
+    found.gain[np.ix_(estimated, measured)] = corrected
+    found.step[square], found.updated[square] = step, predicted - corrected @ output @ predicted
+    found.force_start[estimated], found.force_end[estimated] = _first_order_hold(
+        rate, system.force[estimated], step_s
+    )
+    return found
+
+
+def _worth_estimating(system: LinearSystem) -> np.ndarray:
+    """Return which states are estimated, shape (states,): those of the table's motion only where a channel sees it.
+
+    They drift for minutes, which takes twice as many doublings as all that the frames do.
+    """
+    estimated = np.ones(len(system.rate), bool)
+    estimated[-2:] = system.output[:, -2:].any()
+    return estimated
 
 
 @dataclass(frozen=True)
@@ -208,26 +230,29 @@ def filter_slopes(system: LinearSystem, noise: Noise, step_s: float, steady: Ste
         step_s: Sampling step [s].
         steady: Its filter.
     """
-    states, measured = len(system.rate), np.isfinite(noise.channel)
-    output, gain, inner = system.output[measured], steady.gain[:, measured], np.ix_(measured, measured)
+    states, measured, estimated = len(system.rate), np.isfinite(noise.channel), _worth_estimating(system)
+    square, inner = np.ix_(estimated, estimated), np.ix_(measured, measured)
+    output, gain = system.output[np.ix_(measured, estimated)], steady.gain[np.ix_(estimated, measured)]
     driven = [
-        discretise(system.rate, noise_density(states, one), step_s)[1]
+        discretise(system.rate[square], noise_density(states, one)[estimated], step_s)[1]
         for one in (replace(noise, table=0.0), replace(noise, latent=0.0 * noise.latent))
     ]
     shares = np.zeros((2 + len(output), len(output), len(output)))
     for c, sigma in enumerate(noise.channel[measured]):
         shares[2 + c, c, c] = 2.0 * sigma**2
-    through = steady.step @ gain
+    through = steady.step[square] @ gain
     pushed = through @ shares @ through.T
     pushed[:2] += 2.0 * np.array(driven)
-    kept = np.eye(states) - gain @ output
-    predicted = _lyapunov(steady.step @ kept, pushed)
+    kept = np.eye(estimated.sum()) - gain @ output
+    predicted = _lyapunov(steady.step[square] @ kept, pushed)
     slopes = output @ predicted @ output.T + shares
     found = FilterSlopes(
         np.zeros((len(shares), states, len(measured))), np.zeros((len(shares), len(measured), len(measured)))
     )
     inverse = np.linalg.inv(steady.covariance[inner])
-    found.gain[:, :, measured] = (kept @ predicted @ output.T - gain @ shares) @ inverse
+    found.gain[(slice(None), *np.ix_(estimated, measured))] = (
+        kept @ predicted @ output.T - gain @ shares
+    ) @ inverse
     found.covariance[(slice(None), *inner)] = slopes
     return found
 
