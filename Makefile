@@ -8,6 +8,9 @@ OUT    ?= results/demo
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
+# pip compiles all modules of all packages, which takes as long as the rest of it; Python compiles those that are used, once.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test test-slow guard second-world shear-world planar-world lint types docs clean links
 
 demo: $(VENV)/installed
@@ -55,7 +58,7 @@ links:
 $(VENV)/installed: pyproject.toml | links
 	$(PYTHON) -c 'import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] <= (3, 13) else "Python 3.11, 3.12 or 3.13 is needed, this is %d.%d: name another with make PYTHON=python3.12" % sys.version_info[:2])'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[develop]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --editable ".[develop]"
 	touch $@
 
 clean:
