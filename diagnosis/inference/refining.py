@@ -10,7 +10,7 @@ from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings, judge_in, race
+from pounding.diagnosis.inference.findings import Findings, Judged, judge_in, race
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.model.forked import forked
 from pounding.diagnosis.model.model import Model
@@ -50,6 +50,20 @@ def keep(found: Findings, fit: Fit) -> None:
     ranked = sorted(found.judged, key=lambda one: -one.ln_bayes)
     best_of = {one.effects: one for one in reversed(ranked)}
     found.judged = [one for one in ranked if best_of[one.effects] is one]
+
+
+def not_yet_likelier(judged: Sequence[Judged], quick: Sequence[Fit]) -> list[int]:
+    """Return the numbers of fits that are worth refining to the end, the likeliest first.
+
+    What was likelier from another start than it begins from this one has been refined to the end already.
+
+    Args:
+        judged: What was refined before.
+        quick: The fits, after a few steps.
+    """
+    known = {frozenset(one.fit.effects): one.fit.log_posterior for one in judged}
+    order = sorted(range(len(quick)), key=lambda i: -quick[i].log_posterior)
+    return [i for i in order if quick[i].log_posterior > known.get(frozenset(quick[i].effects), -np.inf)]
 
 
 def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]) -> np.ndarray:

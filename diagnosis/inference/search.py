@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-import numpy as np
-
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
@@ -17,7 +15,7 @@ from pounding.diagnosis.inference.null_model import best_null, null_again, unswa
 from pounding.diagnosis.inference.other_starts import Start, other_starts, softer
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, refined
+from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined
 from pounding.diagnosis.inference.rescue import rescue
 from pounding.diagnosis.inference.second import second
 from pounding.diagnosis.inference.starting import calibrated
@@ -113,11 +111,8 @@ def _refined_best(
             f"refining {one.effect.label()}", 0.35 + 0.15 * chosen.index(one) / max(len(chosen), 1)
         ),
     )
-    order = to_the_end(chosen, [fit.log_posterior for fit in quick])
-
-    known = {one.effects: one.fit.log_posterior for one in before.judged} if before is not None else {}
-    # What was likelier about the null model before than it begins about this one has been refined to the end already.
-    order = [i for i in order if quick[i].log_posterior > known.get(quick[i].effects, -np.inf)]
+    worth = not_yet_likelier(before.judged if before is not None else [], quick)
+    order = [i for i in to_the_end(chosen, [fit.log_posterior for fit in quick]) if i in worth]
 
     def further(i: int) -> list[Fit]:
         fit = refined(found, null.filtered, chosen[i], start=quick[i])

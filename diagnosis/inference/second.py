@@ -12,7 +12,7 @@ from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, refined, widths
+from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined, widths
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -96,7 +96,7 @@ def beside(
 
     worth = _worth(later, most)
     quick = each(found, partial(refined, found, fit.filtered, with_fit=fit, thorough=False), worth)
-    order = sorted(range(len(worth)), key=lambda i: -quick[i].log_posterior)
+    order = not_yet_likelier(found.judged, quick)
 
     def both(i: int) -> Fit:
         return refined(found, fit.filtered, worth[i], fit, quick[i])

@@ -250,10 +250,10 @@ def filter_slopes(system: LinearSystem, noise: Noise, step_s: float, steady: Ste
         np.zeros((len(shares), states, len(measured))), np.zeros((len(shares), len(measured), len(measured)))
     )
     inverse = np.linalg.inv(steady.covariance[inner])
-    found.gain[(slice(None), *np.ix_(estimated, measured))] = (
-        kept @ predicted @ output.T - gain @ shares
-    ) @ inverse
-    found.covariance[(slice(None), *inner)] = slopes
+    by_gain = (kept @ predicted @ output.T - gain @ shares) @ inverse
+    for number, (one, slope) in enumerate(zip(by_gain, slopes, strict=True)):
+        found.gain[number][np.ix_(estimated, measured)] = one
+        found.covariance[number][inner] = slope
     return found
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from pounding.diagnosis.inference import second as module
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.refining import not_yet_likelier
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,20 @@ def test_one_that_is_further_behind_than_the_second_gained_is_not_tried(
     found = searched(monkeypatch, {A: 1000.0, B: 900.0}, both)
     assert found.judged[0].effects == (A, C)
     assert cast(Any, found.later).about == (A,)
+
+
+def test_a_pair_that_was_refined_from_the_one_side_is_not_from_the_other_unless_it_begins_likelier(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = {frozenset({A, B}): 1400.0, frozenset({B, C}): 1300.0}
+    found = searched(monkeypatch, {A: 1000.0, B: 900.0}, both)
+    pairs = [one.effects for one in found.judged if len(one.effects) == 2]
+    assert pairs == [(A, B), (B, C)]
+    known = [judged(1400.0, A, B), judged(1300.0, B, C)]
+    quick: Any = [
+        judged(value, *effects).fit for value, *effects in ((1300.0, C, B), (1401.0, B, A), (9.0, C))
+    ]
+    assert not_yet_likelier(known, quick) == [1, 2]
 
 
 @pytest.mark.parametrize("single", [B, RIVAL])
