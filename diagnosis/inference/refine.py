@@ -60,6 +60,7 @@ class Fit:
         covariance: Of these and the effects' parameters in turn, in their own units and SI, shape (parameters, parameters).
         log_posterior: Log likelihood plus log prior less half the log determinant of the information.
         columns: Whitened, prior-scaled signatures of the effects' parameters in each run, and in the numbers beside them.
+        to_the_end: Whether it was refined until nothing gained; not after the few steps of a first look, nor in a lost race.
     """
 
     effects: tuple[Effect, ...]
@@ -71,6 +72,7 @@ class Fit:
     filtered: Filtered
     log_posterior: float
     columns: tuple[np.ndarray, ...]
+    to_the_end: bool
 
     def put_away(self) -> None:
         """Keep the prediction no longer; it is made again where it is asked for."""
@@ -147,7 +149,7 @@ def refine(
     began = start.filtered.log_likelihood
     histories, theta = _rescaled(*_descended(start, theta, iterations))
     if not thorough:
-        return _finished(histories, theta)
+        return _finished(histories, theta, to_the_end=False)
     # What the histories have worked out is much, and only good for these.
     del start
     gained, scales, calm = np.inf, {filtered.discrepancy}, False
@@ -165,18 +167,18 @@ def refine(
             histories, theta = _descended(changed, moved, SETTINGS.refinement.steps)
         reached = histories.filtered.log_likelihood
         # What smaller forces and other noise gave once they will not give again.
-        if race.lost(reached, quiet):
-            break
+        lost = race.lost(reached, quiet)
         calm = histories.filtered.discrepancy in scales
-        if not calm:
-            # What a smaller scale takes from the likelihood it gives to the prior: only rounds at one scale compare.
-            scales.add(histories.filtered.discrepancy)
-            continue
-        if reached < before + SETTINGS.refinement.likelier:
+        scales.add(histories.filtered.discrepancy)
+        if calm and not lost and reached < before + SETTINGS.refinement.likelier:
             # Steps that begin afresh creep in a long, bent valley, as between a frame's masses and the discrepancy.
             histories, theta = _descended(histories, theta, SETTINGS.refinement.steps, Marquardt())
-        gained = histories.filtered.log_likelihood - before
-    return _finished(histories, theta)
+        if calm:
+            # What a smaller scale takes from the likelihood it gives to the prior: only rounds at one scale compare.
+            gained = histories.filtered.log_likelihood - before
+        if lost:
+            break
+    return _finished(histories, theta, to_the_end=gained <= SETTINGS.refinement.likelier)
 
 
 def calibrated_further(
@@ -332,7 +334,7 @@ def _with_noise(histories: Histories) -> Histories:
     return Histories(histories.model, quiet, histories.coordinates)
 
 
-def _finished(histories: Histories, theta: np.ndarray) -> Fit:
+def _finished(histories: Histories, theta: np.ndarray, to_the_end: bool) -> Fit:
     model, filtered, coordinates = histories.model, histories.filtered, histories.coordinates
     terms = _terms(histories)
     posterior = coordinates.posterior(terms)
@@ -357,4 +359,5 @@ def _finished(histories: Histories, theta: np.ndarray) -> Fit:
         filtered=filtered,
         log_posterior=posterior.log_evidence(theta, gram) + any_scale,
         columns=tuple(column for term in terms for column in term.effect_columns(theta)),
+        to_the_end=to_the_end,
     )

@@ -55,13 +55,13 @@ def keep(found: Findings, fit: Fit) -> None:
 def not_yet_likelier(judged: Sequence[Judged], quick: Sequence[Fit]) -> list[int]:
     """Return the numbers of fits that are worth refining to the end, the likeliest first.
 
-    What was likelier from another start than it begins from this one has been refined to the end already.
+    What was refined to the end from another start, and is likelier than it begins from this one, is known already.
 
     Args:
         judged: What was refined before.
         quick: The fits, after a few steps.
     """
-    known = {frozenset(one.fit.effects): one.fit.log_posterior for one in judged}
+    known = {frozenset(one.fit.effects): one.fit.log_posterior for one in judged if one.fit.to_the_end}
     order = sorted(range(len(quick)), key=lambda i: -quick[i].log_posterior)
     return [i for i in order if quick[i].log_posterior > known.get(frozenset(quick[i].effects), -np.inf)]
 

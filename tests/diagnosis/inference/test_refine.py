@@ -71,14 +71,17 @@ def test_what_explains_little_beside_another_is_not_converged_and_what_may_come_
     wrong = next(one for one in catalogue() if one.name == "cubic_stiffness" and one.storey == 3)
     about, ahead = null.filtered.log_likelihood, right.filtered.log_likelihood
 
-    def refined(race: Race) -> float:
-        size = np.array(problem.truth)
-        return refine(model, null.filtered, (wrong,), (size,), race=race).filtered.log_likelihood
+    def refined(race: Race) -> tuple[float, bool]:
+        fit = refine(model, null.filtered, (wrong,), (np.array(problem.truth),), race=race)
+        return fit.filtered.log_likelihood, fit.to_the_end
 
-    whole = refined(ALONE)
-    assert refined(Race(ahead, about)) < whole
+    whole, ended = refined(ALONE)
+    assert ended
+    little, ended = refined(Race(ahead, about))
+    assert little < whole
+    assert not ended
     # The same fit of the same data, but little is ahead of it.
-    assert refined(Race(whole + 5.0, about)) == pytest.approx(whole, abs=0.5)
+    assert refined(Race(whole + 5.0, about)) == (pytest.approx(whole, abs=0.5), True)
 
 
 def test_the_null_model_of_its_own_data_stays_at_the_baseline() -> None:

@@ -30,11 +30,18 @@ FROM_SCORE = 3.0
 A, B, C, D, ERROR, RIVAL = (*map(Named, ("a", "b", "c", "d", "error")), Named("rival", rival=True))
 
 
-def judged(ln_bayes: float, *effects: Named, errors: tuple[Named, ...] = ()) -> Judged:
+def judged(
+    ln_bayes: float, *effects: Named, errors: tuple[Named, ...] = (), to_the_end: bool = True
+) -> Judged:
     every = (*errors, *effects)
     filtered = SimpleNamespace(effects=every, values=None)
     fit: Any = SimpleNamespace(
-        effects=every, values=every, filtered=filtered, columns=None, log_posterior=ln_bayes
+        effects=every,
+        values=every,
+        filtered=filtered,
+        columns=None,
+        log_posterior=ln_bayes,
+        to_the_end=to_the_end,
     )
     return cast(Judged, SimpleNamespace(fit=fit, effects=effects, ln_bayes=ln_bayes))
 
@@ -125,6 +132,8 @@ def test_a_pair_that_was_refined_from_the_one_side_is_not_from_the_other_unless_
         judged(value, *effects).fit for value, *effects in ((1300.0, C, B), (1401.0, B, A), (9.0, C))
     ]
     assert not_yet_likelier(known, quick) == [1, 2]
+    # What lost a race before may win another one.
+    assert not_yet_likelier([judged(1300.0, B, C, to_the_end=False)], quick) == [1, 0, 2]
 
 
 @pytest.mark.parametrize("single", [B, RIVAL])
