@@ -8,7 +8,8 @@ OUT    ?= results/demo
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-# pip compiles all modules of all packages, which takes as long as the rest of it; Python compiles those that are used, once.
+# pip is not to compile all modules of all packages, which takes as long as the rest of an installation: Python compiles
+# those that are used, and must be let keep them.
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test test-slow guard second-world shear-world planar-world lint types docs clean links

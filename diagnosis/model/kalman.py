@@ -62,6 +62,21 @@ class LinearSystem:
     output: np.ndarray
     direct: np.ndarray
 
+    @cached_property
+    def estimated(self) -> np.ndarray:
+        """Which states a filter estimates, shape (states,): those of the table's motion only where a channel sees it.
+
+        They drift for minutes, which takes twice as many doublings as all that the frames do.
+        """
+        found = np.ones(len(self.rate), bool)
+        found[-2:] = self.output[:, -2:].any()
+        return found
+
+    def part(self, states: np.ndarray) -> LinearSystem:
+        """Return the system of some states, which no others act on; `states` says which, shape (states,)."""
+        rate = self.rate[np.ix_(states, states)]
+        return LinearSystem(rate, self.force[states], self.output[:, states], self.direct)
+
 
 @dataclass(frozen=True)
 class Gain:
@@ -87,7 +102,7 @@ class Gain:
 @dataclass(frozen=True)
 class SteadyFilter:
     """Filter gain (states, channels), innovation covariance (channels, channels), one-step matrices, and the
-    covariance of the states after a sample (states, states).
+    covariance of the states after a sample (states, states); zero for states that are not estimated.
     """
 
     gain: np.ndarray
@@ -165,11 +180,10 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
     Raises:
         CaseError: Noise and motion are of too different sizes for a filter.
     """
-    states, estimated = len(system.rate), _worth_estimating(system)
-    rate, square = system.rate[np.ix_(estimated, estimated)], np.ix_(estimated, estimated)
-    step, covariance = discretise(rate, noise_density(states, noise)[estimated], step_s)
-    measured = np.isfinite(noise.channel)
-    output = system.output[np.ix_(measured, estimated)]
+    states, estimated, measured = len(system.rate), system.estimated, np.isfinite(noise.channel)
+    part = system.part(estimated)
+    step, covariance = discretise(part.rate, noise_density(states, noise)[estimated], step_s)
+    output = part.output[measured]
     scale = 1.0 / noise.channel[measured]
     predicted = _riccati(step, output * scale[:, None], covariance)
     scaled = output * scale[:, None]
@@ -187,22 +201,13 @@ def steady_filter(system: LinearSystem, noise: Noise, step_s: float) -> SteadyFi
         direct=system.direct,
         updated=np.zeros((states, states)),
     )
+    square = np.ix_(estimated, estimated)
     found.gain[np.ix_(estimated, measured)] = corrected
     found.step[square], found.updated[square] = step, predicted - corrected @ output @ predicted
     found.force_start[estimated], found.force_end[estimated] = _first_order_hold(
-        rate, system.force[estimated], step_s
+        part.rate, part.force, step_s
     )
     return found
-
-
-def _worth_estimating(system: LinearSystem) -> np.ndarray:
-    """Return which states are estimated, shape (states,): those of the table's motion only where a channel sees it.
-
-    They drift for minutes, which takes twice as many doublings as all that the frames do.
-    """
-    estimated = np.ones(len(system.rate), bool)
-    estimated[-2:] = system.output[:, -2:].any()
-    return estimated
 
 
 @dataclass(frozen=True)
@@ -230,21 +235,22 @@ def filter_slopes(system: LinearSystem, noise: Noise, step_s: float, steady: Ste
         step_s: Sampling step [s].
         steady: Its filter.
     """
-    states, measured, estimated = len(system.rate), np.isfinite(noise.channel), _worth_estimating(system)
-    square, inner = np.ix_(estimated, estimated), np.ix_(measured, measured)
-    output, gain = system.output[np.ix_(measured, estimated)], steady.gain[np.ix_(estimated, measured)]
+    states, estimated, measured = len(system.rate), system.estimated, np.isfinite(noise.channel)
+    part, inner = system.part(estimated), np.ix_(measured, measured)
+    output, gain = part.output[measured], steady.gain[np.ix_(estimated, measured)]
+    step = steady.step[np.ix_(estimated, estimated)]
     driven = [
-        discretise(system.rate[square], noise_density(states, one)[estimated], step_s)[1]
+        discretise(part.rate, noise_density(states, one)[estimated], step_s)[1]
         for one in (replace(noise, table=0.0), replace(noise, latent=0.0 * noise.latent))
     ]
     shares = np.zeros((2 + len(output), len(output), len(output)))
     for c, sigma in enumerate(noise.channel[measured]):
         shares[2 + c, c, c] = 2.0 * sigma**2
-    through = steady.step[square] @ gain
+    through = step @ gain
     pushed = through @ shares @ through.T
     pushed[:2] += 2.0 * np.array(driven)
     kept = np.eye(estimated.sum()) - gain @ output
-    predicted = _lyapunov(steady.step[square] @ kept, pushed)
+    predicted = _lyapunov(step @ kept, pushed)
     slopes = output @ predicted @ output.T + shares
     found = FilterSlopes(
         np.zeros((len(shares), states, len(measured))), np.zeros((len(shares), len(measured), len(measured)))

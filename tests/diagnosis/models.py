@@ -11,7 +11,7 @@ import numpy as np
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import Observations, RunData
-from pounding.diagnosis.model.predictor import ACCELERATION, DISPLACEMENT
+from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, ACCELERATION, DISPLACEMENT
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
 
 STEP_S = 0.002
@@ -79,3 +79,10 @@ def measured(
         noisy = output + noise * output.std(axis=0) * rng.standard_normal(output.shape)
         filled.append(replace(run, measured=noisy))
     return Model(structure, Observations(names, np.ones(5), quantity, floor, tuple(filled)), Prior())
+
+
+def in_the_room(model: Model) -> Model:
+    """Return a model whose displacements are those in the room: they see the table's own motion, too."""
+    quantity = model.observed.quantity
+    seen = np.where(quantity == DISPLACEMENT, ABSOLUTE_DISPLACEMENT, quantity)
+    return model.seeing(replace(model.observed, quantity=seen))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +16,7 @@ from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
-from tests.diagnosis.models import measured
+from tests.diagnosis.models import in_the_room, measured
 
 SHARE = 0.02
 
@@ -89,8 +90,11 @@ def test_a_model_that_blew_up_is_returned_as_it_is() -> None:
 @pytest.mark.parametrize(
     "effects", [(), ((CubicStiffness(index=1, frame="bench", storey=2), np.array([2e10])),)]
 )
-def test_slopes_by_the_noise_are_those_of_differences_whatever_acts(effects: Any) -> None:
-    model = measured(effects, noise=SHARE)
+@pytest.mark.parametrize("seen", [lambda model: model, in_the_room], ids=["from the table", "in the room"])
+def test_slopes_by_the_noise_are_those_of_differences_whatever_acts(
+    effects: Any, seen: Callable[[Model], Model]
+) -> None:
+    model = seen(measured(effects, noise=SHARE))
     noise = replace(likely(model), channel=1.2 * likely(model).channel, table=0.05)
 
     def at(by: np.ndarray) -> Filtered:

@@ -25,7 +25,7 @@ from pounding.diagnosis.model.kalman import (
 )
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT
-from tests.diagnosis.models import STEP_S, measured
+from tests.diagnosis.models import STEP_S, in_the_room, measured
 
 WRONG = (0.0, 0.9, 1.1)
 """Factors on the gain."""
@@ -69,14 +69,8 @@ class Sampled:
 
 @pytest.fixture(scope="module", params=["from the table", "in the room"])
 def model(request: pytest.FixtureRequest) -> Model:
-    """Displacements from the table, and one in the room, which sees the table's own motion too."""
     found = measured(samples=SAMPLES, runs=1)
-    if request.param == "from the table":
-        return found
-    quantity = np.where(
-        np.arange(len(found.observed.quantity)) == 3, ABSOLUTE_DISPLACEMENT, found.observed.quantity
-    )
-    return found.seeing(replace(found.observed, quantity=quantity))
+    return found if request.param == "from the table" else in_the_room(found)
 
 
 @pytest.fixture(scope="module")
