@@ -106,13 +106,13 @@ forked(wait, [0, 1])
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
 def test_workers_end_with_the_process_that_waits_for_them(how: signal.Signals, tmp_path: Path) -> None:
     code = WAITING if how is signal.SIGINT else WAITING.replace("time.sleep(60)", "time.sleep(1)")
-    process = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
-    )
-    assert process.stdout is not None
-    workers = [int(process.stdout.readline()) for _ in range(2)]
-    process.send_signal(how)
-    _, errors = process.communicate(timeout=30)
+    ) as process:
+        assert process.stdout is not None
+        workers = [int(process.stdout.readline()) for _ in range(2)]
+        process.send_signal(how)
+        _, errors = process.communicate(timeout=30)
     assert process.returncode != 0
     assert errors.count("Traceback") <= 1  # the one of who waits
     deadline = time.monotonic() + 10.0
