@@ -30,7 +30,7 @@ from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import strained, stray_tones
+from pounding.diagnosis.inference.model_checks import log_prior_ratio, strained, stray_tones
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -329,19 +329,30 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether a frame that is another one with the first effect alone is itself with a likelier pair of effects.
 
     What the first effect leaves has then moved into stiffness and mass, where it shows as no misfit. Where the first one
-    leaves nothing but noise, its law is right, and a parameter that has moved beyond calibration says as much.
+    leaves nothing but noise its law is right, and a frame that is much likelier by its priors, or a parameter that has moved
+    beyond calibration, says as much; the latter also where the law acts in one storey and the parameter is another's.
     """
     gained = double.ln_bayes - single.ln_bayes
     if any(effect.rival for effect in double.effects) or gained <= 0.0 or _another_frame(found, double):
         return False
     if _another_frame(found, single):
         return True
-    if found.pair is not None:
+    needed = thresholds(found)[0]
+    if found.pair is not None or gained < needed:
         # What the contact's law gets wrong may bend a frame as well.
         return False
-    second = [effect for effect in double.effects if effect not in single.effects]
-    gone = any(moved(found, single, double, effect) for effect in second)
-    return gone and gained >= thresholds(found)[0] and not _something_left(found, single)
+    right = not _something_left(found, single)
+    if right and log_prior_ratio(found.model, single.fit.filtered, double.fit.filtered) >= needed:
+        return True
+    return any(
+        moved(found, single, double, effect)
+        for effect in double.effects
+        if effect not in single.effects and (right or _storeys_apart(effect, single.effects[0]))
+    )
+
+
+def _storeys_apart(one: Effect, other: Effect) -> bool:
+    return None not in (one.storey, other.storey) and (one.frame, one.storey) != (other.frame, other.storey)
 
 
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:

@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.bases import Departure, LoggerEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, CHANNEL_UNIT, Effect, Quantity, Scales
 from pounding.diagnosis.effects.describing import Description, history, nothing, relation, same, sine
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.nuisance import Assembly
+from pounding.diagnosis.model.nuisance import CHANNEL_DELAY, Assembly
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, channel_term, table_term
@@ -157,7 +157,7 @@ class SensorDelay(Departure):
 
     name = "sensor_delay"
     where = "channel"
-    parameter = "channel_delay"
+    parameter = CHANNEL_DELAY
     typical = 0.006
     quantities = (Quantity("delay", "ms", 1000.0, symbol=r"\tau"),)
     described: ClassVar[Description | None] = Description(

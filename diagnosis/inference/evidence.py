@@ -10,6 +10,7 @@ from scipy.special import logsumexp
 
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
+from pounding.diagnosis.inference.delays import late_channels, slopes_of_noise
 from pounding.diagnosis.inference.discrepancy import SCALES, wider
 from pounding.diagnosis.inference.filtering import (
     AT_ONCE,
@@ -120,15 +121,19 @@ def score(
     gram, slope = np.zeros((total, total)), np.zeros(total)
     residuals = whitened_innovations(model, filtered)
     spread = model.spread(filtered.discrepancy)
+    wide = np.concatenate([spread, width])
+    late = late_channels(model, [effect for effect, _ in columns])
     for number, motion in enumerate(motions(model, filtered)):
         modes, acts = filtered.run_modes[number], model.acts(filtered.runs[number])
         groups: list[list[Term]] = nuisance_terms(model, modes, motion)
         groups += [effect.terms(model, modes, motion, shape) if acts else [] for effect, shape in columns]
-        wide = np.concatenate([spread, width])
         already = present[number] if present else np.zeros((len(residuals[number]), 0), np.float32)
         more = _products(model, filtered, number, groups, wide, already, residuals[number])
         gram += more[0]
         slope += more[1]
+        heard = wide * (late @ slopes_of_noise(model, filtered, number, motion, residuals[number]))
+        slope[: len(spread)] += heard[: len(spread)]
+        slope[free:] += heard[len(spread) :]
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)

@@ -39,6 +39,8 @@ USUAL_DRIFT = 0.005
 """Share of its height by which a storey drifts when it is shaken in earnest: a third to twice as much here."""
 
 
+CHANNEL_DELAY = "channel_delay"
+"""Kind of the parameters that say how late the channels are."""
 MODAL_DAMPING = "modal_damping"
 """Kind of the parameters that say how much damping couples modes, over the geometric mean of the baseline's: a damper in
 one storey couples as much as it damps, and where a frame's damping is no test of its modes says. The prior's is the
@@ -182,7 +184,7 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
     found += [Parameter("channel_gain", channel, CHANNEL_GAIN) for channel in channels]
     # One channel keeps the time: all of them late together are a table that is early; contact forces keep their own.
     first_free = 0 if observed.touching else 1
-    found += [Parameter("channel_delay", channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
+    found += [Parameter(CHANNEL_DELAY, channel, CHANNEL_DELAY_S) for channel in channels[first_free:]]
     found += [
         Parameter("event_gain", number, event.std) for number, event in enumerate(observed.contact_events)
     ]
@@ -276,7 +278,7 @@ def vary(assembly: Assembly, structure: Structure, kind: str, place: int, value:
         assembly.table_delay_s += value
     elif kind == "channel_gain":
         assembly.channel_gain[place] += value
-    elif kind == "channel_delay":
+    elif kind == CHANNEL_DELAY:
         assembly.channel_delay_s[place] += value
     elif kind == "channel_offset":
         assembly.channel_offset[place] += value

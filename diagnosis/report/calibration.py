@@ -15,11 +15,11 @@ from pounding.diagnosis.inference.misfit import allowed_error
 from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.first_frequencies import measured_frequency
-from pounding.diagnosis.model.nuisance import MODAL_DAMPING, MODAL_STIFFNESS, Parameter
+from pounding.diagnosis.model.nuisance import CHANNEL_DELAY, MODAL_DAMPING, MODAL_STIFFNESS, Parameter
 from pounding.diagnosis.report.report import LOGARITHMS, CalibratedParameter, Remainder
 from pounding.diagnosis.settings import SETTINGS
 
-FROM_ZERO = ("table_delay", "channel_delay", "damping_power")
+FROM_ZERO = ("table_delay", CHANNEL_DELAY, "damping_power")
 """Nuisance parameters that are zero in the baseline model: times [s] and a power [-]; others are logarithms of a factor, or
 changes relative to one."""
 FREQUENCIES = 3
