@@ -18,11 +18,7 @@ from pounding.diagnosis.inference.filtering import Filtered, run_signatures
 from pounding.diagnosis.inference.posterior import product
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import CHANNEL_DELAY
-from pounding.diagnosis.model.shifting import shift
 from pounding.diagnosis.model.terms import Motion, channel_term
-
-NUDGE = 1e-3
-"""Share of a sampling step over which a rate is taken."""
 
 
 def late_channels(model: Model, effects: Sequence[Effect]) -> np.ndarray:
@@ -53,9 +49,9 @@ def slopes_of_noise(
         motion: The motion of this run.
         residual: Its whitened innovations, shape (samples * channels,).
     """
-    read = filtered.prediction.innovations[number] + filtered.prediction.outputs[number]
-    step = motion.run.step_s
-    early, late = (np.column_stack([shift(one, step, by * step) for one in read.T]) for by in (NUDGE, -NUDGE))
-    noise = (early - late) / (2 * NUDGE * step) - motion.output_rate
+    run = filtered.runs[number]
+    assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
+    # What was not measured has no noise.
+    noise = np.nan_to_num(model.faults.rates(assembly, run) - motion.output_rate)
     groups = [[channel_term(model, channel, -series)] for channel, series in enumerate(noise.T)]
     return product(run_signatures(model, filtered, number, groups), residual)

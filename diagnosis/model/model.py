@@ -89,7 +89,7 @@ class Model:
             TableMotion(run.table, run.step_s, run.table_between, run.step_s / run.substeps)
             for run in observed.runs
         ]
-        self._faults = SensorFaults(observed.runs)
+        self.faults = SensorFaults(observed.runs)
         # Slopes and searches of effects leave the nuisance parameters alone, and most effects the modes.
         self._plain: Last[Assembly] = Last()
         self._modes: Last[Modes] = Last()
@@ -314,7 +314,7 @@ class Model:
             assembly.laws, modes.floors, run.step_s * (len(run.table) - 1), substep
         )
         known, table_mid, added = self._inputs(assembly, modes, number, run)
-        measured = self._faults.removed(assembly, number)
+        measured = self.faults.removed(assembly, number)
         if added is not None:
             measured = measured - added
         channels = len(self.observed.names)
@@ -349,7 +349,7 @@ class Model:
             return innovations, before, after, outputs
         if added is not None:
             outputs += added
-        return innovations, before, after, self._faults.added(assembly, number, outputs, late=gain is None)
+        return innovations, before, after, self.faults.added(assembly, number, outputs, late=gain is None)
 
     def _inputs(
         self, assembly: Assembly, modes: Modes, number: int, run: RunData

@@ -13,6 +13,9 @@ from pounding.diagnosis.model.shifting import shift
 SHIFTED = 2_000_000
 """About how many samples of delayed channels are kept: 16 MB."""
 
+NUDGE = 1e-3
+"""Share of a sampling step over which a rate is taken."""
+
 
 class SensorFaults:
     """The channels of some runs without the faults of their sensors; what was asked for last is kept.
@@ -65,6 +68,22 @@ class SensorFaults:
                     -clock / (1 + clock),
                 )
         return np.asarray(outputs * (1.0 + assembly.channel_gain) + assembly.channel_offset)
+
+    def rates(self, assembly: Assembly, number: int) -> np.ndarray:
+        """Return by how much what a channel reads in step changes with its delay [SI/s], shape (samples, channels).
+
+        Args:
+            assembly: Says the faults.
+            number: Number of the run.
+        """
+        run = self._runs[number]
+        each = []
+        for channel, series in enumerate(run.measured.T):
+            delay_s, clock = _timing(assembly, channel)
+            near = NUDGE * run.step_s
+            early, late = (shift(series, run.step_s, delay_s + by, clock) for by in (near, -near))
+            each.append((early - late) / (2 * near))
+        return np.column_stack(each)
 
     def _corrected(self, assembly: Assembly, number: int) -> np.ndarray:
         measured = self._runs[number].measured

@@ -21,6 +21,7 @@ from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
 from tests.diagnosis.decision.problems import (
     CUBIC,
     DATA,
+    MASS,
     OTHER_FLOOR,
     PROBLEMS,
     Problem,
@@ -143,30 +144,53 @@ def test_a_frame_that_one_effect_makes_another_one_may_be_itself_with_two(also: 
 
 
 @pytest.mark.parametrize(
-    ("gained", "moved", "still", "left", "named"),
+    ("gained", "moved", "still", "left", "storey", "named"),
     [
-        pytest.param(40.0, 3.2, 0.0, 1.0, 2, id="what moved was the second effect"),
-        pytest.param(20.0, 3.2, 0.0, 1.0, 1, id="too little says so"),
-        pytest.param(40.0, 2.8, 0.0, 1.0, 1, id="calibration may move it as far"),
-        pytest.param(40.0, 3.2, 0.0, 1.2, 1, id="the law of the first effect may have moved it"),
-        pytest.param(40.0, 3.2, 3.2, 1.0, 1, id="something else moves another storey, too"),
+        pytest.param(40.0, 3.2, 0.0, 1.0, 2, 2, id="what moved was the second effect"),
+        pytest.param(20.0, 3.2, 0.0, 1.0, 2, 1, id="too little says so"),
+        pytest.param(40.0, 2.8, 0.0, 1.0, 2, 1, id="calibration may move it as far"),
+        pytest.param(40.0, 3.2, 0.0, 1.2, 2, 1, id="the law of the first effect may have moved it"),
+        pytest.param(40.0, 3.2, 0.0, 1.2, 3, 2, id="the law of the first effect acts in another storey"),
+        pytest.param(40.0, 3.2, 3.2, 1.0, 2, 1, id="something else moves another storey, too"),
     ],
 )
-def test_a_second_effect_that_calibration_took_is_named_where_the_first_leaves_nothing(
-    gained: float, moved: float, still: float, left: float, named: int
+def test_a_second_effect_that_calibration_took_is_named_where_the_first_does_not_bend_it(
+    gained: float, moved: float, still: float, left: float, storey: int, named: int
 ) -> None:
     model, usual = bench()
-    stiffness = partial(effect, "stiffness_change", 2)
+    stiffness = partial(effect, "stiffness_change", storey)
     tried = (Tried((CUBIC, stiffness), 5000.0 + gained, left), Tried((CUBIC,), 5000.0, left))
     found = findings(Problem(4.0, tried, "effect_named"), DATA["quiet"])
     own = [(one.kind, one.place) for one in model.parameters]
-    here, beside = (own.index(("storey_stiffness", place)) for place in (1, 2))
+    here, beside = (own.index(("storey_stiffness", place)) for place in (storey - 1, 0))
     for one in found.judged:
         values = np.zeros(len(model.std))
         values[beside] = still * model.std[beside]
         if len(one.effects) == 1:
             values[here] = -moved * model.std[here]
         fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=values))
+    assert len(decide(found).judged.effects) == named
+
+
+@pytest.mark.parametrize(
+    ("moved", "left", "named"),
+    [
+        pytest.param(2.6, 1.0, 2, id="much likelier by the priors with both"),
+        pytest.param(1.5, 1.0, 1, id="a little likelier"),
+        pytest.param(2.6, 1.2, 1, id="the law of the first effect may have moved them"),
+    ],
+)
+def test_a_second_effect_that_several_parameters_took_is_named(moved: float, left: float, named: int) -> None:
+    """A mass beside friction: masses, stiffness and discrepancy each took a part, and no misfit is left."""
+    model, usual = bench()
+    kinds = ("frame_stiffness", "storey_stiffness", "modal_stiffness")
+    far = np.array([one.kind in kinds for one in model.parameters]) * model.spread(usual.discrepancy)
+    tried = (Tried((CUBIC, MASS), 5040.0, left), Tried((CUBIC,), 5000.0, left))
+    found = findings(Problem(4.0, tried, ""), DATA["quiet"])
+    for one in found.judged:
+        fit: Any = one.fit
+        values = (moved if len(one.effects) == 1 else 0.0) * far
         fit.filtered = cast(Filtered, replace(usual, values=values))
     assert len(decide(found).judged.effects) == named
 
