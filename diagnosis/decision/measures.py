@@ -176,18 +176,18 @@ def explained_beyond_errors(found: Findings, judged: Judged) -> float:
     """Return the share that effects explain of what is more than noise and the error that a model may have.
 
     It is nothing where they take less out of every channel than such an error could. No effect has to explain the errors of
-    a model as well, which may be larger in all channels together than a fault of one sensor.
+    a model as well, which may be larger in all channels together than a fault of one sensor. Of held-out runs it is asked if
+    they show more than such errors, with the effects or without: shaking that was too weak for an effect says nothing of it.
     """
     if found.reference or found.pair is not None:
         return 0.0
-    which = 1 if found.held_out else 0
-    errors = allowed_error(found.model) / np.asarray(found.floor)[which]
-    before, after = (over_noise(found, one)[which] ** 2 for one in (found.null, judged))
-    known = moved_channels(found, judged) & (before - 1.0 > errors**2)
-    if not np.any((before - after > errors**2)[known]):
+    errors = (allowed_error(found.model) / np.asarray(found.floor)) ** 2
+    ours = moved_channels(found, judged)
+    before, after = (over_noise(found, one) ** 2 - 1.0 - errors for one in (found.null, judged))
+    shown = np.any(np.maximum(before, after)[:, ours] > 0.0, axis=1)
+    which = 1 if found.held_out and shown[1] else 0
+    known = ours & (before[which] > 0.0)
+    if not np.any((before - after > errors)[which, known]):
         return 0.0
-    explainable, left = (
-        np.nansum(np.maximum(each - 1.0 - errors**2, 0.0)[moved_channels(found, judged)])
-        for each in (before, after)
-    )
+    explainable, left = (np.nansum(np.maximum(each[which, ours], 0.0)) for each in (before, after))
     return float(1 - np.sqrt(left / explainable))
