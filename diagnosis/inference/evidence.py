@@ -133,7 +133,7 @@ def score(
         slope += more[1]
         heard = wide * (late @ slopes_of_noise(model, filtered, number, motion, residuals[number]))
         slope[: len(spread)] += heard[: len(spread)]
-        slope[free:] += heard[len(spread) :]
+        slope[free:] += heard[len(spread) :] if acts else 0.0
     numbers = Numbers(model, filtered.runs)
     if len(numbers):
         block = _number_columns(numbers, filtered, columns, width)

@@ -8,7 +8,7 @@ import pytest
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.delays import late_channels, slopes_of_noise
-from pounding.diagnosis.inference.evidence import scales, score
+from pounding.diagnosis.inference.evidence import Score, scales, score
 from pounding.diagnosis.inference.filtering import (
     Filtered,
     log_likelihood,
@@ -16,7 +16,6 @@ from pounding.diagnosis.inference.filtering import (
     whitened_innovations,
 )
 from pounding.diagnosis.inference.motions import motions
-from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
@@ -59,9 +58,22 @@ def test_with_the_noise_of_the_readings_a_slope_is_the_likelihoods(noise: float)
         assert told + added @ ours == pytest.approx(truth, abs=0.02 * informed)
 
 
-def test_nothing_is_promised_for_a_shift_of_all_channels_and_the_table() -> None:
-    """The first channel's delay is no nuisance parameter: all others can be as early, and the table."""
-    model = measured(noise=0.1, runs=2, samples=4000)
-    null = refine(model, calibrated(model, [0, 1]))
-    scored = score(model, null.filtered, delays(model), scales(model, null.filtered))
-    assert all(one.ln_bayes < 1.0 for one in scored.ranked)
+@pytest.mark.parametrize(("heard_in", "moved"), [(0, False), (1, True)], ids=["reference run", "run since"])
+def test_a_score_counts_the_noise_of_the_runs_in_which_an_effect_acts(
+    heard_in: int, moved: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first channel's delay is no nuisance parameter, so that nothing but its effect has the slope."""
+    model = measured(runs=2, reference=1)
+    filtered = calibrated(model, [0, 1])
+    first = next(one for one in delays(model) if one.place()["channel"] == "a1")
+    sizes = scales(model, filtered)
+
+    def scored(slope: float) -> Score:
+        def heard(model: Model, filtered: Filtered, number: int, *rest: object) -> np.ndarray:
+            return slope * (number == heard_in) * np.eye(len(model.observed.names))[0]
+
+        monkeypatch.setattr("pounding.diagnosis.inference.evidence.slopes_of_noise", heard)
+        return score(model, filtered, [first], sizes).ranked[0]
+
+    without, beside = scored(0.0), scored(1e5)
+    assert beside.amplitude - without.amplitude == pytest.approx(moved * 1e5 * without.std**2, rel=1e-6)
