@@ -337,9 +337,11 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
         return False
     if _another_frame(found, single):
         return True
-    needed = thresholds(found)[0]
-    if found.pair is not None or gained < needed:
+    if found.pair is not None:
         # What the contact's law gets wrong may bend a frame as well.
+        return False
+    needed = thresholds(found)[0]
+    if gained < needed:
         return False
     right = not _something_left(found, single)
     if right and log_prior_ratio(found.model, single.fit.filtered, double.fit.filtered) >= needed:
@@ -352,6 +354,7 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
 
 
 def _storeys_apart(one: Effect, other: Effect) -> bool:
+    """Return whether effects act in one storey each, and not in the same."""
     return None not in (one.storey, other.storey) and (one.frame, one.storey) != (other.frame, other.storey)
 
 

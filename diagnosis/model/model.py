@@ -69,6 +69,9 @@ class Model:
         observed: What was measured.
         prior: Prior standard deviations that the case states.
         always: Effects that act in all runs, reference runs too, each with its SI parameters, shape (parameters,).
+
+    Attributes:
+        faults: What the sensors make of the motion, and what they would have read without their faults.
     """
 
     def __init__(

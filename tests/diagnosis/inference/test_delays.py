@@ -55,7 +55,7 @@ def test_with_the_noise_of_the_readings_a_slope_is_the_likelihoods(noise: float)
         ours = late_channels(model, [effect])[-1]
         told, truth = float(column @ residual), slope(model, filtered, effect)
         informed = float(np.linalg.norm(column))
-        assert told + added @ ours == pytest.approx(truth, abs=0.02 * informed)
+        assert told + added @ ours == pytest.approx(truth, abs=1e-3 * informed)
 
 
 @pytest.mark.parametrize(("heard_in", "moved"), [(0, False), (1, True)], ids=["reference run", "run since"])
