@@ -112,7 +112,8 @@ class _Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.terminate()
+        # A request to end would be heeded as the one who waits heeds it: with a traceback, or after the work is done.
+        self._process.kill()
         self._process.join()
         self.answers.close()
 
@@ -143,8 +144,10 @@ def _work(
     pieces: Sequence[Any],
     shared: Sequence[object],
 ) -> None:
-    # Ctrl-C is for the process that waits; it ends this one, or its end of the connection is closed with it.
+    # Ctrl-C is for the process that waits; it ends this one, or its end of the connection is closed with it. Who asks all of
+    # them to end gets one answer, from the process that waits.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     parent_s.close()
     with suppress(EOFError, BrokenPipeError):
         while (number := answers.recv()) is not None:

@@ -119,3 +119,40 @@ def test_workers_end_with_the_process_that_waits_for_them(how: signal.Signals, t
     while any(Path(f"/proc/{worker}").exists() for worker in workers):
         assert time.monotonic() < deadline
         time.sleep(0.05)
+
+
+HEEDING = """
+import os, sys, time
+os.sched_getaffinity = lambda _: {0, 1}
+from pounding.diagnosis.model.forked import meanwhile
+from pounding.experiments.console.interruption import heeding
+def wait():
+    os.write(1, b"here\\n")
+    time.sleep(60)
+with heeding(), meanwhile(wait):
+    time.sleep(float(sys.argv[1]))
+"""
+
+
+def begun(seconds: float, tmp_path: Path) -> subprocess.Popen[str]:
+    """Return a command whose worker is at work."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", HEEDING, str(seconds)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path, start_new_session=True,
+    )  # fmt: skip
+    assert process.stdout is not None
+    assert process.stdout.readline() == "here\n"
+    return process
+
+
+def test_a_worker_that_is_needed_no_more_says_nothing(tmp_path: Path) -> None:
+    with begun(0.5, tmp_path) as process:
+        assert process.communicate(timeout=30)[1] == ""
+    assert process.returncode == 0
+
+
+def test_who_asks_all_processes_to_end_gets_one_answer(tmp_path: Path) -> None:
+    with begun(60.0, tmp_path) as process:
+        os.killpg(process.pid, signal.SIGTERM)
+        assert process.communicate(timeout=30)[1] == "pounding: terminated\n"
+    assert process.returncode == 128 + signal.SIGTERM
