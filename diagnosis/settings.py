@@ -150,9 +150,12 @@ class Search:
     second: float = 12.0
     """[ln Bayes factor] A scored second effect with less is not refined. Origin: chosen."""
     seconds: int = 2
-    """[effects] At most so many second effects are refined. Origin: chosen."""
+    """[effects] So many second effects are refined at a time. Origin: chosen."""
     refined_beside: int = 4
-    """[effects] At most so many are refined beside an error of the frame. Origin: chosen."""
+    """[effects] So many are refined at a time beside an error of the frame. Origin: chosen."""
+    rounds: int = 3
+    """[times] At most so often the next ones are refined, while their scores promise more than was gained. Origin:
+    chosen."""
     errors: int = 2
     """[errors] At most so many errors of a frame become part of the null model. Origin: chosen."""
     swapped: float = 1000.0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
 
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EveryStorey
 from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction
@@ -40,12 +41,26 @@ def other_starts(found: Findings) -> list[Start]:
         if one.effects and one.ln_bayes > leading.ln_bayes - SETTINGS.decision.alike
     ]
     return [
-        *(partial(from_baseline, found, one.fit) for one in near),
+        *(partial(from_baseline, found, one.fit.effects, one.fit.values) for one in near),
+        *_promised(found, leading),
         *(one for kind in kinds for one in kind(found, leading)),
     ]
 
 
-def from_baseline(found: Findings, fit: Fit) -> Fit:
+def _promised(found: Findings, leading: Judged) -> Iterator[Start]:
+    """Yield the effects of frames whose score promised more than any fit has kept, from the baseline frame, as scored.
+
+    A score weighs all scales of the discrepancy; a refinement from the null model begins with that model's own scale, and
+    may stay there although another one is likelier.
+    """
+    hopeful = [
+        one for one in found.scores.ranked if one.ln_bayes > leading.ln_bayes and one.effect.frame is not None
+    ]
+    for one in hopeful[: SETTINGS.search.thorough]:
+        yield partial(from_baseline, found, (one.effect,), (one.effect.values(one.amplitude, one.shape),))
+
+
+def from_baseline(found: Findings, effects: Sequence[Effect], values: Sequence[np.ndarray]) -> Fit:
     """Refine effects once more from the baseline frame, as if its model had hardly an error.
 
     A null model that imitates an effect has its parameters at the ends of their box and a wide discrepancy, and a descent
@@ -53,13 +68,14 @@ def from_baseline(found: Findings, fit: Fit) -> Fit:
 
     Args:
         found: The findings.
-        fit: The fit of the effects, of which the sizes are kept.
+        effects: The effects.
+        values: SI parameters of each to start from, each of shape (parameters,).
     """
     start = found.null.fit.filtered.with_discrepancy(float(SCALES[0]))
     still = np.zeros(len(found.model.std))
     # What a few steps leave would look like a wide discrepancy, beside which the effect is needed no longer.
     steps = SETTINGS.refinement.steps
-    return refine(found.model, start, fit.effects, fit.values, iterations=steps, nuisance=still)
+    return refine(found.model, start, effects, values, iterations=steps, nuisance=still)
 
 
 def softer(found: Findings, fit: Fit) -> Fit:

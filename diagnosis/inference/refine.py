@@ -42,6 +42,17 @@ class Race:
         """
         return reached + SETTINGS.refinement.catches_up * max(reached - before, 0.0) < self.ahead
 
+    def stopped(self, reached: float, before: float, last: float) -> bool:
+        """Return whether a refinement that lacks much of what is ahead gains too little to come near it.
+
+        Args:
+            reached: Its log likelihood.
+            before: That from which the gain counts.
+            last: That before its last step.
+        """
+        lacks = SETTINGS.refinement.catches_up * (self.ahead - reached)
+        return lacks > reached - before and self.lost(reached, last)
+
 
 ALONE = Race()
 """Nothing else is known of these data."""
@@ -239,15 +250,16 @@ def _calmed(
     smaller = True
     while smaller and histories.filtered.noise[0].latent.max() > SETTINGS.refinement.least_latent_n:
         current = histories.filtered
+        reached = current.log_likelihood
         noise = tuple(replace(one, latent=SETTINGS.start.reduction * one.latent) for one in current.noise)
         trial = run_filter(model, current.values, noise, current.runs, current.effects)
         trial = likeliest_noise(model, trial, latent=False)
         descended, moved = _descended(Histories(model, trial, coordinates), theta, iterations)
-        likelier = current.log_likelihood + SETTINGS.refinement.likelier
-        smaller = descended.filtered.log_likelihood > likelier
+        smaller = descended.filtered.log_likelihood > reached + SETTINGS.refinement.likelier
         if smaller:
             histories, theta = descended, moved
-        if race.lost(histories.filtered.log_likelihood, before):
+        there = histories.filtered.log_likelihood
+        if race.lost(there, before) or race.stopped(there, before, reached):
             return histories, theta, True
     return histories, theta, False
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,6 +11,7 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
 from pounding.diagnosis.inference.findings import Findings, Judged, best
+from pounding.diagnosis.inference.other_starts import from_baseline
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined, widths
 from pounding.diagnosis.settings import SETTINGS
@@ -37,22 +38,25 @@ def second(found: Findings, effects: Sequence[Effect]) -> None:
         later = beside(found, effects, single)
         if best(found) is not led:
             found.later = later
-    _alone(found, first)
+    _led_further(found, first)
 
 
-def _alone(found: Findings, first: Judged) -> None:
-    """Refine alone what was found beside the leading effect and says much: it may need that one no longer.
+def _led_further(found: Findings, first: Judged) -> None:
+    """Refine what was found beside the leading effect once more from the baseline frame, and alone where it says much.
 
-    About a null model far from the frame a large effect may look like nothing, and be found only beside what imitates it.
-    The errors that the null model has stay beside it.
+    What the leading effect left was in the frame's parameters, and a descent from there may end with a part of it. About a
+    null model far from the frame a large effect may look like nothing, and be found only beside what imitates it: it may
+    need that one no longer. The errors that the null model has stay beside it.
 
     Args:
         found: The findings, to which the fits are added.
         first: The effect that led alone.
     """
     both = best(found)
-    if both.ln_bayes < first.ln_bayes + SETTINGS.decision.second_evidence:
+    gained = both.ln_bayes - first.ln_bayes
+    if gained < SETTINGS.search.second:
         return
+    starts: list[Callable[[], Fit]] = [partial(from_baseline, found, both.fit.effects, both.fit.values)]
     known = {one.effects for one in found.judged}
     null, scores = found.null.fit, {one.effect: one for one in reversed(found.scores.ranked)}
     own = list(zip(both.fit.effects, both.fit.values, strict=True))
@@ -69,7 +73,9 @@ def _alone(found: Findings, first: Judged) -> None:
         again = refined(found, null.filtered, scores[one[0]], null if errors else None)
         return max(fit, again, key=lambda either: either.log_posterior)
 
-    for fit in each(found, refined_alone, new):
+    if gained >= SETTINGS.decision.second_evidence:
+        starts += [partial(refined_alone, one) for one in new]
+    for fit in each(found, lambda start: start(), starts):
         keep(found, fit)
 
 
@@ -87,14 +93,31 @@ def beside(
         found: The findings, to which the fits are added.
         effects: The candidates.
         first: A fit of effects, all of which stay free.
-        most: At most so many are refined.
+        most: So many are refined at a time, as long as the next one's score promises more than was gained.
     """
     fit = first.fit
     told = {*fit.effects, *map(same_motion, fit.effects)}
     others = [effect for effect in effects if effect not in told]
     later = score(found.model, fit.filtered, others, found.sizes, fit.columns)
 
-    worth = _worth(later, most)
+    worth = _worth(later)
+    for begin in range(0, most * SETTINGS.search.rounds, most):
+        together = worth[begin : begin + most]
+        if not together or together[0].ln_bayes < _gained(found, first):
+            break
+        _refine_beside(found, first, together)
+    return later
+
+
+def _gained(found: Findings, first: Judged) -> float:
+    """Return what the best second effect beside effects has gained in log evidence."""
+    inside = set(first.fit.effects)
+    both = [one.ln_bayes for one in found.judged if inside < set(one.fit.effects)]
+    return max(both, default=first.ln_bayes) - first.ln_bayes
+
+
+def _refine_beside(found: Findings, first: Judged, worth: Sequence[Score]) -> None:
+    fit = first.fit
     quick = each(found, partial(refined, found, fit.filtered, with_fit=fit, thorough=False), worth)
     order = not_yet_likelier(found.judged, quick)
 
@@ -105,13 +128,12 @@ def beside(
     for together in (order[:1], order[1:]):
         for fitted in each(found, both, together):
             keep(found, fitted)
-    return later
 
 
-def _worth(later: Scores, most: int) -> list[Score]:
-    """Return the effects to refine: the best few with evidence, and only a rival that is the very best."""
+def _worth(later: Scores) -> list[Score]:
+    """Return the effects to refine: those with evidence, and only a rival that is the very best."""
     return [
         one
-        for number, one in enumerate(later.ranked[:most])
+        for number, one in enumerate(later.ranked)
         if one.ln_bayes > SETTINGS.search.second and not (number and one.effect.rival)
     ]

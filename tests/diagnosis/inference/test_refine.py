@@ -64,6 +64,16 @@ def test_what_gained_less_than_a_quarter_of_another_has_lost(
     assert not ALONE.lost(reached, before)
 
 
+@pytest.mark.parametrize(
+    ("reached", "last", "stopped"),
+    [(600.0, 500.0, True), (600.0, 460.0, False), (760.0, 759.0, False), (740.0, 700.0, True), (1001.0, 1000.0, False)],
+)  # fmt: skip
+def test_what_lacks_much_and_gains_little_has_stopped(reached: float, last: float, stopped: bool) -> None:
+    """More than a third of what it has gained must be lacking, and more than three times what it gained last."""
+    assert Race(1000.0).stopped(reached, 0.0, last) == stopped
+    assert not ALONE.stopped(reached, 0.0, last)
+
+
 def test_what_explains_little_beside_another_is_not_converged_and_what_may_come_near_is() -> None:
     problem = Problem("cubic_stiffness", 1, (4e8,))
     model, null = problem.model(), problem.null()

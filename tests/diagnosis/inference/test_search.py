@@ -65,9 +65,29 @@ def test_what_leads_out_of_a_corner_of_the_null_model_is_refined_from_the_baseli
     empty = score(model, null.filtered, [mass], scales(model, null.filtered))
     found = Findings(model, judged, empty, scales(model, null.filtered), (0,), (1,))
     found.judged = [replace(judge(model, stuck, null, (0,), (1,)), ln_bayes=1.0)]
-    fit = from_baseline(found, stuck)
+    fit = from_baseline(found, stuck.effects, stuck.values)
     assert fit.log_posterior > stuck.log_posterior + 100.0
     assert fit.values[0] == pytest.approx(truth, abs=3.0 * fit.std[0][0])
+
+
+def test_what_scores_better_than_all_that_was_fitted_is_refined_from_the_baseline_as_scored() -> None:
+    masses = [one for one in candidates(measured()) if one.name == "added_mass"]
+    truth = np.array([0.5])
+    model = measured([(masses[2], truth)])
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    scores = score(model, null.filtered, masses, sizes)
+    assert scores.ranked[0].effect is masses[2]
+    found = Findings(model, judge(model, null, null, (0,), (1,)), scores, sizes, (0,), (1,))
+    other = refine(model, null.filtered, (masses[0],), (truth / 10,), iterations=0, thorough=False)
+    found.judged = [replace(judge(model, other, null, (0,), (1,)), ln_bayes=1.0)]
+    starts = [start() for start in other_starts(found)]
+    led = max((fit for fit in starts if fit is not None), key=lambda fit: fit.log_posterior)
+    assert led.effects == (masses[2],)
+    assert led.values[0] == pytest.approx(truth, abs=3.0 * led.std[0][0])
+    # Where a fit has kept more than any score promises only what leads, and what is alike, is refined again.
+    found.judged = [replace(found.judged[0], ln_bayes=scores.ranked[0].ln_bayes + 1.0)]
+    assert len(other_starts(found)) == 1
 
 
 def test_what_is_tuned_to_a_mode_is_refined_from_its_score_though_another_shape_predicts_better() -> None:

@@ -52,10 +52,14 @@ def searched(
     both: dict[frozenset[Named], float],
     after: dict[Named, float] | None = None,
     errors: tuple[Named, ...] = (),
+    promised: dict[Named, float] | None = None,
+    from_baseline: float = 0.0,
 ) -> Findings:
     """Return findings on single effects after the search for a second one, with the evidence that pairs would have.
 
-    `after`: evidence of what is refined alone from where it was found beside another; `errors` act in the null model.
+    `after`: evidence of what is refined alone from where it was found beside another; `errors` act in the null model;
+    `promised`: what scores say beside any effect, where that is not what is kept; `from_baseline`: what a pair that is
+    refined again from the baseline frame gains by it.
     """
     null = judged(0.0, errors=errors)
     each = (judged(value, one, errors=errors) for one, value in alone.items())
@@ -68,14 +72,20 @@ def searched(
 
     def scored(_: Any, filtered: Any, others: list[Named], *__: Any) -> Any:
         about = filtered.effects[len(errors) :]
-        each = [
-            SimpleNamespace(effect=one, ln_bayes=both.get(frozenset({*about, one}), 0.0) - alone[about[0]])
-            for one in others
-        ]
+
+        def says(one: Named) -> float:
+            kept = both.get(frozenset({*about, one}), 0.0) - alone[about[0]]
+            return (promised or {}).get(one, kept)
+
+        each = [SimpleNamespace(effect=one, ln_bayes=says(one)) for one in others]
         return SimpleNamespace(ranked=sorted(each, key=lambda one: -one.ln_bayes), about=about)
 
     def keep(found: Findings, fit: Any) -> None:
         assert fit.effects[: len(errors)] == errors
+        known = [one for one in found.judged if one.fit.effects == fit.effects]
+        if any(one.ln_bayes >= fit.log_posterior for one in known):
+            return
+        found.judged = [one for one in found.judged if one not in known]
         found.judged.append(judged(fit.log_posterior, *fit.effects[len(errors) :], errors=errors))
         found.judged.sort(key=lambda one: -one.ln_bayes)
 
@@ -90,7 +100,12 @@ def searched(
     def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
         return SimpleNamespace(effects=effects, log_posterior=(after or {}).get(effects[-1], 0.0))
 
+    def again(_: Any, effects: tuple[Named, ...], __: Any) -> Any:
+        own = frozenset(effects[len(errors) :])
+        return SimpleNamespace(effects=effects, log_posterior=both.get(own, 0.0) + from_baseline)
+
     monkeypatch.setattr(module, "score", scored)
+    monkeypatch.setattr(module, "from_baseline", again)
     monkeypatch.setattr(module, "refine", refine)
     monkeypatch.setattr(module, "widths", lambda *_: None)
     monkeypatch.setattr(module, "keep", keep)
@@ -134,6 +149,42 @@ def test_a_pair_that_was_refined_from_the_one_side_is_not_from_the_other_unless_
     assert not_yet_likelier(known, quick) == [1, 2]
     # What lost a race before may win another one.
     assert not_yet_likelier([judged(1300.0, B, C, to_the_end=False)], quick) == [1, 0, 2]
+
+
+EACH = {frozenset({A, C}): 1100.0, frozenset({A, B}): 1030.0, frozenset({A, D}): 1020.0}
+"""Evidence of pairs, of which (A, C) is the likeliest."""
+HOLLOW = {B: 400.0, D: 300.0, C: 150.0}
+"""Scores of which the best two promise what no fit keeps."""
+
+
+@pytest.mark.parametrize(
+    ("promised", "pairs"),
+    [
+        (HOLLOW, [(A, C), (A, B), (A, D)]),
+        # What promises less than was gained is not refined.
+        ({**HOLLOW, C: 29.0}, [(A, B), (A, D)]),
+    ],
+)
+def test_scores_that_promise_what_no_fit_keeps_do_not_hide_the_next_one(
+    promised: dict[Named, float], pairs: list[tuple[Named, ...]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = searched(monkeypatch, {A: 1000.0, B: 9.0, D: 8.0}, EACH, promised=promised)
+    assert [one.effects for one in found.judged if len(one.effects) == 2] == pairs
+
+
+@pytest.mark.parametrize(("gained", "again"), [(30.0, 80.0), (11.0, 0.0)])
+def test_a_pair_is_refined_from_the_baseline_frame_too_where_it_says_anything(
+    gained: float, again: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = searched(
+        monkeypatch,
+        {A: 1000.0},
+        {frozenset({A, C}): 1000.0 + gained},
+        promised={C: 100.0},
+        from_baseline=80.0,
+    )
+    assert found.judged[0].effects == (A, C)
+    assert found.judged[0].ln_bayes == 1000.0 + gained + again
 
 
 @pytest.mark.parametrize("single", [B, RIVAL])
