@@ -198,7 +198,8 @@ class Refinement:
     catches_up: float = 3.0
     """[gain so far] A refinement goes on only if so many times what it has gained would take it past the fit that is ahead:
     beyond what it is refined about, while latent forces become smaller, and then in its last round, as if each gained three
-    quarters of the one before. Origin: chosen."""
+    quarters of the one before; where it lacks more than a third of what it has gained, also beyond the last size of the
+    latent forces. Origin: chosen."""
     noise_likelier: float = 0.5
     """[ln likelihood] Gain from which on another noise of channels or table is kept. Origin: chosen."""
     noise_steps: int = 10

@@ -51,7 +51,8 @@ def _promised(found: Findings, leading: Judged) -> Iterator[Start]:
     """Yield the effects of frames whose score promised more than any fit has kept, from the baseline frame, as scored.
 
     A score weighs all scales of the discrepancy; a refinement from the null model begins with that model's own scale, and
-    may stay there although another one is likelier.
+    may stay there although another one is likelier. What is wrong with sensors moves no frame's parameters, and has no such
+    maxima.
     """
     hopeful = [
         one for one in found.scores.ranked if one.ln_bayes > leading.ln_bayes and one.effect.frame is not None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import call
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
@@ -167,16 +168,12 @@ def _led_further(found: Findings) -> Fit | None:
         if not led:
             return None
         starts: list[Start] = [partial(null_again, found), *other_starts(found)]
-        again, *fits = each(found, _refine_from, starts)
+        again, *fits = each(found, call, starts)
         for fit in fits:
             if fit is not None:
                 keep(found, fit)
         if best(found).effects == led and best(found).ln_bayes < before + worth_anew(found):
             return again
-
-
-def _refine_from(start: Start) -> Fit | None:
-    return start()
 
 
 def _chosen(scores: Scores) -> list[Score]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import call
 
 import numpy as np
 
@@ -38,10 +39,10 @@ def second(found: Findings, effects: Sequence[Effect]) -> None:
         later = beside(found, effects, single)
         if best(found) is not led:
             found.later = later
-    _led_further(found, first)
+    _pair_further(found, first)
 
 
-def _led_further(found: Findings, first: Judged) -> None:
+def _pair_further(found: Findings, first: Judged) -> None:
     """Refine what was found beside the leading effect once more from the baseline frame, and alone where it says much.
 
     What the leading effect left was in the frame's parameters, and a descent from there may end with a part of it. About a
@@ -75,7 +76,7 @@ def _led_further(found: Findings, first: Judged) -> None:
 
     if gained >= SETTINGS.decision.second_evidence:
         starts += [partial(refined_alone, one) for one in new]
-    for fit in each(found, lambda start: start(), starts):
+    for fit in each(found, call, starts):
         keep(found, fit)
 
 
