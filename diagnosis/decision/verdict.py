@@ -25,6 +25,7 @@ from pounding.diagnosis.decision.measures import (
     stands_out,
     within_model_error,
 )
+from pounding.diagnosis.decision.whatever_force import gained_whatever_force
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -318,11 +319,14 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
 
     What the first one's law gets wrong may pass for one, but is not made good down to the noise by another effect.
     """
-    needs = SETTINGS.decision
-    only_both = _something_left(found, single) and not _something_left(found, double)
-    share = 0.0 if only_both else needs.second_share
-    least = single.ln_bayes + _second_evidence(found, single, double) + share * single.ln_bayes
-    return bool(double.ln_bayes > least and signal_to_noise(found, double, single) >= needs.second_size)
+    needed = _second_evidence(found, single, double)
+    if double.ln_bayes - single.ln_bayes <= needed:
+        return False
+    if signal_to_noise(found, double, single) < SETTINGS.decision.second_size:
+        return False
+    if _something_left(found, single) and not _something_left(found, double):
+        return True
+    return gained_whatever_force(found, single, double) > needed
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

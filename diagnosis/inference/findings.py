@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -96,6 +96,8 @@ class Findings:
     """The null model without the errors of the frame that are in it; None where none is."""
     wide: Judged | None = None
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
+    whatever_force: dict[Hashable, float] = field(default_factory=dict)
+    """What two effects gain over one whatever its law gets wrong (`decision.whatever_force`), by both fits."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 

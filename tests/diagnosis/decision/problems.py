@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import permutations
 from types import SimpleNamespace
 from typing import Any
 
@@ -170,7 +171,9 @@ DATA = {
 def judged(data: Data, tried: Tried, filtered: Filtered) -> Judged:
     effects = tuple(one() for one in tried.effects)
     values = [np.ones(len(one.quantities)) for one in effects]
-    fit: Any = SimpleNamespace(effects=effects, values=values, std=values, filtered=filtered)
+    fit: Any = SimpleNamespace(
+        effects=effects, values=values, std=values, filtered=filtered, log_posterior=tried.ln_bayes
+    )
     misfits = data.misfits(tried.over)
     return Judged(fit, tried.ln_bayes, (tried.over * data.noise,) * 2, misfits)
 
@@ -181,10 +184,15 @@ def findings(problem: Problem, data: Data, filtered: Filtered | None = None) -> 
     null = judged(data, Tried((), 0.0, problem.null), filtered or usual)
     found = [judged(data, one, filtered or usual) for one in problem.tried]
     nothing: Any = None
-    return Findings(
+    made = Findings(
         model, null, nothing, nothing, (0,), (1,) if data.held_out else (),
         sorted(found, key=lambda one: -one.ln_bayes), data.misfits(1.0), false_alarms=NULLS,
     )  # fmt: skip
+    # No data made these fits: what the first one's law gets wrong is worth a tenth of its evidence.
+    for one, other in permutations(found, 2):
+        asked = tuple((each.fit.effects, each.fit.log_posterior) for each in (one, other))
+        made.whatever_force[asked] = other.ln_bayes - 1.1 * one.ln_bayes
+    return made
 
 
 def decided(problem: Problem, data: Data) -> tuple[Findings, Decision]:

@@ -1,0 +1,93 @@
+"""How much likelier a second effect makes what was measured, whatever force acts where the first one's law does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from pounding.diagnosis.inference.filtering import Filtered, forces_of, run_filter
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.inference.refining import each, widths
+from pounding.diagnosis.model.kalman import Noise
+from pounding.diagnosis.settings import SETTINGS
+
+
+def gained_whatever_force(found: Findings, single: Judged, double: Judged) -> float:
+    """Return what two effects gain in log evidence over one, in whose storeys any force may act beside its law's.
+
+    The square of that force is a share of the law's own. What the law gets wrong is such a force, and passes for no second
+    effect. An effect that is no force of storeys may get as large a share of its evidence wrong.
+
+    Args:
+        found: What the search found; what was worked out before is kept in it.
+        single: The one effect.
+        double: The two.
+    """
+    asked = tuple((one.fit.effects, one.fit.log_posterior) for one in (single, double))
+    if asked not in found.whatever_force:
+        found.whatever_force[asked] = _gained(found, single, double)
+    return found.whatever_force[asked]
+
+
+def _gained(found: Findings, single: Judged, double: Judged) -> float:
+    share = SETTINGS.decision.second_share
+    wrong = _wrong_forces(found, single, share)
+    if wrong is None:
+        return double.ln_bayes - (1.0 + share) * single.ln_bayes
+
+    def freed(fit: Fit) -> Fit:
+        return _refined(found, fit, _with_forces(found, fit, wrong))
+
+    both, alone = each(found, freed, (double.fit, single.fit))
+    # The two may end at different maxima of one likelihood: the simpler one is led to the other's.
+    known = dict(zip(both.effects, both.values, strict=True))
+    there = tuple(known.get(effect, value) for effect, value in zip(alone.effects, alone.values, strict=True))
+    again = _refined(found, replace(alone, values=there), both.filtered)
+    return both.log_posterior - max(alone.log_posterior, again.log_posterior)
+
+
+def _wrong_forces(found: Findings, single: Judged, share: float) -> list[np.ndarray] | None:
+    """Return rms forces [N] of each run, (storeys,) each, whose square is a share of an effect's, None without such."""
+    model, filtered = found.model, single.fit.filtered
+    pairs = zip(single.fit.effects, single.fit.values, strict=True)
+    own = [(effect, value) for effect, value in pairs if effect in single.effects]
+    first = len(model.assemble(filtered.values).laws)
+    rows = [law.row for law in model.assemble(filtered.values, own).laws[first:]]
+    if not rows:
+        return None
+    # A force on a floor is one in each storey below it.
+    storeys = np.linalg.solve(model.structure.drift.T, np.transpose(rows)).T
+    every_run = []
+    for number, run in enumerate(filtered.runs):
+        square = np.zeros(len(model.structure.drift))
+        if model.acts(run):
+            forces, _ = forces_of(model, filtered, number, own)
+            square = np.mean((forces[:, first:] @ storeys) ** 2, axis=0)
+        every_run.append(np.sqrt(share * square))
+    return every_run
+
+
+def _with_forces(found: Findings, fit: Fit, wrong: list[np.ndarray]) -> Filtered:
+    """Return a fit filtered with latent forces that are at least so large."""
+    filtered = fit.filtered
+    noise: list[Noise] = [
+        replace(one, latent=np.maximum(one.latent, least))
+        for one, least in zip(filtered.noise, wrong, strict=True)
+    ]
+    return run_filter(found.model, filtered.values, noise, filtered.runs, filtered.effects)
+
+
+def _refined(found: Findings, fit: Fit, filtered: Filtered) -> Fit:
+    """Return a fit refined from what is filtered, noise and latent forces as they are there."""
+    model = found.model
+    wide = [widths(model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in fit.effects]
+    best, gained = replace(fit, filtered=filtered, log_posterior=-np.inf), np.inf
+    while gained > SETTINGS.refinement.likelier:
+        then = refine(
+            model, best.filtered, best.effects, best.values, wide, SETTINGS.refinement.steps, thorough=False
+        )
+        gained = then.log_posterior - best.log_posterior
+        best = max(best, then, key=lambda one: one.log_posterior)
+    return best
