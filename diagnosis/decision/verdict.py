@@ -25,7 +25,7 @@ from pounding.diagnosis.decision.measures import (
     stands_out,
     within_model_error,
 )
-from pounding.diagnosis.decision.whatever_force import gained_whatever_force
+from pounding.diagnosis.decision.whatever_force import whatever_force, with_sizes
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -53,10 +53,13 @@ def _decided(found: Findings) -> Decision:
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
         return Decision("nothing_missing", found.null, (), said)
-    chosen = _listed(found, single)
+    chosen = first = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
-    if doubles and (_worth(found, chosen, doubles[0]) or _eases(found, chosen, doubles[0])):
-        chosen = _of_two(found, chosen, doubles[0])
+    worth = bool(doubles) and _worth(found, first, doubles[0])
+    if worth or (doubles and _eases(found, first, doubles[0])):
+        chosen = _of_two(found, first, doubles[0])
+    if worth and chosen is not first:
+        chosen = with_sizes(found, first, chosen)
     objections, said = _model_checks(found, chosen)
     # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
     taken = len(chosen.effects) == 1 and straightens(found, chosen)
@@ -326,7 +329,7 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
         return False
     if _something_left(found, single) and not _something_left(found, double):
         return True
-    return gained_whatever_force(found, single, double) > needed
+    return whatever_force(found, single, double).gained > needed
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

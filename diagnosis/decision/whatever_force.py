@@ -1,21 +1,22 @@
-"""How much likelier a second effect makes what was measured, whatever force acts where the first one's law does."""
+"""A second effect whatever force acts where the first one's law does: how much likelier both are, and their sizes."""
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import Filtered, forces_of, run_filter
-from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.findings import Findings, Freed, Judged, judge_in
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, widths
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.settings import SETTINGS
 
 
-def gained_whatever_force(found: Findings, single: Judged, double: Judged) -> float:
-    """Return what two effects gain in log evidence over one, in whose storeys any force may act beside its law's.
+def whatever_force(found: Findings, single: Judged, double: Judged) -> Freed:
+    """Return two effects beside whatever force acts in the storeys of one of them, beside its law's.
 
     The square of that force is a share of the law's own. What the law gets wrong is such a force, and passes for no second
     effect. An effect that is no force of storeys may get as large a share of its evidence wrong.
@@ -25,17 +26,38 @@ def gained_whatever_force(found: Findings, single: Judged, double: Judged) -> fl
         single: The one effect.
         double: The two.
     """
-    asked = tuple((one.fit.effects, one.fit.log_posterior) for one in (single, double))
+    asked = _asked(single, double)
     if asked not in found.whatever_force:
-        found.whatever_force[asked] = _gained(found, single, double)
+        found.whatever_force[asked] = _freed(found, single, double)
     return found.whatever_force[asked]
 
 
-def _gained(found: Findings, single: Judged, double: Judged) -> float:
+def with_sizes(found: Findings, single: Judged, double: Judged) -> Judged:
+    """Return two effects with the sizes that they have whatever force acts, where that had to be asked.
+
+    What the law of the one gets wrong would draw the size of the other one away. Where frames touch, the sizes are those
+    with which the contact forces were put right.
+
+    Args:
+        found: What the search found.
+        single: The one effect.
+        double: The two.
+    """
+    known = found.whatever_force.get(_asked(single, double))
+    if known is None or known.both is None or found.pair is not None:
+        return double
+    return replace(judge_in(found, known.both), ln_bayes=double.ln_bayes, beside=double.beside)
+
+
+def _asked(single: Judged, double: Judged) -> Hashable:
+    return tuple((one.fit.effects, one.fit.log_posterior) for one in (single, double))
+
+
+def _freed(found: Findings, single: Judged, double: Judged) -> Freed:
     share = SETTINGS.decision.second_share
     wrong = _wrong_forces(found, single, share)
     if wrong is None:
-        return double.ln_bayes - (1.0 + share) * single.ln_bayes
+        return Freed(double.ln_bayes - (1.0 + share) * single.ln_bayes)
 
     def freed(fit: Fit) -> Fit:
         return _refined(found, fit, _with_forces(found, fit, wrong))
@@ -45,7 +67,7 @@ def _gained(found: Findings, single: Judged, double: Judged) -> float:
     known = dict(zip(both.effects, both.values, strict=True))
     there = tuple(known.get(effect, value) for effect, value in zip(alone.effects, alone.values, strict=True))
     again = _refined(found, replace(alone, values=there), both.filtered)
-    return both.log_posterior - max(alone.log_posterior, again.log_posterior)
+    return Freed(both.log_posterior - max(alone.log_posterior, again.log_posterior), both)
 
 
 def _wrong_forces(found: Findings, single: Judged, share: float) -> list[np.ndarray] | None:

@@ -64,6 +64,19 @@ class Judged:
         return " and ".join(effect.label() for effect in self.effects) or "nothing missing"
 
 
+@dataclass(frozen=True)
+class Freed:
+    """Two effects beside whatever force acts in the storeys of one of them.
+
+    Attributes:
+        gained: What both gain in log evidence over that one.
+        both: Their fit; None where that one is no force of storeys.
+    """
+
+    gained: float
+    both: Fit | None = None
+
+
 @dataclass
 class Findings:
     """What the search found.
@@ -96,8 +109,8 @@ class Findings:
     """The null model without the errors of the frame that are in it; None where none is."""
     wide: Judged | None = None
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
-    whatever_force: dict[Hashable, float] = field(default_factory=dict)
-    """What two effects gain over one whatever its law gets wrong (`decision.whatever_force`), by both fits."""
+    whatever_force: dict[Hashable, Freed] = field(default_factory=dict)
+    """Two effects whatever the law of one gets wrong (`decision.whatever_force`), by the fits of that one and of both."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 
