@@ -316,9 +316,10 @@ class Decision:
     second_size: float = 0.1
     """[noise of a channel] A second effect needs this signal-to-noise ratio in some channel. Origin: chosen."""
     second_share: float = 0.1
-    """[share] A second effect needs that evidence whatever force acts in the storeys of the first one, this being its square
-    as a share of that of the first one's law; beside what is no force of storeys it also adds this share of the first one's
-    evidence. Origin: chosen; lower thresholds of evidence named second effects that were not there on development cases."""
+    """[share] A second effect needs `second_evidence` whatever force acts in the storeys of the first one, this being its
+    square as a share of that of the first one's law; beside what is no force of storeys it also adds this share of the
+    first one's evidence. Origin: chosen; lower thresholds of evidence named second effects that were not there on
+    development cases."""
     same_storey: float = 0.8
     """[share] A second effect in the same storey must explain this share of what the first one leaves. Origin:
     chosen."""

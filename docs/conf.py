@@ -74,7 +74,10 @@ nitpick_ignore_regex += [
         r"pounding\.diagnosis\.(case\.case\.Contact$|(decision|design|effects|inference|model|report)\.).*",
     ),
     ("py:.*", r"pounding\.frames\.(fe|reduction|response)\..*"),
-    ("py:.*", r"Acting|FalseAlarms|Filtered|Freed|Largest|Observations|Pair|Scales|Scores|Structure"),
+    (
+        "py:.*",
+        r"Acting|BesideLatentForce|FalseAlarms|Filtered|Largest|Observations|Pair|Scales|Scores|Structure",
+    ),
 ]
 
 DOCUMENTED = re.compile(r"^\.\. (?:currentmodule:: (\S+)|auto\w+:: (\S+))", re.MULTILINE)

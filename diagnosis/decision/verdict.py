@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pounding.diagnosis.decision.beside_latent_force import beside_latent_force, with_sizes
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
@@ -25,7 +26,6 @@ from pounding.diagnosis.decision.measures import (
     stands_out,
     within_model_error,
 )
-from pounding.diagnosis.decision.whatever_force import whatever_force, with_sizes
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -329,7 +329,7 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
         return False
     if _something_left(found, single) and not _something_left(found, double):
         return True
-    return whatever_force(found, single, double).gained > needed
+    return beside_latent_force(found, single, double).gained > needed
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

@@ -65,7 +65,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Freed:
+class BesideLatentForce:
     """Two effects beside whatever force acts in the storeys of one of them.
 
     Attributes:
@@ -109,8 +109,8 @@ class Findings:
     """The null model without the errors of the frame that are in it; None where none is."""
     wide: Judged | None = None
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
-    whatever_force: dict[Hashable, Freed] = field(default_factory=dict)
-    """Two effects whatever the law of one gets wrong (`decision.whatever_force`), by the fits of that one and of both."""
+    beside_latent_force: dict[Hashable, BesideLatentForce] = field(default_factory=dict)
+    """Two effects whatever the law of one gets wrong, by the fits of that one and of both."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 

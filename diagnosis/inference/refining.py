@@ -80,6 +80,16 @@ def widths(model: Model, effect: Effect, sizes: Scales, shape: tuple[float, ...]
     return np.asarray(np.maximum(np.abs(start), 1e-12))
 
 
+def usual_widths(found: Findings, effects: Sequence[Effect]) -> list[np.ndarray]:
+    """Return `widths` of effects, of each with the first of its shapes.
+
+    Args:
+        found: The findings.
+        effects: The effects.
+    """
+    return [widths(found.model, one, found.sizes, one.grid(found.sizes)[0]) for one in effects]
+
+
 def refined(
     found: Findings,
     filtered: Filtered,
@@ -101,7 +111,7 @@ def refined(
     model, effect = found.model, one.effect
     width = widths(model, effect, found.sizes, one.shape)
     others, theirs = ((), ()) if with_fit is None else (with_fit.effects, with_fit.values)
-    wide = (*(widths(model, other, found.sizes, other.grid(found.sizes)[0]) for other in others), width)
+    wide = (*usual_widths(found, others), width)
 
     against = race(found, with_fit)
     if start is not None:

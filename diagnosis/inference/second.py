@@ -14,7 +14,7 @@ from pounding.diagnosis.inference.evidence import Score, Scores, score
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.other_starts import from_baseline
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined, widths
+from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined, usual_widths
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -66,7 +66,7 @@ def _pair_further(found: Findings, first: Judged) -> None:
 
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
         filtered, (effects, values) = both.fit.filtered, zip(*errors, one, strict=True)
-        wide = [widths(found.model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in effects]
+        wide = usual_widths(found, effects)
         fit = refine(found.model, filtered, effects, values, wide, nuisance=filtered.values)
         if fit.log_posterior > null.log_posterior or one[0] not in scores:
             return fit

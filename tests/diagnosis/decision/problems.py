@@ -18,7 +18,7 @@ from pounding.diagnosis.decision.false_alarms import of_nulls
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Freed, Judged
+from pounding.diagnosis.inference.findings import BesideLatentForce, Judged
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
@@ -191,7 +191,7 @@ def findings(problem: Problem, data: Data, filtered: Filtered | None = None) -> 
     # No data made these fits: what the first one's law gets wrong is worth a tenth of its evidence.
     for one, other in permutations(found, 2):
         asked = tuple((each.fit.effects, each.fit.log_posterior) for each in (one, other))
-        made.whatever_force[asked] = Freed(other.ln_bayes - 1.1 * one.ln_bayes)
+        made.beside_latent_force[asked] = BesideLatentForce(other.ln_bayes - 1.1 * one.ln_bayes)
     return made
 
 

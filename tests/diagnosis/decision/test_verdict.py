@@ -17,6 +17,7 @@ from pounding.diagnosis.decision.measures import (
     signal_to_noise,
 )
 from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.inference.findings import BesideLatentForce
 from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
 from tests.diagnosis.decision.problems import (
     CUBIC,
@@ -299,3 +300,15 @@ def test_a_sensors_fault_that_is_too_small_does_not_hide_what_the_calibration_to
     decision = decide(found)
     assert decision.verdict == verdict
     assert [one.name for one in decision.judged.effects] == (["p_delta"] if verdict == "effect_named" else [])
+
+
+@pytest.mark.parametrize(("gained", "both"), [(500.0, True), (59.0, False)])
+def test_a_second_effect_is_named_only_if_its_evidence_stands_whatever_force_acts(
+    gained: float, both: bool
+) -> None:
+    tried = (Tried((CUBIC, MASS), 9000.0, 1.9), Tried((CUBIC,), 4000.0, 2.0))
+    found = findings(Problem(6.0, tried, ""), DATA["quiet"])
+    double, single = found.judged
+    asked = tuple((one.fit.effects, one.fit.log_posterior) for one in (single, double))
+    found.beside_latent_force[asked] = BesideLatentForce(gained)
+    assert decide(found).judged is (double if both else single)

@@ -107,7 +107,7 @@ def searched(
     monkeypatch.setattr(module, "score", scored)
     monkeypatch.setattr(module, "from_baseline", again)
     monkeypatch.setattr(module, "refine", refine)
-    monkeypatch.setattr(module, "widths", lambda *_: None)
+    monkeypatch.setattr(module, "usual_widths", lambda *_: None)
     monkeypatch.setattr(module, "keep", keep)
     monkeypatch.setattr(module, "refined", refined)
     monkeypatch.setattr(module, "same_motion", lambda one: None)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pounding.diagnosis.decision.whatever_force import whatever_force, with_sizes
+from pounding.diagnosis.decision.beside_latent_force import beside_latent_force, with_sizes
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.evidence import scales, score
@@ -64,10 +64,10 @@ def test_what_a_wrong_law_leaves_is_no_second_effect_and_what_else_is_missing_is
     (single,), double = found.judged, _beside(found, *second)
     gained = double.ln_bayes - single.ln_bayes
     assert 100.0 < gained < 400.0
-    freed = whatever_force(found, single, double)
+    freed = beside_latent_force(found, single, double)
     assert (freed.gained > 0.5 * gained) if there else (freed.gained < 0.05 * gained)
     # It is worked out once.
-    assert whatever_force(found, single, double) is freed
+    assert beside_latent_force(found, single, double) is freed
     sized = with_sizes(found, single, double)
     assert sized.effects == double.effects
     assert sized.ln_bayes == double.ln_bayes
@@ -81,5 +81,5 @@ def test_what_is_no_force_of_storeys_may_get_a_tenth_of_its_evidence_wrong() -> 
     found = _found(HEAVIER[:2], FRICTION, HEAVIER)
     (single,), double = found.judged, _beside(found, *SOFTER)
     gained = double.ln_bayes - single.ln_bayes
-    assert whatever_force(found, single, double).gained == pytest.approx(gained - 0.1 * single.ln_bayes)
+    assert beside_latent_force(found, single, double).gained == pytest.approx(gained - 0.1 * single.ln_bayes)
     assert with_sizes(found, single, double) is double

@@ -8,14 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import Filtered, forces_of, run_filter
-from pounding.diagnosis.inference.findings import Findings, Freed, Judged, judge_in
+from pounding.diagnosis.inference.findings import BesideLatentForce, Findings, Judged, judge_in
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, widths
+from pounding.diagnosis.inference.refining import each, usual_widths
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.settings import SETTINGS
 
 
-def whatever_force(found: Findings, single: Judged, double: Judged) -> Freed:
+def beside_latent_force(found: Findings, single: Judged, double: Judged) -> BesideLatentForce:
     """Return two effects beside whatever force acts in the storeys of one of them, beside its law's.
 
     The square of that force is a share of the law's own. What the law gets wrong is such a force, and passes for no second
@@ -27,9 +27,9 @@ def whatever_force(found: Findings, single: Judged, double: Judged) -> Freed:
         double: The two.
     """
     asked = _asked(single, double)
-    if asked not in found.whatever_force:
-        found.whatever_force[asked] = _freed(found, single, double)
-    return found.whatever_force[asked]
+    if asked not in found.beside_latent_force:
+        found.beside_latent_force[asked] = _worked_out(found, single, double)
+    return found.beside_latent_force[asked]
 
 
 def with_sizes(found: Findings, single: Judged, double: Judged) -> Judged:
@@ -43,7 +43,7 @@ def with_sizes(found: Findings, single: Judged, double: Judged) -> Judged:
         single: The one effect.
         double: The two.
     """
-    known = found.whatever_force.get(_asked(single, double))
+    known = found.beside_latent_force.get(_asked(single, double))
     if known is None or known.both is None or found.pair is not None:
         return double
     return replace(judge_in(found, known.both), ln_bayes=double.ln_bayes, beside=double.beside)
@@ -53,11 +53,11 @@ def _asked(single: Judged, double: Judged) -> Hashable:
     return tuple((one.fit.effects, one.fit.log_posterior) for one in (single, double))
 
 
-def _freed(found: Findings, single: Judged, double: Judged) -> Freed:
+def _worked_out(found: Findings, single: Judged, double: Judged) -> BesideLatentForce:
     share = SETTINGS.decision.second_share
     wrong = _wrong_forces(found, single, share)
     if wrong is None:
-        return Freed(double.ln_bayes - (1.0 + share) * single.ln_bayes)
+        return BesideLatentForce(double.ln_bayes - (1.0 + share) * single.ln_bayes)
 
     def freed(fit: Fit) -> Fit:
         return _refined(found, fit, _with_forces(found, fit, wrong))
@@ -67,7 +67,7 @@ def _freed(found: Findings, single: Judged, double: Judged) -> Freed:
     known = dict(zip(both.effects, both.values, strict=True))
     there = tuple(known.get(effect, value) for effect, value in zip(alone.effects, alone.values, strict=True))
     again = _refined(found, replace(alone, values=there), both.filtered)
-    return Freed(both.log_posterior - max(alone.log_posterior, again.log_posterior), both)
+    return BesideLatentForce(both.log_posterior - max(alone.log_posterior, again.log_posterior), both)
 
 
 def _wrong_forces(found: Findings, single: Judged, share: float) -> list[np.ndarray] | None:
@@ -103,12 +103,17 @@ def _with_forces(found: Findings, fit: Fit, wrong: list[np.ndarray]) -> Filtered
 
 def _refined(found: Findings, fit: Fit, filtered: Filtered) -> Fit:
     """Return a fit refined from what is filtered, noise and latent forces as they are there."""
-    model = found.model
-    wide = [widths(model, effect, found.sizes, effect.grid(found.sizes)[0]) for effect in fit.effects]
+    wide = usual_widths(found, fit.effects)
     best, gained = replace(fit, filtered=filtered, log_posterior=-np.inf), np.inf
     while gained > SETTINGS.refinement.likelier:
         then = refine(
-            model, best.filtered, best.effects, best.values, wide, SETTINGS.refinement.steps, thorough=False
+            found.model,
+            best.filtered,
+            best.effects,
+            best.values,
+            wide,
+            SETTINGS.refinement.steps,
+            thorough=False,
         )
         gained = then.log_posterior - best.log_posterior
         best = max(best, then, key=lambda one: one.log_posterior)
