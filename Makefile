@@ -20,8 +20,9 @@ demo: $(VENV)/installed
 test: $(VENV)/installed
 	$(BIN)/python -m pytest -m "not slow" -n 2 --dist worksteal
 
+# Only the files that have some are read: reading all takes half a minute.
 test-slow: $(VENV)/installed
-	$(BIN)/python -m pytest -m "slow and not guard" -n 2 --dist worksteal
+	$(BIN)/python -m pytest -m "slow and not guard" -n 2 --dist worksteal $$(grep -rl --include='test_*.py' mark.slow tests)
 
 # Not part of .ci/run: tests of half a minute and more, then the cases, half an hour or more. Another set: make guard GUARD="--only open --workers 1".
 guard: $(VENV)/installed

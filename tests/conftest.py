@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import random
 import signal
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.compiling import compiled_by
+from tests.own_core import on_own_core
 
 
 def _folder(variable: str, what: str) -> Path:
@@ -44,8 +46,16 @@ def pytest_configure() -> None:
 
 
 def pytest_sessionstart() -> None:
-    """Let processes that test side by side compile different parts of what all of them use."""
-    compiled_by(os.environ.get("PYTEST_XDIST_WORKER"))
+    """Let processes that test side by side compile different parts of what all of them use, each on its own core."""
+    worker = os.environ.get("PYTEST_XDIST_WORKER")
+    on_own_core(worker)
+    compiled_by(worker)
+
+
+def pytest_collection_finish() -> None:
+    """Keep what all tests share, more than a million objects, out of the sight of the garbage collector."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture
