@@ -150,7 +150,7 @@ class AllCoulombFriction(EveryStorey):
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$f = k\,x_s\,\mathrm{sign}(v)$ in every storey, stuck below, its breakaway refined as in one storey, and how it "
+        r"$f = k\,x_s\,\mathrm{sign}(v)$ in every storey, stuck below, stuck joints refined as in one storey, and how it "
         "tapers towards the roof",
         "`all_damping_change` and `all_quadratic_damping` at one amplitude, `air_drag`, `coulomb_friction` in the storey "
         "that drifts most",

@@ -8,7 +8,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.bases import FrameEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
-from pounding.diagnosis.effects.storey import Bumper, CoulombFriction
+from pounding.diagnosis.effects.storey import STICKING_RATIO, Bumper, CoulombFriction
 from pounding.diagnosis.effects.tuned import TRIED_DAMPING, bandwidths, oscillator
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
@@ -100,7 +100,7 @@ class FadingFriction(CoulombFriction):
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return friction that has lost half of itself at a rate, with no breakaway."""
-        plain = super().numbers(model, np.array([*values[:2], 0.0]))
+        plain = super().numbers(model, np.array([*values[:2], 0.0, STICKING_RATIO]))
         return (*plain[:3], max(abs(float(values[2])), 1e-9))
 
 

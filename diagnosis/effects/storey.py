@@ -36,10 +36,12 @@ UNLOADING_SPREAD = 0.5
 standard deviation of how it unloads, from elastic until its force changes sign (0) to rounding from where it turns (1)."""
 LARGEST_LOSS = 0.95
 """Share of its stiffness that a storey can lose and still stand."""
-STICKING_RATIO = 0.3
 STIFFEST = 60.0
 STICKING = 15.0
 """Stiffness of a stuck friction joint as a multiple of the storey's: stiff, yet within the simulator's step."""
+STICKING_RATIO = 0.3
+STICKING_RATIO_SPREAD = 0.5
+"""Damping ratio of a floor on a stuck joint of that stiffness, and the prior standard deviation of its logarithm."""
 BREAKAWAY_SPREAD = 0.15
 BREAKAWAY_RANGE = (-0.5, 1.0)
 """Prior standard deviation of what static friction has beyond the sliding one as a share of it, and how far it may go."""
@@ -166,7 +168,11 @@ class DampingChange(StoreyEffect):
 @CATALOGUE.add
 @dataclass(frozen=True)
 class CoulombFriction(StoreyEffect):
-    """Friction F sign(v), stuck below F, or below a little more or less: what breaks it loose is refined with the rest."""
+    """Friction F sign(v), stuck below F, or below a little more or less: what breaks it loose is refined with the rest.
+
+    So are stiffness and damping of the stuck joint. Where one of them was fixed at a wrong size, masses and stiffness of the
+    frame, of which a table tells only the ratio, took what it lacked, and the force went with them.
+    """
 
     name = "coulomb_friction"
     law = friction
@@ -174,13 +180,14 @@ class CoulombFriction(StoreyEffect):
         Quantity("friction_force", "N", logarithmic=True, symbol="F"),
         Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
         Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD),
+        Quantity("sticking_damping", "1", reported=False, logarithmic=True, spread=STICKING_RATIO_SPREAD),
     )
     sign = 1
     nonlinear = True
     dissipates = True
     described = Description(
-        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$; what breaks it loose beyond $F$ is refined and not "
-        "reported",
+        r"$f = F\,\mathrm{sign}(v)$, stuck while $\lvert f\rvert < F$; what breaks it loose beyond $F$, and how stiff and "
+        "damped it is while stuck, is refined and not reported",
         "`damping_change` at one amplitude, `hysteresis` with an early yield; a stiffer storey while it sticks",
         loop(friction, 0.3, 30.0, 0.0, np.inf, 0.0),
         shapes={
@@ -205,14 +212,18 @@ class CoulombFriction(StoreyEffect):
         return (1.0, 1 / shape[0], 0.0, np.inf, 0.0)
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return friction force, stiffness while stuck as a multiple of the storey's, and no breakaway."""
-        return np.array([amplitude, STICKING, 0.0])
+        """Return friction force, stiffness while stuck over the storey's, no breakaway, and damping ratio while stuck."""
+        return np.array([amplitude, STICKING, 0.0, STICKING_RATIO])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return a stiff joint that slides at F, damped while stuck."""
-        stiffness = min(float(values[1]), STIFFEST) * self.stiffness(model)
-        damping = 2 * STICKING_RATIO * np.sqrt(stiffness * floor_mass(model.structure, self.index) / 2)
-        return (abs(float(values[0])), stiffness, float(damping), np.inf, within(values[2], BREAKAWAY_RANGE))
+        """Return a stiff joint that slides at F, damped while stuck.
+
+        A joint twice as stiff is damped twice as much: on the way to a rigid one both grow, along one coordinate.
+        """
+        storey, times = self.stiffness(model), min(float(values[1]), STIFFEST)
+        critical = 2 * np.sqrt(STICKING * storey * floor_mass(model.structure, self.index) / 2)
+        damping = float(values[3] * critical * times / STICKING)
+        return (abs(float(values[0])), times * storey, damping, np.inf, within(values[2], BREAKAWAY_RANGE))
 
 
 @CATALOGUE.add

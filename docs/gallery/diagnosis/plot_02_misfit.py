@@ -18,7 +18,6 @@ from pounding.diagnosis.case.case import CaseFrame, Channel, Run
 from pounding.experiments.pictures.palette import BLUE, GREEN, GREY
 from pounding.experiments.records import find
 from pounding.experiments.rig.exact import run_exact
-from pounding.experiments.rig.frame_laws import frame_laws
 from pounding.scale import THESIS
 
 # The frame as built, with friction that its model does not have.
@@ -54,7 +53,7 @@ record = find("elcentro-chopra").scaled(THESIS.time_factor).resampled(step_s)
 runs = []
 for number, factor in enumerate((0.6, -0.8, 1.0)):
     table = factor * np.roll(record.acceleration_m_s2, 150 * number)[:1000]
-    motion = run_exact([built], [], table, step_s, storeys=frame_laws([built])).frames[0]
+    motion = run_exact([built], [], table, step_s).frames[0]
     at = np.arange(len(table)) * step_s
     room = np.column_stack(
         [

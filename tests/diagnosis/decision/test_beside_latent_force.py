@@ -19,7 +19,7 @@ from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 
-FRICTION = ("coulomb_friction", 2, (3.0, 15.0, 0.0))
+FRICTION = ("coulomb_friction", 2, (3.0, 15.0, 0.0, 0.3))
 HEAVIER = ("added_mass", 3, (1.1,))
 LATE, SOFTER = ("sensor_delay", "a1"), ("stiffness_change", 1)
 

@@ -185,6 +185,6 @@ def test_strong_fading_friction_is_the_same_law_too(index: int, monkeypatch: pyt
 def test_a_law_with_memory_acts_in_a_storey_of_every_frame() -> None:
     """Two friction joints at once: each has a memory of its own, in the prediction and in the engine."""
     joints = [effect for effect in EVERYWHERE if type(effect) is CoulombFriction]
-    fast, engine = both([(joint, strong(joint) * [0.3, 1.0, 1.0]) for joint in joints[:2]])
+    fast, engine = both([(joint, strong(joint) * [0.3, 1.0, 1.0, 1.0]) for joint in joints[:2]])
     assert isinstance(joints[0], StoreyEffect)
     assert difference(fast, engine) < 0.01

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pounding.diagnosis.effects.storey import DampingChange, Loosening
+from pounding.diagnosis.effects.storey import STICKING_RATIO, CoulombFriction, DampingChange, Loosening
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
@@ -35,6 +35,22 @@ def test_the_power_of_a_damper_is_found_with_its_size() -> None:
     fit = refine(model, filtered, (DAMPER,), (np.array([15.0, 0.0]),))
     assert np.all(np.abs(fit.values[0] - truth) < 3.0 * fit.std[0])
     assert np.all(fit.std[0] < 0.1 * truth)
+
+
+@pytest.mark.parametrize(("stiffness", "damping"), [(4.0, 0.02), (15.0, 1.5)])
+def test_the_force_of_a_joint_is_found_whatever_damps_it_while_it_sticks(
+    stiffness: float, damping: float
+) -> None:
+    effect, truth = (
+        CoulombFriction(index=1, frame="bench", storey=2),
+        np.array([3.0, stiffness, 0.0, damping]),
+    )
+    model = measured([(effect, truth)], runs=1)
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
+    fit = refine(model, filtered, (effect,), (effect.values(2.0, ()),))
+    assert abs(fit.values[0][0] - truth[0]) < 3.0 * fit.std[0][0]
+    assert fit.std[0][0] < 0.1 * truth[0]
+    assert abs(np.log(fit.values[0][3] / damping)) < 0.5 * abs(np.log(STICKING_RATIO / damping))
 
 
 def bench_with_joints_that_turn() -> Model:

@@ -55,7 +55,7 @@ def placed(effect: Effect, values: list[float]) -> list[tuple[tuple[float, ...],
 @pytest.mark.parametrize(
     ("effect", "values", "law", "first"),
     [
-        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.0], friction, 2e-4 * STIFFNESS),
+        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.3, 0.0], friction, 2e-4 * STIFFNESS),
         (AllCubicStiffness(frame="bench"), [1e4, 0.0], cubic_spring, 1e4 * STIFFNESS),
         (AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.0, 0.0], yielding, 4e-4 * STIFFNESS),
     ],
@@ -80,7 +80,7 @@ def test_all_storeys_yield_at_one_drift() -> None:
 @pytest.mark.parametrize(
     ("effect", "values", "first"),
     [
-        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.5], 2e-4 * STIFFNESS),
+        (AllCoulombFriction(frame="bench"), [2e-4, 15.0, 0.0, 0.3, 0.5], 2e-4 * STIFFNESS),
         (AllCubicStiffness(frame="bench"), [1e4, 0.5], 1e4 * STIFFNESS),
         (AllHysteresis(frame="bench"), [1e-3, 0.4, 8.0, 0.0, 0.5], 4e-4 * STIFFNESS),
     ],

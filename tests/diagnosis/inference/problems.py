@@ -54,7 +54,7 @@ class Problem:
 NOTHING = Problem("nothing", None, ())
 
 PROBLEMS = (
-    Problem("coulomb_friction", 2, (1.0, 10.0, 0.0)),
+    Problem("coulomb_friction", 2, (1.0, 10.0, 0.0, 0.3)),
     Problem("cubic_stiffness", 1, (4e8,)),
     Problem("hysteresis", 1, (6.0, 2e4, 2.0, 0.0), reported=2),
     # A smaller one is within the priors of the modes' damping and of what couples them.

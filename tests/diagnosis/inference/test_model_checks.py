@@ -81,7 +81,7 @@ def test_a_line_beside_a_mode_is_a_fan_and_one_at_a_mode_is_that_mode() -> None:
 
 def test_a_frame_with_a_joint_that_sticks_swings_faster_and_that_is_no_fan() -> None:
     """Stuck for good, the joint is a second spring as stiff as the storey."""
-    stuck = ((CoulombFriction(index=0, frame="bench", storey=1), np.array([1e5, 1.0, 0.0])),)
+    stuck = ((CoulombFriction(index=0, frame="bench", storey=1), np.array([1e5, 1.0, 0.0, 0.3])),)
 
     def said(frequency: float) -> list[str]:
         model = with_tone(frequency, 0.3, [0, 1, 2], stuck)

@@ -19,6 +19,7 @@ class Named:
 
     name: str
     rival: bool = False
+    nonlinear: bool = False
 
     def grid(self, _: object) -> list[tuple[float, ...]]:
         """Return the one shape that it has."""
@@ -221,3 +222,14 @@ def test_what_goes_astray_alone_begins_from_its_score(
 ) -> None:
     found = searched(monkeypatch, {A: 1000.0}, {frozenset({A, C}): 1400.0}, {C: reached})
     assert [one.ln_bayes for one in found.judged if one.effects == (C,)] == [kept]
+
+
+@pytest.mark.parametrize("nonlinear", [False, True])
+def test_beside_a_law_a_descent_begins_with_the_noise_of_the_null_model(
+    monkeypatch: pytest.MonkeyPatch, nonlinear: bool
+) -> None:
+    monkeypatch.setattr(module, "run_filter", lambda *arguments: arguments)
+    loud, fitted = SimpleNamespace(noise="loud"), SimpleNamespace(values=1, noise="quiet", runs=2, effects=3)
+    found: Any = SimpleNamespace(model=0, null=SimpleNamespace(fit=SimpleNamespace(filtered=loud)))
+    fit: Any = SimpleNamespace(effects=(Named("law", nonlinear=nonlinear),), filtered=fitted)
+    assert module._smooth(found, fit) == ((0, 1, "loud", 2, 3) if nonlinear else fitted)

@@ -31,7 +31,7 @@ LAWS: dict[str, list[tuple[Effect, np.ndarray]]] = {
     "cubic spring": [(CubicStiffness(index=1, frame="bench", storey=2), np.array([2e10]))],
     "damper": [(DampingChange(index=1, frame="bench", storey=2), np.array([200.0, 0.0]))],
     "hysteresis": [(Hysteresis(index=0, frame="bench", storey=1), np.array([25.0, 3e4, 2.0, 0.0]))],
-    "friction": [(CoulombFriction(index=0, frame="bench", storey=1), np.array([4.0, 4.0, 0.0]))],
+    "friction": [(CoulombFriction(index=0, frame="bench", storey=1), np.array([4.0, 4.0, 0.0, 0.3]))],
     "cubic springs": [(AllCubicStiffness(index=0, frame="bench"), np.array([3e5, 0.2]))],
 }
 
@@ -57,7 +57,7 @@ def test_signatures_are_slopes_of_the_innovations(
 
 
 def test_signatures_stay_finite_where_the_filter_of_a_stuck_joint_is_unstable() -> None:
-    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0]))]
+    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0, 0.3]))]
     model = measured(stuck, runs=1)
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.1), (0,), stuck)
     (motion,) = motions(model, filtered)

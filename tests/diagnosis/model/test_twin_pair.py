@@ -25,7 +25,7 @@ from tests.diagnosis.pair_models import CONTACT, FLOORS, MASS, STEP_S, STIFFNESS
 STOREY = STIFFNESS["tall"]
 EFFECTS: dict[str, tuple[float, ...]] = {
     "damping_change": (20.0, 0.0),
-    "coulomb_friction": (8.0, 15.0, 0.0),
+    "coulomb_friction": (8.0, 15.0, 0.0, 0.3),
     "cubic_stiffness": (0.2 * STOREY / 0.005**2,),
     "hysteresis": (20.0, 0.4 * STOREY, 8.0, 0.0),
     "loosening": (-0.3, 0.5),

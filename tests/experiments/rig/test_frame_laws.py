@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from pounding import frames
+from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
-from pounding.experiments.rig.frame_laws import STATED, parameters, statement
+from pounding.experiments.rig.exact import run_exact
+from pounding.experiments.rig.frame_laws import STATED, frame_laws, parameters, statement
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.rig import Rig
 from pounding.experiments.separation.gaps.gap import spread
@@ -138,3 +140,13 @@ def test_the_required_gap_of_a_frame_with_laws_is_that_of_its_run() -> None:
 def test_a_law_that_cannot_be_is_refused_in_a_sentence(law: str, said: str) -> None:
     with pytest.raises(FrameError, match=f"tower.toml: .*{said}"):
         stick(more=f"[[storey_law]]\n{law}\n")
+
+
+def test_a_law_that_a_frame_states_is_refused_beside_it() -> None:
+    tower = frames.build(stick("friction"))
+    with pytest.raises(ExperimentError, match=r"frame tower states itself would act twice; leave it out"):
+        run_exact([tower], [], np.ones(10), STEP, storeys=frame_laws([tower]))
+    plain = frames.build(stick())
+    once = run_exact([plain], [], np.ones(10), STEP, storeys=frame_laws([tower]))
+    itself = run_exact([tower], [], np.ones(10), STEP)
+    np.testing.assert_array_equal(once.frames[0].displacement_m, itself.frames[0].displacement_m)
