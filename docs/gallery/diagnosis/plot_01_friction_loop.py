@@ -2,8 +2,8 @@
 What friction looks like
 ========================
 
-Friction in the second storey, added to a model of a bench frame. The force of the storey over its drift turns from a
-line into a loop, and the roof swings less. A diagnosis recovers that loop from the floors' motion alone.
+Friction in the second storey, added to a model of a bench frame. Its force over the drift of the storey is a loop, and
+the roof swings less. A diagnosis recovers that loop from the floors' motion alone.
 """
 
 import matplotlib.pyplot as plt

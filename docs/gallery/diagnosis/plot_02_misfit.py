@@ -3,8 +3,8 @@ A diagnosis makes the misfit shrink
 ===================================
 
 A bench frame of three storeys with friction in the second, measured with 1 % of noise in three runs. The diagnosis
-names the effect and its place, puts it into the model, and predicts a run that it did not use: the misfit falls to a
-fifth, and what remains of it is shown beside the noise.
+names the effect and its place, puts it into the model, and predicts a run that it did not use: of the misfit hardly
+more than the noise remains.
 """
 
 from pathlib import Path
