@@ -33,7 +33,7 @@ from pounding.diagnosis.report.transmissibility import answers
 from tests.diagnosis.models import measured
 from tests.diagnosis.report.bench import diagnosed
 
-SWAYING, RUBBING = np.array([0.1, 11.0, 0.02]), np.array([0.15, 10.0, 0.0])
+SWAYING, RUBBING = np.array([0.1, 11.0, 0.02]), np.array([0.15, 10.0, 0.0, 0.3])
 
 
 def one(name: str, place: int | None) -> Effect:

@@ -144,10 +144,10 @@ def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     friction = [one for one in candidates(measured()) if one.name.endswith("coulomb_friction")]
     whole = next(one for one in friction if one.name == "all_coulomb_friction")
     alone = next(one for one in friction if one.storey == 1)
-    model = measured([(whole, np.array([1.5e-5, 10.0, 0.0, 0.0]))], runs=2)
+    model = measured([(whole, np.array([1.5e-5, 10.0, 0.0, 0.3, 0.0]))], runs=2)
     null = refine(model, calibrated(model, [0]))
     sizes = scales(model, null.filtered)
-    led = refine(model, null.filtered, (alone,), (np.array([0.5, 10.0, 0.0]),))
+    led = refine(model, null.filtered, (alone,), (np.array([0.5, 10.0, 0.0, 0.3]),))
     base = judge(model, null, null, (0,), (1,))
     found = Findings(model, base, score(model, null.filtered, friction, sizes), sizes, (0,), (1,))
     keep(found, led)

@@ -57,7 +57,7 @@ def test_signatures_are_slopes_of_the_innovations(
 
 
 def test_signatures_stay_finite_where_the_filter_of_a_stuck_joint_is_unstable() -> None:
-    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0, 0.3]))]
+    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0, 0.26]))]
     model = measured(stuck, runs=1)
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.1), (0,), stuck)
     (motion,) = motions(model, filtered)
