@@ -180,7 +180,9 @@ class CoulombFriction(StoreyEffect):
         Quantity("friction_force", "N", logarithmic=True, symbol="F"),
         Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
         Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD),
-        Quantity("sticking_damping", "1", reported=False, logarithmic=True, spread=STICKING_RATIO_SPREAD),
+        Quantity(
+            "sticking_damping_ratio", "1", reported=False, logarithmic=True, spread=STICKING_RATIO_SPREAD
+        ),
     )
     sign = 1
     nonlinear = True

@@ -27,7 +27,7 @@ from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, Stat
 from pounding.experiments.rig.frame_laws import frame_laws
 from pounding.experiments.rig.laws import filled
 from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
-from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row
+from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row, no_law_twice
 from pounding.experiments.rig.storeys import history_of as storey_history
 from pounding.frames.response.exact import checked, poles, select
 
@@ -128,7 +128,7 @@ class ExactRig:
     ) -> None:
         self.frames, self.contacts = tuple(frames), tuple(contacts)
         stated, given = frame_laws(self.frames), [one for one in storeys if isinstance(one, StoreyLaw)]
-        _no_law_twice(given, stated, self.frames)
+        no_law_twice(given, stated, self.frames)
         self._laws = (*given, *stated)
         self._known = tuple(one for one in storeys if isinstance(one, KnownForce))
         self.storeys: tuple[StoreyLaw | KnownForce, ...] = (*self._laws, *self._known)
@@ -414,23 +414,6 @@ class ExactRig:
         forces = np.column_stack([solution.acceleration, solution.forces, solution.storey_forces])
         a += forces @ pushed
         return FrameMotion(frame, solution.time_s, u, v, a, solution.acceleration)
-
-
-def _no_law_twice(
-    given: Sequence[StoreyLaw], stated: Sequence[StoreyLaw], frames: Sequence[ReducedFrame]
-) -> None:
-    for one in given:
-        if any(
-            one.address == other.address
-            and one.body == other.body
-            and np.array_equal(one.row, other.row)
-            and np.array_equal(one.parameters, other.parameters, equal_nan=True)
-            for other in stated
-        ):
-            raise ExperimentError(
-                f"storeys: a law that frame {frames[one.body].name} states itself would act twice; leave it out, "
-                "a frame's own laws are in every run"
-            )
 
 
 def run_exact(

@@ -85,6 +85,36 @@ def _check_length(what: str, values: Real, wanted: int) -> None:
         )
 
 
+def no_law_twice(
+    given: Sequence[StoreyLaw], stated: Sequence[StoreyLaw], frames: Sequence[ReducedFrame]
+) -> None:
+    """Refuse a law that a frame states itself, and that is in every run of it, beside the frame's.
+
+    Args:
+        given: Laws beside those of the frames.
+        stated: Laws of the frames themselves.
+        frames: Reduced frames, from left to right.
+
+    Raises:
+        ExperimentError: A law that is among both.
+    """
+    for one in given:
+        if any(_same(one, other) for other in stated):
+            raise ExperimentError(
+                f"storeys: a law that frame {frames[one.body].name} states itself would act twice; leave it out, "
+                "a frame's own laws are in every run"
+            )
+
+
+def _same(one: StoreyLaw, other: StoreyLaw) -> bool:
+    return (
+        one.address == other.address
+        and one.body == other.body
+        and np.array_equal(one.row, other.row)
+        and np.array_equal(one.parameters, other.parameters, equal_nan=True)
+    )
+
+
 def coordinate_row(frames: Sequence[ReducedFrame], storey: StoreyLaw | KnownForce) -> Real:
     """Return what the coordinates of its frame contribute to a law's drift (n,) [-].
 

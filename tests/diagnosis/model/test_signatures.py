@@ -7,7 +7,14 @@ import pytest
 
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import AllCubicStiffness
-from pounding.diagnosis.effects.storey import CoulombFriction, CubicStiffness, DampingChange, Hysteresis
+from pounding.diagnosis.effects.storey import (
+    STICKING,
+    STICKING_RATIO,
+    CoulombFriction,
+    CubicStiffness,
+    DampingChange,
+    Hysteresis,
+)
 from pounding.diagnosis.inference import filtering
 from pounding.diagnosis.inference.filtering import (
     LARGEST_SLOPE,
@@ -57,7 +64,9 @@ def test_signatures_are_slopes_of_the_innovations(
 
 
 def test_signatures_stay_finite_where_the_filter_of_a_stuck_joint_is_unstable() -> None:
-    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0, 0.26]))]
+    # A joint twenty times as stiff as its storey, with the usual share of critical damping.
+    damping_ratio = STICKING_RATIO * np.sqrt(STICKING / 20.0)
+    stuck = [(CoulombFriction(index=1, frame="bench", storey=2), np.array([500.0, 20.0, 0.0, damping_ratio]))]
     model = measured(stuck, runs=1)
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.1), (0,), stuck)
     (motion,) = motions(model, filtered)
