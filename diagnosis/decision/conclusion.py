@@ -88,7 +88,7 @@ def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...
         return ()
     judged = decision.judged
     shown = []
-    sizes_of = judged.fit.stated(found.model, less_certain(found, judged))
+    sizes_of = judged.fit.stated(found.model, found.sizes, less_certain(found, judged))
     for effect, (values, std) in zip(judged.fit.effects, sizes_of, strict=True):
         if effect.rival or effect not in judged.effects:
             continue
@@ -149,5 +149,5 @@ def _candidates(case: Case, found: Findings) -> tuple[Candidate, ...]:
 
 def _sizes(case: Case, found: Findings, judged: Judged, effect: Effect) -> tuple[Parameter, ...]:
     """Return the parameters of a single effect that was judged, alone or beside an error of the frame."""
-    sizes = judged.fit.stated(found.model, less_certain(found, judged))
+    sizes = judged.fit.stated(found.model, found.sizes, less_certain(found, judged))
     return tuple(parameters(case, found, effect, *sizes[judged.fit.effects.index(effect)]))

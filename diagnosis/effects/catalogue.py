@@ -118,13 +118,24 @@ class Effect:
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
     law_error: ClassVar[float] = SETTINGS.refinement.law_error
-    """Share of its size that its law may get wrong on a frame, whatever the data say."""
+    """Share of its size that its law may get wrong on a frame, whatever the data say; what yields has its `law_share`."""
     common: ClassVar[bool] = False
     """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
     that sways by itself."""
     common_beside: ClassVar[bool] = False
     """Whether every real frame has a little of it beside what is missing: how its base, its joints and its weight soften it
     is in every model, and never quite right."""
+
+    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return the share of its size that its law may get wrong on a frame.
+
+        Args:
+            model: The baseline model.
+            values: Its parameters in SI, shape (parameters,).
+            scales: Typical sizes of the motion.
+        """
+        del model, values, scales
+        return self.law_error
 
     def is_common(self, values: np.ndarray, scales: Scales) -> bool:
         """Return whether every real frame has a little of it and no model, with these parameters.

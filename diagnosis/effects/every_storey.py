@@ -24,6 +24,7 @@ from pounding.diagnosis.effects.storey import (
     Hysteresis,
     Loosening,
     StoreyEffect,
+    wrong_of_yielding,
 )
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -168,7 +169,6 @@ class AllHysteresis(EveryStorey):
     name = "all_hysteresis"
     alone = Hysteresis
     absorbing = True
-    law_error = Hysteresis.law_error
     amplitude = 1
     tapered = 0
     quantities = (
@@ -189,6 +189,13 @@ class AllHysteresis(EveryStorey):
         shapes=TAPERS,
         plain=("every storey of {where} yields at a drift of {size}",),
     )
+
+    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return what the law may get wrong, by the storey that drifts furthest beyond yielding."""
+        return min(
+            wrong_of_yielding(scales, storey.index, abs(float(self.tapering(values, model, storey)[0])))
+            for storey in self.each(model)
+        )
 
     def largest(self, model: Model) -> float:
         """Return the whole of the stiffness."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.bases import FrameEffect
 from pounding.diagnosis.effects.catalogue import CATALOGUE, Quantity, Scales
-from pounding.diagnosis.effects.storey import STICKING_RATIO, Bumper, CoulombFriction
+from pounding.diagnosis.effects.storey import Bumper, CoulombFriction
 from pounding.diagnosis.effects.tuned import TRIED_DAMPING, bandwidths, oscillator
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly, floor_mass
@@ -88,19 +88,24 @@ class FadingFriction(CoulombFriction):
     name = "fading_friction"
     rival = True
     default = False
-    quantities = (*CoulombFriction.quantities[:2], Quantity("rate", "m/s", logarithmic=True))
+    quantities = (
+        *CoulombFriction.quantities[:2],
+        Quantity("rate", "m/s", logarithmic=True),
+        CoulombFriction.quantities[3],
+    )
 
     def unit(self, model: Model, shape: tuple[float, ...]) -> tuple[float, ...]:
         """Return friction of 1 N that slides from the drift `shape` and has lost half of itself at 1 m/s."""
         return (*super().unit(model, shape)[:3], 1.0)
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
-        """Return friction force, stiffness while stuck and a rate of 1 m/s."""
-        return np.array([*super().values(amplitude, shape)[:2], 1.0])
+        """Return friction force, stiffness while stuck, a rate of 1 m/s and damping ratio while stuck."""
+        force, stiffness, _, damping_ratio = super().values(amplitude, shape)
+        return np.array([force, stiffness, 1.0, damping_ratio])
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return friction that has lost half of itself at a rate, with no breakaway."""
-        plain = super().numbers(model, np.array([*values[:2], 0.0, STICKING_RATIO]))
+        plain = super().numbers(model, np.array([*values[:2], 0.0, values[3]]))
         return (*plain[:3], max(abs(float(values[2])), 1e-9))
 
 

@@ -252,6 +252,20 @@ class CubicStiffness(StoreyEffect):
         return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
 
 
+def wrong_of_yielding(scales: Scales, index: int, yield_drift: float) -> float:
+    """Return the share of its size that the law of what yields may get wrong: the more, the less the storey drifts beyond.
+
+    Laws that agree far beyond yielding have forces of their own about the knee, and what hardly yields shows no more of it.
+
+    Args:
+        scales: Typical sizes of the motion.
+        index: The storey, among those of all frames.
+        yield_drift: Drift from which it yields [m].
+    """
+    furthest = float(max(scales.highest[index], -scales.lowest[index]))
+    return SETTINGS.refinement.law_error_of_yielding * yield_drift / furthest
+
+
 @CATALOGUE.add
 @dataclass(frozen=True)
 class Hysteresis(StoreyEffect):
@@ -264,7 +278,6 @@ class Hysteresis(StoreyEffect):
     name = "hysteresis"
     law = yielding
     absorbing = True
-    law_error = SETTINGS.refinement.law_error_of_yielding
     quantities = (
         Quantity("yield_force", "N", logarithmic=True, symbol="F_y"),
         Quantity("stiffness", "N/m", logarithmic=True, symbol="k_y"),
@@ -292,6 +305,11 @@ class Hysteresis(StoreyEffect):
         },
         plain=("a part of {where} yields at {size}",),
     )
+
+    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return what the law may get wrong, the less, the further the storey drifts beyond yielding."""
+        del model
+        return wrong_of_yielding(scales, self.index, abs(float(values[0] / values[1])))
 
     def largest(self, model: Model) -> float:
         """Return the storey's stiffness."""

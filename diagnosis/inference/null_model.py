@@ -48,7 +48,8 @@ def null_again(found: Findings) -> Fit | None:
     """
     null, model = found.null.fit, found.model
     led = best(found).fit.filtered
-    start = run_filter(model, led.values, led.noise, led.runs)
+    # With the little noise that an effect leaves, a model without it is led astray.
+    start = run_filter(model, led.values, null.filtered.noise, led.runs)
     gain = worth_anew(found)
     again = refine(model, start, race=Race(null.filtered.log_likelihood + gain))
     return again if again.log_posterior >= null.log_posterior + gain else None

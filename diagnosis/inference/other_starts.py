@@ -15,9 +15,9 @@ from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, Judged, best
+from pounding.diagnosis.inference.findings import Findings, Judged, best, race
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import refined, widths
+from pounding.diagnosis.inference.refining import refined, widths, without_kinks
 from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
@@ -144,9 +144,9 @@ def _faded(found: Findings, leading: Judged) -> Iterator[Start]:
     usual = float(found.sizes.drift_rate[plain.index])
 
     def fading(share: float) -> Fit | None:
-        force, stiffness = fit.values[0][:2]
-        values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual])
-        faded = refine(found.model, fit.filtered, (rival,), (values,))
+        force, stiffness, _, damping_ratio = fit.values[0]
+        values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual, damping_ratio])
+        faded = refine(found.model, without_kinks(found, fit), (rival,), (values,), race=race(found, None))
         return faded if faded.values[0][2] < usual else None
 
     yield from (partial(fading, share) for share in SETTINGS.search.faded)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.constancy import between_windows
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.discrepancy import Linearised, wider
@@ -89,13 +89,14 @@ class Fit:
         """Keep the prediction no longer; it is made again where it is asked for."""
         self.filtered.kept.put_away()
 
-    def stated(self, model: Model, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
+    def stated(self, model: Model, sizes: Scales, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.
 
         The errors of effects on frames contain that of the law itself.
 
         Args:
             model: The baseline model.
+            sizes: Typical sizes of the motion.
             wider: What the standard errors of the likelihood are multiplied by; what varies between windows is not.
         """
         found, first = [], len(self.nuisance_std)
@@ -115,7 +116,7 @@ class Fit:
                 error = np.hypot(known, share * self.filtered.discrepancy)
                 values, std = np.r_[share, values[1:]], np.r_[error, std[1:]]
             if effect.frame is not None:
-                std = np.hypot(std, effect.law_error * np.abs(values))
+                std = np.hypot(std, effect.law_share(model, values, sizes) * np.abs(values))
             found.append((values, std))
             first += len(values)
         return found

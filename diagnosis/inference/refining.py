@@ -90,6 +90,22 @@ def usual_widths(found: Findings, effects: Sequence[Effect]) -> list[np.ndarray]
     return [widths(found.model, one, found.sizes, one.grid(found.sizes)[0]) for one in effects]
 
 
+def without_kinks(found: Findings, fit: Fit) -> Filtered:
+    """Return a fit as a descent from it or beside its effects begins: with the null model's noise where these are laws.
+
+    What sticks and slips, or touches, makes kinks. With the little noise that a fit of it leaves, a descent ends at the next
+    one, and there are none where noise and latent forces are large.
+
+    Args:
+        found: The findings.
+        fit: The fit.
+    """
+    there = fit.filtered
+    if not any(effect.nonlinear for effect in fit.effects):
+        return there
+    return run_filter(found.model, there.values, found.null.fit.filtered.noise, there.runs, there.effects)
+
+
 def refined(
     found: Findings,
     filtered: Filtered,

@@ -11,11 +11,17 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
-from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best
 from pounding.diagnosis.inference.other_starts import from_baseline
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined, usual_widths
+from pounding.diagnosis.inference.refining import (
+    each,
+    keep,
+    not_yet_likelier,
+    refined,
+    usual_widths,
+    without_kinks,
+)
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -119,7 +125,7 @@ def _gained(found: Findings, first: Judged) -> float:
 
 
 def _refine_beside(found: Findings, first: Judged, worth: Sequence[Score]) -> None:
-    fit, about = first.fit, _smooth(found, first.fit)
+    fit, about = first.fit, without_kinks(found, first.fit)
     quick = each(found, partial(refined, found, about, with_fit=fit, thorough=False), worth)
     order = not_yet_likelier(found.judged, quick)
 
@@ -130,22 +136,6 @@ def _refine_beside(found: Findings, first: Judged, worth: Sequence[Score]) -> No
     for together in (order[:1], order[1:]):
         for fitted in each(found, both, together):
             keep(found, fitted)
-
-
-def _smooth(found: Findings, fit: Fit) -> Filtered:
-    """Return a fit as a descent beside its effects begins: with the null model's noise where these are laws.
-
-    What sticks and slips, or touches, makes kinks. With the little noise that a fit of it leaves, a descent ends at the next
-    one, and there are none where noise and latent forces are large.
-
-    Args:
-        found: The findings.
-        fit: The fit.
-    """
-    there = fit.filtered
-    if not any(effect.nonlinear for effect in fit.effects):
-        return there
-    return run_filter(found.model, there.values, found.null.fit.filtered.noise, there.runs, there.effects)
 
 
 def _worth(later: Scores) -> list[Score]:

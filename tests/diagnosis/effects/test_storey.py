@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from pounding.diagnosis.effects.storey import STICKING_RATIO, CoulombFriction, DampingChange, Loosening
+from pounding.diagnosis.effects.every_storey import AllHysteresis
+from pounding.diagnosis.effects.storey import (
+    STICKING_RATIO,
+    CoulombFriction,
+    DampingChange,
+    Hysteresis,
+    Loosening,
+)
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
@@ -83,3 +92,14 @@ def test_whether_a_storey_loosens_as_a_whole_or_its_columns_is_found_with_its_si
     fit = refine(model, filtered, (effect,), (np.array([-0.2, 0.0]),))
     assert np.all(np.abs(fit.values[0] - truth) < 3.0 * fit.std[0])
     assert np.all(fit.std[0] < [0.05, 0.3])
+
+
+def test_the_law_of_what_yields_is_known_the_better_the_further_its_storey_drifts_beyond() -> None:
+    """So is that of what yields in all storeys, by the one that drifts furthest."""
+    moved: Any = SimpleNamespace(highest=np.array([1e-3, 4e-3, 0.0]), lowest=np.array([0.0, -2e-3, -1e-3]))
+    model: Any = measured([], runs=1)
+    one = Hysteresis(index=1, frame="bench", storey=2)
+    shares = [one.law_share(model, np.array([force, 1e5, 8.0, 0.0]), moved) for force in (400.0, 100.0)]
+    assert shares == pytest.approx([1.2, 0.3])
+    everywhere = AllHysteresis(frame="bench").law_share(model, np.array([1e-3, 0.5, 8.0, 0.0, 0.0]), moved)
+    assert everywhere == pytest.approx(0.3)

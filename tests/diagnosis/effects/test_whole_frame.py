@@ -28,7 +28,6 @@ from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.storeys import StoreyFrame, Structure
-from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import cubic_spring, friction, stop, yielding
 from tests.diagnosis.models import measured, three_storeys
 
@@ -102,9 +101,10 @@ def test_the_taper_of_a_law_is_found_and_said() -> None:
     filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0,), 0.01), (0,))
     fit = refine(model, filtered, (effect,), (np.array([2.5e-4, 0.4, 8.0, 0.0, 0.0]),))
     assert fit.values[0][[0, 1, 4]] == pytest.approx(truth[[0, 1, 4]], rel=0.05)
-    ((values, usual),), ((_, wider),) = fit.stated(model), fit.stated(model, 3.0)
+    sizes = scales(model, filtered)
+    ((values, usual),), ((_, wider),) = fit.stated(model, sizes), fit.stated(model, sizes, 3.0)
     assert values == pytest.approx(fit.values[0])
-    law = SETTINGS.refinement.law_error_of_yielding * np.abs(values)
+    law = effect.law_share(model, values, sizes) * np.abs(values)
     assert usual == pytest.approx(np.hypot(fit.std[0], law))
     assert wider**2 == pytest.approx(9 * fit.std[0] ** 2 - 8 * fit.between[0] ** 2 + law**2)
 

@@ -102,7 +102,7 @@ def test_a_small_loss_is_named_with_its_size() -> None:
     decision = decide(here)
     assert decision.verdict == "effect_named"
     assert decision.judged.effects == (loss(),)
-    ((values, std),) = decision.judged.fit.stated(here.model)
+    ((values, std),) = decision.judged.fit.stated(here.model, here.sizes)
     assert values[0] == pytest.approx(LOSS, abs=2 * float(std[0]))
     assert std[0] < 0.01
     assert (here.reference, here.training, here.held_out) == ((0,), (1,), (2,))

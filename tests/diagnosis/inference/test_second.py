@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import pytest
 
+from pounding.diagnosis.inference import refining
 from pounding.diagnosis.inference import second as module
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refining import not_yet_likelier
@@ -228,8 +229,8 @@ def test_what_goes_astray_alone_begins_from_its_score(
 def test_beside_a_law_a_descent_begins_with_the_noise_of_the_null_model(
     monkeypatch: pytest.MonkeyPatch, nonlinear: bool
 ) -> None:
-    monkeypatch.setattr(module, "run_filter", lambda *arguments: arguments)
+    monkeypatch.setattr(refining, "run_filter", lambda *arguments: arguments)
     loud, fitted = SimpleNamespace(noise="loud"), SimpleNamespace(values=1, noise="quiet", runs=2, effects=3)
     found: Any = SimpleNamespace(model=0, null=SimpleNamespace(fit=SimpleNamespace(filtered=loud)))
     fit: Any = SimpleNamespace(effects=(Named("law", nonlinear=nonlinear),), filtered=fitted)
-    assert module._smooth(found, fit) == ((0, 1, "loud", 2, 3) if nonlinear else fitted)
+    assert refining.without_kinks(found, fit) == ((0, 1, "loud", 2, 3) if nonlinear else fitted)
