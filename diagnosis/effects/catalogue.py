@@ -117,8 +117,6 @@ class Effect:
     """Whether it takes energy in every cycle."""
     absorbing: ClassVar[bool] = False
     """Whether a little of it mends what every baseline frame has wrong: its modes, or losses that are not viscous."""
-    law_error: ClassVar[float] = SETTINGS.refinement.law_error
-    """Share of its size that its law may get wrong on a frame, whatever the data say; what yields has its `law_share`."""
     common: ClassVar[bool] = False
     """Whether every real frame has a little of it and no model: what all storeys share, a plan not quite symmetric, a part
     that sways by itself."""
@@ -126,8 +124,8 @@ class Effect:
     """Whether every real frame has a little of it beside what is missing: how its base, its joints and its weight soften it
     is in every model, and never quite right."""
 
-    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
-        """Return the share of its size that its law may get wrong on a frame.
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return the share of its size that its law may get wrong on a frame, whatever the data say [-].
 
         Args:
             model: The baseline model.
@@ -135,7 +133,7 @@ class Effect:
             scales: Typical sizes of the motion.
         """
         del model, values, scales
-        return self.law_error
+        return SETTINGS.refinement.law_error
 
     def is_common(self, values: np.ndarray, scales: Scales) -> bool:
         """Return whether every real frame has a little of it and no model, with these parameters.

@@ -24,7 +24,7 @@ from pounding.diagnosis.effects.storey import (
     Hysteresis,
     Loosening,
     StoreyEffect,
-    wrong_of_yielding,
+    law_error_of_yielding,
 )
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -61,7 +61,6 @@ class EveryStorey(LawEffect, FrameEffect):
 
     where = EVERY
     common = True
-    law_error = SETTINGS.refinement.law_error_everywhere
     alone: ClassVar[type[StoreyEffect]]
     tapered: ClassVar[int | None] = None
     """Which parameter tapers: the amplitude when None."""
@@ -71,6 +70,11 @@ class EveryStorey(LawEffect, FrameEffect):
         span = self.span(model)
         for index in range(span.start, span.stop):
             yield self.alone(index=index, frame=self.frame, storey=index - span.start + 1)
+
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return that of a law over a stiffness that a storey has not alone."""
+        del model, values, scales
+        return SETTINGS.refinement.law_error_everywhere
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the parameters of one storey, and no taper."""
@@ -190,10 +194,10 @@ class AllHysteresis(EveryStorey):
         plain=("every storey of {where} yields at a drift of {size}",),
     )
 
-    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
         """Return what the law may get wrong, by the storey that drifts furthest beyond yielding."""
         return min(
-            wrong_of_yielding(scales, storey.index, abs(float(self.tapering(values, model, storey)[0])))
+            law_error_of_yielding(scales, storey.index, abs(float(self.tapering(values, model, storey)[0])))
             for storey in self.each(model)
         )
 

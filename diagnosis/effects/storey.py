@@ -252,8 +252,8 @@ class CubicStiffness(StoreyEffect):
         return 0.3 * self.stiffness(model) / (2 * float(scales.drift[self.index])) ** 2
 
 
-def wrong_of_yielding(scales: Scales, index: int, yield_drift: float) -> float:
-    """Return the share of its size that the law of what yields may get wrong: the more, the less the storey drifts beyond.
+def law_error_of_yielding(scales: Scales, index: int, yield_drift: float) -> float:
+    """Return the share of its size that the law of what yields may get wrong [-]: the more, the less it yields.
 
     Laws that agree far beyond yielding have forces of their own about the knee, and what hardly yields shows no more of it.
 
@@ -263,7 +263,8 @@ def wrong_of_yielding(scales: Scales, index: int, yield_drift: float) -> float:
         yield_drift: Drift from which it yields [m].
     """
     furthest = float(max(scales.highest[index], -scales.lowest[index]))
-    return SETTINGS.refinement.law_error_of_yielding * yield_drift / furthest
+    ours = SETTINGS.refinement
+    return float(np.hypot(ours.law_error_of_yielding, ours.law_error_of_knee * yield_drift / furthest))
 
 
 @CATALOGUE.add
@@ -306,10 +307,10 @@ class Hysteresis(StoreyEffect):
         plain=("a part of {where} yields at {size}",),
     )
 
-    def law_share(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
         """Return what the law may get wrong, the less, the further the storey drifts beyond yielding."""
         del model
-        return wrong_of_yielding(scales, self.index, abs(float(values[0] / values[1])))
+        return law_error_of_yielding(scales, self.index, abs(float(values[0] / values[1])))
 
     def largest(self, model: Model) -> float:
         """Return the storey's stiffness."""

@@ -146,7 +146,7 @@ def _faded(found: Findings, leading: Judged) -> Iterator[Start]:
     def fading(share: float) -> Fit | None:
         force, stiffness, _, damping_ratio = fit.values[0]
         values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual, damping_ratio])
-        faded = refine(found.model, without_kinks(found, fit), (rival,), (values,), race=race(found, None))
+        faded = refine(found.model, without_kinks(found, fit), (rival,), (values,), race=race(found))
         return faded if faded.values[0][2] < usual else None
 
     yield from (partial(fading, share) for share in SETTINGS.search.faded)

@@ -99,7 +99,7 @@ def test_the_law_of_what_yields_is_known_the_better_the_further_its_storey_drift
     moved: Any = SimpleNamespace(highest=np.array([1e-3, 4e-3, 0.0]), lowest=np.array([0.0, -2e-3, -1e-3]))
     model: Any = measured([], runs=1)
     one = Hysteresis(index=1, frame="bench", storey=2)
-    shares = [one.law_share(model, np.array([force, 1e5, 8.0, 0.0]), moved) for force in (400.0, 100.0)]
-    assert shares == pytest.approx([1.2, 0.3])
-    everywhere = AllHysteresis(frame="bench").law_share(model, np.array([1e-3, 0.5, 8.0, 0.0, 0.0]), moved)
-    assert everywhere == pytest.approx(0.3)
+    shares = [one.law_error(model, np.array([force, 1e5, 8.0, 0.0]), moved) for force in (400.0, 100.0)]
+    assert shares == pytest.approx(np.hypot(0.4, [1.2, 0.3]))
+    everywhere = AllHysteresis(frame="bench").law_error(model, np.array([1e-3, 0.5, 8.0, 0.0, 0.0]), moved)
+    assert everywhere == pytest.approx(0.5)

@@ -104,7 +104,7 @@ def test_the_taper_of_a_law_is_found_and_said() -> None:
     sizes = scales(model, filtered)
     ((values, usual),), ((_, wider),) = fit.stated(model, sizes), fit.stated(model, sizes, 3.0)
     assert values == pytest.approx(fit.values[0])
-    law = effect.law_share(model, values, sizes) * np.abs(values)
+    law = effect.law_error(model, values, sizes) * np.abs(values)
     assert usual == pytest.approx(np.hypot(fit.std[0], law))
     assert wider**2 == pytest.approx(9 * fit.std[0] ** 2 - 8 * fit.between[0] ** 2 + law**2)
 
