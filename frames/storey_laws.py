@@ -65,7 +65,7 @@ class Damper(_Stated, frozen=True, tag="damper"):
         storey: The storey, from 1.
         damping_n_s_per_m: Force over the drift's rate [N s/m], at the rate `at_m_per_s` where the power is not one;
             negative where the frame has less damping than its modes' ratios.
-        power: Power of the rate [-].
+        power: Power of the rate [-]; one below the first is nearly linear below 5 % of the rate `at_m_per_s`.
         at_m_per_s: The rate at which a damper of another power is as strong as the linear one [m/s].
     """
 

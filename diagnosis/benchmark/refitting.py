@@ -106,9 +106,11 @@ class Refit:
     def _fit(self, effect: Effect, start: np.ndarray) -> tuple[float, np.ndarray]:
         """Vary the effect's parameters by factors of their start; those that must be positive stay so."""
         positive = np.array(effect.logarithmic())
+        least, most = np.transpose([quantity.ends for quantity in effect.quantities])
 
         def values(x: np.ndarray) -> np.ndarray:
-            return np.asarray(np.where(positive, start * np.exp(np.clip(x, -5, 5)), start * (1 + x)))
+            moved = np.where(positive, start * np.exp(np.clip(x, -5, 5)), start * (1 + x))
+            return np.asarray(np.clip(moved, least, most))
 
         def residual(x: np.ndarray) -> np.ndarray:
             count = len(self.free)

@@ -42,6 +42,7 @@ class Quantity:
         logarithmic: Whether it keeps its sign, and is refined as a logarithm.
         spread: Prior standard deviation [SI] of a departure from zero; zero where the prior follows from the motion.
         symbol: How the equation of its effect in the documentation calls it, in LaTeX; empty where there is none.
+        ends: Least and largest value [SI] to which it is refined.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Quantity:
     logarithmic: bool = False
     spread: float = 0.0
     symbol: str = ""
+    ends: tuple[float, float] = (-np.inf, np.inf)
 
 
 @dataclass(frozen=True)

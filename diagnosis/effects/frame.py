@@ -191,7 +191,7 @@ class AirDrag(LawEffect, FrameEffect):
     law = drag
     quantities = (
         Quantity("coefficient", "N s^2/m^2", logarithmic=True, symbol="c"),
-        Quantity("power_beyond_two", "1", reported=False, spread=POWER_SPREAD),
+        Quantity("power_beyond_two", "1", reported=False, spread=POWER_SPREAD, ends=BEYOND_TWO),
         Quantity("table_share_beyond_one", "1", reported=False, spread=SHARE_SPREAD),
     )
     sign = 1
@@ -232,8 +232,7 @@ class AirDrag(LawEffect, FrameEffect):
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return coefficient, what the power has beyond the second, and the table's share."""
-        beyond = min(max(float(values[1]), BEYOND_TWO[0]), BEYOND_TWO[1])
-        return (abs(float(values[0])), beyond, 1.0 + float(values[2]))
+        return (abs(float(values[0])), float(values[1]), 1.0 + float(values[2]))
 
 
 TORSIONAL = (0.6, 2.4)

@@ -135,4 +135,4 @@ class Tie(Bumper):
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return gap and stiffness of a straight stop without loss."""
-        return super().numbers(model, np.array([*values, 0.0, 0.0, 0.0]))
+        return (*super().numbers(model, values), 0.0, 0.0, 0.0)

@@ -60,11 +60,6 @@ DASHPOT_SPREAD, DASHPOT_RANGE = 0.5, (-0.5, 1.0)
 loss is a dashpot's [-], and how far the latter two may go."""
 
 
-def within(value: float, ends: tuple[float, float]) -> float:
-    """Return a number, or the end of its range [the same unit] that it is beyond."""
-    return min(max(float(value), ends[0]), ends[1])
-
-
 def stiffness_of_storey(effect: Effect, model: Model) -> list[int]:
     """Return the numbers of the nuisance parameters that change the stiffness of an effect's storey.
 
@@ -129,7 +124,7 @@ class DampingChange(StoreyEffect):
     law = damper
     quantities = (
         Quantity("damping", "N s/m", symbol="c"),
-        Quantity("power_beyond_one", "1", reported=False, spread=POWER_SPREAD),
+        Quantity("power_beyond_one", "1", reported=False, spread=POWER_SPREAD, ends=POWER_RANGE),
     )
     dissipates = True
     described = Description(
@@ -161,8 +156,7 @@ class DampingChange(StoreyEffect):
 
     def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
         """Return the damper, what its power has beyond the first, and the rate at which it is as strong as a linear one."""
-        beyond = within(values[1], POWER_RANGE)
-        return (float(values[0]), beyond, usual_drift_rate(model.structure, self.index))
+        return (float(values[0]), float(values[1]), usual_drift_rate(model.structure, self.index))
 
 
 @CATALOGUE.add
@@ -178,8 +172,8 @@ class CoulombFriction(StoreyEffect):
     law = friction
     quantities: ClassVar[tuple[Quantity, ...]] = (
         Quantity("friction_force", "N", logarithmic=True, symbol="F"),
-        Quantity("sticking_stiffness", "1", reported=False, logarithmic=True),
-        Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD),
+        Quantity("sticking_stiffness", "1", reported=False, logarithmic=True, ends=(0.0, STIFFEST)),
+        Quantity("breakaway_beyond_one", "1", reported=False, spread=BREAKAWAY_SPREAD, ends=BREAKAWAY_RANGE),
         Quantity(
             "sticking_damping_ratio", "1", reported=False, logarithmic=True, spread=STICKING_RATIO_SPREAD
         ),
@@ -222,10 +216,10 @@ class CoulombFriction(StoreyEffect):
 
         A joint twice as stiff is damped twice as much: on the way to a rigid one both grow, along one coordinate.
         """
-        storey, times = self.stiffness(model), min(float(values[1]), STIFFEST)
+        storey, times = self.stiffness(model), float(values[1])
         critical = 2 * np.sqrt(STICKING * storey * floor_mass(model.structure, self.index) / 2)
         damping = float(values[3] * critical * times / STICKING)
-        return (abs(float(values[0])), times * storey, damping, np.inf, within(values[2], BREAKAWAY_RANGE))
+        return (abs(float(values[0])), times * storey, damping, np.inf, float(values[2]))
 
 
 @CATALOGUE.add
@@ -282,8 +276,8 @@ class Hysteresis(StoreyEffect):
     quantities = (
         Quantity("yield_force", "N", logarithmic=True, symbol="F_y"),
         Quantity("stiffness", "N/m", logarithmic=True, symbol="k_y"),
-        Quantity("sharpness", "1", reported=False, logarithmic=True),
-        Quantity("unloading", "1", reported=False, spread=UNLOADING_SPREAD),
+        Quantity("sharpness", "1", reported=False, logarithmic=True, ends=(1.0, SHARPEST)),
+        Quantity("unloading", "1", reported=False, spread=UNLOADING_SPREAD, ends=(0.0, 1.0)),
     )
     sign = 1
     nonlinear = True
@@ -329,12 +323,6 @@ class Hysteresis(StoreyEffect):
         """Return yield force, stiffness and the sharpness of the knee."""
         return np.array([amplitude * shape[0], amplitude, SHARPNESS, 0.0])
 
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return the yielding part less its elastic force."""
-        sharpness = min(max(float(values[2]), 1.0), SHARPEST)
-        unloading = within(values[3], (0.0, 1.0))
-        return (abs(float(values[0])), abs(float(values[1])), sharpness, unloading)
-
 
 @CATALOGUE.add
 @dataclass(frozen=True)
@@ -348,7 +336,7 @@ class Loosening(StoreyEffect):
     law = growing_spring
     quantities: ClassVar[tuple[Quantity, ...]] = (
         Quantity("final_relative_change", "1", symbol="x"),
-        Quantity("of_columns", "1", reported=False, spread=COLUMNS_SPREAD),
+        Quantity("of_columns", "1", reported=False, spread=COLUMNS_SPREAD, ends=COLUMNS_RANGE),
     )
     typical = 0.3
     sign = -1
@@ -386,7 +374,7 @@ class Loosening(StoreyEffect):
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Add a law along the drift, or along what the columns bend by."""
         drift, columns = self.row(model), column_drift(model.structure, self.index)
-        row = drift + within(values[1], COLUMNS_RANGE) * (columns - drift)
+        row = drift + float(values[1]) * (columns - drift)
         assembly.laws.append(PlacedLaw(self.law, row, self.numbers(model, values)))
 
 
@@ -405,8 +393,8 @@ class Bumper(StoreyEffect):
         Quantity("gap", "mm", 1000.0, symbol="g"),
         Quantity("stiffness", "N/m", logarithmic=True, symbol="k_b"),
         Quantity("loss", "s/m", reported=False, spread=LOSS_SPREAD),
-        Quantity("power_beyond_one", "1", reported=False, spread=PROGRESS_SPREAD),
-        Quantity("dashpot", "1", reported=False, spread=DASHPOT_SPREAD),
+        Quantity("power_beyond_one", "1", reported=False, spread=PROGRESS_SPREAD, ends=PROGRESS_RANGE),
+        Quantity("dashpot", "1", reported=False, spread=DASHPOT_SPREAD, ends=DASHPOT_RANGE),
     )
     sign = 1
     nonlinear = True
@@ -440,9 +428,3 @@ class Bumper(StoreyEffect):
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return gap and stiffness of a straight stop without loss."""
         return np.array([shape[0], amplitude, 0.0, 0.0, 0.0])
-
-    def numbers(self, model: Model, values: np.ndarray) -> tuple[float, ...]:
-        """Return gap, stiffness, loss and power."""
-        beyond = within(values[3], PROGRESS_RANGE)
-        at_once = within(values[4], DASHPOT_RANGE)
-        return (float(values[0]), abs(float(values[1])), float(values[2]), beyond, at_once)

@@ -18,6 +18,8 @@ REACH = 1.0
 """Prior standard deviations that an effect's parameter may move in one step."""
 LOG_WIDTH = 1.5
 """Prior standard deviation of a parameter that is refined as a logarithm."""
+LARGEST_LOGARITHM = 6.0
+"""How far the logarithm of such a parameter may be from its start's."""
 WIDEST = 4.0
 """Prior standard deviations that a size may reach."""
 NUDGE = 1e-4
@@ -99,9 +101,8 @@ class Coordinates:
     def values(self, theta: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return the SI parameters of each effect at theta, shape (nuisance + effects' parameters,)."""
         own = theta[len(self.scale) :]
-        moved = np.where(
-            self.logarithmic, self.start * np.exp(np.clip(own * self.width, -6, 6)), own * self.width
-        )
+        grown = np.exp(np.where(self.logarithmic, own * self.width, 0.0))
+        moved = np.where(self.logarithmic, self.start * grown, own * self.width)
         return self.split(moved)
 
     def split(self, flat: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -129,18 +130,33 @@ class Coordinates:
         return 1e-3 if self.logarithmic[number] else 1e-3 * max(1.0, size)
 
     def posterior(self, terms: Sequence[Likelihood]) -> Posterior:
-        """Return the posterior of terms: nuisance parameters stay in their `box`, effects move by `REACH` at most."""
+        """Return the posterior of terms: nuisance parameters stay in their `box`, effects between their ends.
+
+        Effects move by `REACH` at most in a step.
+
+        Args:
+            terms: The terms.
+        """
         own = len(self.start)
-        free = np.full(own, np.inf)
+        least, most = self._ends()
         box = np.full(len(self.scale), box_of(len(self.scale)))
         kinked = tuple(range(len(self.scale), len(self.scale) + own))
         return Posterior(
             tuple(terms),
-            np.concatenate([-box, -free]),
-            np.concatenate([box, free]),
+            np.concatenate([-box, least]),
+            np.concatenate([box, most]),
             np.concatenate([np.full(len(box), np.inf), np.full(own, REACH)]),
             kinked,
         )
+
+    def _ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the least and the largest coordinate of each of the effects' parameters, shape (parameters,)."""
+        ends = np.array([one.ends for effect in self.effects for one in effect.quantities]).reshape(-1, 2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            logarithms = np.log(np.maximum(ends, 0.0)) - np.log(np.abs(self.start))[:, None]
+        logarithms = np.clip(logarithms, -LARGEST_LOGARITHM, LARGEST_LOGARITHM)
+        found = np.where(self.logarithmic[:, None], logarithms, ends) / self.width[:, None]
+        return found[:, 0], found[:, 1]
 
 
 @dataclass(frozen=True)

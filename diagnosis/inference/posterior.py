@@ -230,6 +230,18 @@ class Posterior:
         upper = np.minimum(self.upper - theta, self.reach)
         return bounded_step(precision, slope - theta, lower, upper)
 
+    def moved(self, theta: np.ndarray, number: int, stride: float) -> np.ndarray:
+        """Return a point, shape (parameters,), with one coordinate moved by a stride, inside the bounds.
+
+        Args:
+            theta: The point, shape (parameters,).
+            number: Number of the coordinate.
+            stride: How far it moves.
+        """
+        there = theta.copy()
+        there[number] = np.clip(theta[number] + stride, self.lower[number], self.upper[number])
+        return there
+
     def led_back(
         self, gram: np.ndarray, theta: np.ndarray, trial: np.ndarray, cost: float
     ) -> tuple[np.ndarray, float]:
@@ -324,8 +336,7 @@ def _along(posterior: Posterior, theta: np.ndarray, cost: float, j: int) -> tupl
     enough = SETTINGS.refinement.stride_gain
 
     def at(moved: float) -> tuple[np.ndarray, float]:
-        there = theta.copy()
-        there[j] += moved
+        there = posterior.moved(theta, j, moved)
         return there, posterior.cost(there)
 
     beside = []
@@ -350,8 +361,7 @@ def _onwards(
 ) -> tuple[np.ndarray, float]:
     """Return parameters and cost after strides along a coordinate, each twice the last, as long as they gain."""
     while True:
-        there = theta.copy()
-        there[j] += stride
+        there = posterior.moved(theta, j, stride)
         tried = posterior.cost(there)
         if not tried < cost - SETTINGS.refinement.stride_gain:
             return theta, cost

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from pounding.diagnosis.effects.bases import LawEffect
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
@@ -101,7 +102,7 @@ def without_kinks(found: Findings, fit: Fit) -> Filtered:
         fit: The fit.
     """
     there = fit.filtered
-    if not any(effect.nonlinear for effect in fit.effects):
+    if not any(isinstance(effect, LawEffect) for effect in fit.effects):
         return there
     return run_filter(found.model, there.values, found.null.fit.filtered.noise, there.runs, there.effects)
 

@@ -12,6 +12,9 @@ from numba import njit
 from pounding.calling import STEP
 from pounding.experiments.rig.laws import Numbers, memoryless, remembering, remembering_turns
 
+CREEP = 0.05
+"""Rate below which a damper of a lower power than the first is nearly linear, as a share of that at which it is as strong as
+a linear one. It would be stiff without limit at rest: no step of time follows that, and its force chatters."""
 STRIBECK_RATE = 5e-3
 """Rate of sliding [m/s] at which what static friction has beyond the sliding one has fallen to 1/e (dry metals 1e-3 to 1e-2,
 Canudas de Wit et al. 1995)."""
@@ -25,8 +28,8 @@ DRAG_RATE = 0.3
 def damper(p: Numbers, state: Numbers, d: float, v: float, t: float, new: Numbers) -> float:
     """Return p0 v: p0 the damper [N s/m]; p1 what the power of the rate has beyond the first, the force at p2 [m/s] being
     the same."""
-    # The power of the whole, not of the quotient alone: below the first, that has no value at rest.
-    return p[0] * v if p[1] == 0.0 else p[0] * math.copysign(p[2] * (abs(v) / p[2]) ** (1.0 + p[1]), v)
+    square, creep = (v / p[2]) ** 2, CREEP**2 if p[1] < 0.0 else 0.0
+    return p[0] * v * math.pow((square + creep) / (1.0 + creep), 0.5 * p[1])
 
 
 @memoryless

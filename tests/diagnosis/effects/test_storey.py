@@ -37,6 +37,15 @@ def test_a_damper_of_another_power_is_as_strong_at_its_rate() -> None:
     np.testing.assert_allclose(square, 30.0 * rate * np.abs(rate) / 0.1, rtol=1e-12, atol=1e-15)
 
 
+def test_a_damper_of_a_lower_power_is_as_strong_at_its_rate_and_not_stiff_at_rest() -> None:
+    """It grows with its power, but for the slowest twentieth, where its slope has an end."""
+    rate = np.array([1e-9, 0.02, 0.1, 0.5])
+    slow, *others = damper.along((30.0, -0.8, 0.1), rate, rate, np.arange(4.0))
+    assert slow == pytest.approx(30.0 * 1e-9 * 0.05**-0.8, rel=2e-3)
+    assert others[1] == pytest.approx(3.0, rel=1e-12)
+    np.testing.assert_allclose(others, 3.0 * (rate[1:] / 0.1) ** 0.2, rtol=0.03)
+
+
 def test_the_power_of_a_damper_is_found_with_its_size() -> None:
     truth = np.array([25.0, 0.5])
     model = measured([(DAMPER, truth)], runs=1)

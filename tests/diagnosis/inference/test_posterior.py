@@ -121,6 +121,14 @@ def test_a_search_along_a_coordinate_ends_at_the_vertex_of_a_parabola() -> None:
     assert cost == whole.cost(theta) == pytest.approx(least, abs=1e-4)
 
 
+def test_a_search_along_a_coordinate_stays_inside_its_bounds() -> None:
+    whole = Posterior((Kink(),), np.full(3, -9.0), np.array([9.0, 9.0, 0.6]), np.full(3, 9.0), kinked=(2,))
+    free = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
+    start = np.array([0.8, -1.5, 0.33])
+    ends = [_along(one, start, one.cost(start), 2)[0][2] for one in (whole, free)]
+    assert ends[0] <= 0.6 < ends[1]
+
+
 class Walled(Kink):
     """The same, beside a wall so steep that its square is beyond a float."""
 

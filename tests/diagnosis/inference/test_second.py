@@ -8,6 +8,10 @@ from typing import Any, cast
 
 import pytest
 
+from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.effects.frame import AddedMass
+from pounding.diagnosis.effects.storey import Bumper, DampingChange
+from pounding.diagnosis.effects.table_and_sensors import SensorGain
 from pounding.diagnosis.inference import refining
 from pounding.diagnosis.inference import second as module
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -20,7 +24,6 @@ class Named:
 
     name: str
     rival: bool = False
-    nonlinear: bool = False
 
     def grid(self, _: object) -> list[tuple[float, ...]]:
         """Return the one shape that it has."""
@@ -225,12 +228,15 @@ def test_what_goes_astray_alone_begins_from_its_score(
     assert [one.ln_bayes for one in found.judged if one.effects == (C,)] == [kept]
 
 
-@pytest.mark.parametrize("nonlinear", [False, True])
+@pytest.mark.parametrize(
+    ("effect", "law"),
+    [(AddedMass(), False), (SensorGain(), False), (DampingChange(), True), (Bumper(), True)],
+)
 def test_beside_a_law_a_descent_begins_with_the_noise_of_the_null_model(
-    monkeypatch: pytest.MonkeyPatch, nonlinear: bool
+    monkeypatch: pytest.MonkeyPatch, effect: Effect, law: bool
 ) -> None:
     monkeypatch.setattr(refining, "run_filter", lambda *arguments: arguments)
     loud, fitted = SimpleNamespace(noise="loud"), SimpleNamespace(values=1, noise="quiet", runs=2, effects=3)
     found: Any = SimpleNamespace(model=0, null=SimpleNamespace(fit=SimpleNamespace(filtered=loud)))
-    fit: Any = SimpleNamespace(effects=(Named("law", nonlinear=nonlinear),), filtered=fitted)
-    assert refining.without_kinks(found, fit) == ((0, 1, "loud", 2, 3) if nonlinear else fitted)
+    fit: Any = SimpleNamespace(effects=(effect,), filtered=fitted)
+    assert refining.without_kinks(found, fit) == ((0, 1, "loud", 2, 3) if law else fitted)
