@@ -56,6 +56,7 @@ NO_THRESHOLDS = {
         "detectability.LARGEST_STRIDE",
     },
     "priors, which belong to what they are about": {
+        "coordinates.LARGEST_LOGARITHM",
         "coordinates.LOG_WIDTH",
         "discrepancy.SCALES",
         "coordinates.WIDEST",
