@@ -202,11 +202,13 @@ def _another_frame(found: Findings, judged: Judged) -> list[str]:
 
     What a model gets wrong bends its stiffness and mass where little noise lets them follow it: the frame nearest to the
     baseline model is asked for that moves alike within the model's error. With reference runs the frame at hand is known,
-    and where no more than noise remains there is no error that could bend it.
+    and where no more than noise remains there is no error that could bend it, but that of the effects' laws where the
+    frame is itself without them.
     """
     filtered = judged.fit.filtered
     said = strained(found.model, filtered.values)
-    if not said or found.reference or not _something_left(found, judged):
+    by_law = bool(judged.effects) and not strained(found.model, found.null.fit.filtered.values)
+    if not said or found.reference or not (by_law or _something_left(found, judged)):
         return said
     return strained(found.model, Sight.of(found, filtered).nearest(len(found.training)))
 

@@ -19,6 +19,7 @@ from pounding.diagnosis.decision.measures import (
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import BesideLatentForce
 from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
+from pounding.diagnosis.inference.sight import Sight
 from tests.diagnosis.decision.problems import (
     CUBIC,
     DATA,
@@ -124,6 +125,27 @@ def test_an_effect_that_bends_a_frame_which_is_itself_without_it_is_not_another_
         decision = decide(found)
         assert decision.verdict == verdict
         assert bool(decision.model_checks) == (verdict == "unknown_effect")
+
+
+@pytest.mark.parametrize(
+    ("alone", "alike", "verdict"),
+    [(0.0, 0.0, "effect_named"), (0.0, 5.0, "unknown_effect"), (5.0, 0.0, "unknown_effect")],
+    ids=["the law bends it", "it is another one with the effect", "it is another one without it"],
+)
+def test_what_a_law_gets_wrong_bends_a_frame_though_only_noise_remains(
+    monkeypatch: pytest.MonkeyPatch, alone: float, alike: float, verdict: str
+) -> None:
+    """The likeliest parameters are five deviations off with the effect; those nearest to the baseline say what it is."""
+    model, usual = bench()
+    far = np.array([one.kind == "storey_stiffness" for one in model.parameters]) * model.std
+    problem, data = PROBLEMS["one effect explains everything"], DATA["quiet"]
+    found = findings(problem, data, cast(Filtered, replace(usual, values=5.0 * far)))
+    found.null = judged(
+        data, Tried((), 0.0, problem.null), cast(Filtered, replace(usual, values=alone * far))
+    )
+    allow(monkeypatch, 0.038)
+    monkeypatch.setattr(Sight, "nearest", lambda *_: alike * far)
+    assert decide(found).verdict == verdict
 
 
 @pytest.mark.parametrize(
