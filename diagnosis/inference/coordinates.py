@@ -120,7 +120,7 @@ class Coordinates:
         return np.where(self.logarithmic, flat * self.width, self.width)
 
     def nudge(self, theta: np.ndarray, number: int) -> float:
-        """Return the change of an effect's coordinate by which slopes are taken.
+        """Return the change of an effect's coordinate by which slopes are taken, small enough to go beyond an end.
 
         Args:
             theta: Nuisance parameters and effects in units of their priors, shape (nuisance + effects' parameters,).

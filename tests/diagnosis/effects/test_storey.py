@@ -17,7 +17,9 @@ from pounding.diagnosis.effects.storey import (
     Hysteresis,
     Loosening,
 )
+from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import run_filter
+from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
@@ -44,6 +46,30 @@ def test_a_damper_of_a_lower_power_is_as_strong_at_its_rate_and_not_stiff_at_res
     assert slow == pytest.approx(30.0 * 1e-9 * 0.05**-0.8, rel=2e-3)
     assert others[1] == pytest.approx(3.0, rel=1e-12)
     np.testing.assert_allclose(others, 3.0 * (rate[1:] / 0.1) ** 0.2, rtol=0.03)
+
+
+def test_slopes_of_a_damper_of_a_lower_power_are_the_likelihoods_though_it_comes_to_rest() -> None:
+    """A force that chatters about rest makes the likelihood rough: differences over two widths would not agree."""
+    truth, start = np.array([100.0, -0.75]), np.array([80.0, -0.75])
+    model = measured([(DAMPER, truth)], runs=1)
+    noise = starting_noise(model, (0,), 0.01)
+    filtered = run_filter(model, np.zeros(len(model.std)), noise, (0,), [(DAMPER, start)])
+    coordinates = Coordinates.of(model, (DAMPER,), (start,), (truth,), discrepancy=filtered.discrepancy)
+    theta = coordinates.theta(filtered.values)
+    posterior = coordinates.posterior([Histories(model, filtered, coordinates)])
+    gram, slope = posterior.normal_equations(theta)
+    width = 1.0 / np.sqrt(np.diag(gram) + 1.0)
+
+    def differences(share: float) -> np.ndarray:
+        moves = share * np.diag(width)
+        return np.array(
+            [(posterior.cost(theta - one) - posterior.cost(theta + one)) / (2 * share) for one in moves]
+        )
+
+    near, far = differences(0.02), differences(0.2)
+    size = np.linalg.norm(near)
+    assert np.linalg.norm(far - near) < 1e-3 * size
+    assert np.linalg.norm((slope - theta) * width - near) < 0.03 * size
 
 
 def test_the_power_of_a_damper_is_found_with_its_size() -> None:
