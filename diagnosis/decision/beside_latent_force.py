@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Filtered, forces_of, run_filter
+from pounding.diagnosis.inference.filtering import Filtered, run_filter, tangents_of
 from pounding.diagnosis.inference.findings import BesideLatentForce, Findings, Judged, judge_in
-from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import each, usual_widths
+from pounding.diagnosis.inference.refine import Fit
+from pounding.diagnosis.inference.refining import each, refined_at_its_noise
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.settings import SETTINGS
 
@@ -60,23 +60,25 @@ def _worked_out(found: Findings, single: Judged, double: Judged) -> BesideLatent
         return BesideLatentForce(double.ln_bayes - (1.0 + share) * single.ln_bayes)
 
     def freed(fit: Fit) -> Fit:
-        return _refined(found, fit, _with_forces(found, fit, wrong))
+        return refined_at_its_noise(found, fit, _with_forces(found, fit, wrong))
 
     both, alone = each(found, freed, (double.fit, single.fit))
     # The two may end at different maxima of one likelihood: the simpler one is led to the other's.
     known = dict(zip(both.effects, both.values, strict=True))
     there = tuple(known.get(effect, value) for effect, value in zip(alone.effects, alone.values, strict=True))
-    again = _refined(found, replace(alone, values=there), both.filtered)
+    again = refined_at_its_noise(found, replace(alone, values=there), both.filtered)
     return BesideLatentForce(both.log_posterior - max(alone.log_posterior, again.log_posterior), both)
 
 
 def _wrong_forces(found: Findings, single: Judged, share: float) -> list[np.ndarray] | None:
     """Return rms forces [N] of each run, (storeys,) each, whose square is a share of an effect's, None without such."""
     model, filtered = found.model, single.fit.filtered
-    pairs = zip(single.fit.effects, single.fit.values, strict=True)
-    own = [(effect, value) for effect, value in pairs if effect in single.effects]
+    laws = model.assemble(filtered.values, filtered.effects).laws
     first = len(model.assemble(filtered.values).laws)
-    rows = [law.row for law in model.assemble(filtered.values, own).laws[first:]]
+    each = [len(model.assemble(filtered.values, [one]).laws) - first for one in filtered.effects]
+    asked = np.repeat([effect in single.effects for effect, _ in filtered.effects], each)
+    own = first + np.flatnonzero(asked)
+    rows = [laws[j].row for j in own]
     if not rows:
         return None
     # A force on a floor is one in each storey below it.
@@ -85,8 +87,9 @@ def _wrong_forces(found: Findings, single: Judged, share: float) -> list[np.ndar
     for number, run in enumerate(filtered.runs):
         square = np.zeros(len(model.structure.drift))
         if model.acts(run):
-            forces, _ = forces_of(model, filtered, number, own)
-            square = np.mean((forces[:, first:] @ storeys) ** 2, axis=0)
+            acting = tangents_of(model, filtered, number)
+            assert acting is not None
+            square = np.mean((acting.forces[:, 0, own] @ storeys) ** 2, axis=0)
         every_run.append(np.sqrt(share * square))
     return every_run
 
@@ -99,22 +102,3 @@ def _with_forces(found: Findings, fit: Fit, wrong: list[np.ndarray]) -> Filtered
         for one, least in zip(filtered.noise, wrong, strict=True)
     ]
     return run_filter(found.model, filtered.values, noise, filtered.runs, filtered.effects)
-
-
-def _refined(found: Findings, fit: Fit, filtered: Filtered) -> Fit:
-    """Return a fit refined from what is filtered, noise and latent forces as they are there."""
-    wide = usual_widths(found, fit.effects)
-    best, gained = replace(fit, filtered=filtered, log_posterior=-np.inf), np.inf
-    while gained > SETTINGS.refinement.likelier:
-        then = refine(
-            found.model,
-            best.filtered,
-            best.effects,
-            best.values,
-            wide,
-            SETTINGS.refinement.steps,
-            thorough=False,
-        )
-        gained = then.log_posterior - best.log_posterior
-        best = max(best, then, key=lambda one: one.log_posterior)
-    return best

@@ -85,8 +85,8 @@ class TableClock(Effect):
 
     def terms(self, model: Model, modes: Modes, motion: Motion, shape: tuple[float, ...]) -> list[Term]:
         """Return the table's rate of change times the time since the run began."""
-        slope = model.table_slope(motion.run)
-        return [table_term(modes, motion.run.step_s * np.arange(len(slope)) * slope)]
+        since = motion.run.step_s * np.arange(len(motion.table_slope))
+        return [table_term(modes, since * motion.table_slope)]
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Change the rate of the table's clock."""

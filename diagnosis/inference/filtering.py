@@ -15,7 +15,7 @@ from pounding.diagnosis.model.model import Acting, Model, Prediction
 from pounding.diagnosis.model.sensitivity import Term, signature_pieces
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
-from pounding.diagnosis.model.tangents import Tangents, law_forces, tangents
+from pounding.diagnosis.model.tangents import Along, Tangents, law_forces, tangents
 
 AT_ONCE = 512
 """Samples whose signatures are worked out at a time: those of all terms of a long run fill the memory."""
@@ -105,16 +105,12 @@ class Filtered:
         def of(series: Sequence[Any]) -> list[Any]:
             return [series[number] for number in since]
 
-        def later() -> Prediction:
-            whole = self.prediction
-            return Prediction(of(whole.innovations), of(whole.before), of(whole.after), of(whole.outputs))
-
         return replace(
             self,
             run_modes=tuple(of(self.run_modes)),
             noise=tuple(of(self.noise)),
             filters=tuple(of(self.filters)),
-            kept=Kept(later),
+            kept=Kept(lambda: self.prediction.of(since)),
             runs=tuple(of(self.runs)),
         )
 
@@ -267,7 +263,7 @@ def run_signatures(
 
 
 def feedbacks(model: Model, filtered: Filtered, number: int) -> tuple[Tangents | None, ...]:
-    """Return forces and slopes of the laws that act in a run, and None for where signatures blow up with them.
+    """Return the laws that act in a run to first order, and without their answers for where signatures blow up with them.
 
     A filter that corrects a stuck joint may be unstable to first order. That it slips bounds it, and slopes do not see that.
 
@@ -277,7 +273,7 @@ def feedbacks(model: Model, filtered: Filtered, number: int) -> tuple[Tangents |
         number: Number of the run among those of the filtered model.
     """
     laws = tangents_of(model, filtered, number)
-    return (None,) if laws is None else (laws, None)
+    return (None,) if laws is None else (laws, laws.unanswering())
 
 
 def signature_pieces_of_run(
@@ -318,30 +314,50 @@ def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | Non
         filtered: The filtered model.
         number: Number of the run among those of the filtered model.
     """
-    return tangents(*_laws_along(model, filtered, number, filtered.effects))
+    laws, modes, run = (
+        _laws(model, filtered, number, filtered.effects),
+        filtered.run_modes[number],
+        filtered.runs[number],
+    )
+    if not laws:
+        return None
+    # They are asked for several times in turn: those that were worked out last are kept.
+    known = model.tangents.get(run)
+    if known is None or known[0] is not filtered.kept:
+        system, along = model.linear_system(modes), _along(model, filtered, number)
+        model.tangents[run] = known = filtered.kept, tangents(laws, modes, system, along)
+    return known[1]
 
 
 def forces_of(
     model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the forces of other laws along a run's motion [N], (2 samples, laws), and their modal rows, (laws, modes).
+) -> np.ndarray:
+    """Return the forces of the laws that act in a run [N] with other parameters, the motion being the same.
 
     Args:
         model: The baseline model.
         filtered: The filtered model.
         number: Number of the run among those of the filtered model.
-        effects: The effects with these laws, each with its SI parameters, shape (parameters,).
+        effects: Its effects with these SI parameters, shape (parameters,) each.
+
+    Returns:
+        At each sample and in the middle of each substep, shape (samples, 1 + substeps, laws).
     """
-    return law_forces(*_laws_along(model, filtered, number, effects))
+    laws, modes = _laws(model, filtered, number, effects), filtered.run_modes[number]
+    return law_forces(laws, modes, _along(model, filtered, number))
 
 
-def _laws_along(
+def _laws(
     model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
-) -> tuple[Sequence[PlacedLaw], Modes, tuple[np.ndarray, np.ndarray], float]:
-    run, prediction = filtered.runs[number], filtered.prediction
-    laws = model.assemble(filtered.values, effects if model.acts(run) else ()).laws
-    states = prediction.before[number], prediction.after[number]
-    return laws, filtered.run_modes[number], states, model.observed.runs[run].step_s
+) -> Sequence[PlacedLaw]:
+    acts = model.acts(filtered.runs[number])
+    return model.assemble(filtered.values, effects if acts else ()).laws
+
+
+def _along(model: Model, filtered: Filtered, number: int) -> Along:
+    made = filtered.prediction
+    step_s = model.observed.runs[filtered.runs[number]].step_s
+    return Along(made.before[number], made.after[number], made.middles[number], step_s)
 
 
 def whitened_innovations(model: Model, filtered: Filtered) -> list[np.ndarray]:

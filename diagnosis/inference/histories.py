@@ -15,6 +15,7 @@ from pounding.diagnosis.inference.filtering import (
     grouped_signatures,
     run_filter,
     run_signatures,
+    tangents_of,
     whitened_innovations,
     whitened_runs,
 )
@@ -249,12 +250,14 @@ class Histories(Likelihood):
         if not here.differs_in_laws_alone(there):
             return None
         found: list[list[Term]] = []
-        for number in range(len(filtered.runs)):
-            (before, rows), (after, _) = (
-                forces_of(model, filtered, number, one) for one in (filtered.effects, acting)
-            )
-            change = (before - after) / delta
-            found.append([Term(change[1::2, i], row, end=change[::2, i]) for i, row in enumerate(rows)])
+        for number, innovations in enumerate(filtered.prediction.innovations):
+            laws = tangents_of(model, filtered, number) if model.acts(filtered.runs[number]) else None
+            if laws is None:
+                found.append([])
+                continue
+            # A law's force opposes the motion.
+            change = (laws.forces - forces_of(model, filtered, number, acting)) / delta
+            found.append([Term(np.zeros(len(innovations)), change=change)])
         return found
 
     def _difference(self, acting: Sequence[tuple[Acting, np.ndarray]], delta: float) -> list[np.ndarray]:

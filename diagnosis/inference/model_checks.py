@@ -120,7 +120,7 @@ def _swings(model: Model, filtered: Filtered, number: int) -> tuple[np.ndarray, 
     if laws is None:
         hz = np.sqrt(np.diag(linear)) / (2.0 * np.pi)
         return hz, hz
-    slopes, least = laws.slopes[:, :, 0, 0], SETTINGS.checks.as_stiff
+    slopes, least = laws.at_sample[:, :, 0], SETTINGS.checks.as_stiff
     squares = (
         np.linalg.eigvalsh(linear + laws.rows.T * stiffness @ laws.rows)
         for stiffness in np.quantile(slopes, (least, 1.0 - least), axis=0)

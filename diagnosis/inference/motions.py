@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import Filtered, tangents_of
 from pounding.diagnosis.model.kalman import linear_system
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.observations import RunData
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.model.storeys import Modes
@@ -19,23 +20,48 @@ def motions(model: Model, filtered: Filtered) -> list[Motion]:
     """Return the motion of each run of a baseline, as predicted and as filtered."""
     found = []
     for number, run in enumerate(filtered.runs):
-        data, outputs = model.observed.runs[run], filtered.prediction.outputs[number]
-        modes = filtered.run_modes[number]
-        predicted_pushes, pushes, pushing = _pushes(model, filtered, number)
-        start = _motion(model, modes, filtered.prediction.after[number], data, outputs, pushes, pushing)
+        outputs, modes = filtered.prediction.outputs[number], filtered.run_modes[number]
+        assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
+        shaken = _Shaken.of(model, assembly, run)
+        predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, shaken)
+        start = _motion(model, modes, filtered.prediction.after[number], shaken, outputs, pushes, pushing)
         predicted = _motion(
-            model, modes, filtered.prediction.before[number], data, outputs, predicted_pushes, pushing
+            model, modes, filtered.prediction.before[number], shaken, outputs, predicted_pushes, pushing
         )
         found.append(replace(predicted, start=start))
     return found
 
 
-def _pushes(model: Model, filtered: Filtered, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+@dataclass(frozen=True)
+class _Shaken:
+    """A run, and how the table shakes it with the gain, delay and clock that act.
+
+    Attributes:
+        run: The run.
+        table: Acceleration of the table at the samples [m/s^2], shape (samples,). read, slope: Of `Motion`, of that shape.
+    """
+
+    run: RunData
+    table: np.ndarray
+    read: np.ndarray
+    slope: np.ndarray
+
+    @classmethod
+    def of(cls, model: Model, assembly: Assembly, number: int) -> _Shaken:
+        run = model.observed.runs[number]
+        at = np.arange(len(run.table)) * run.step_s
+        read = model.table_at(replace(assembly, table_gain=0.0), number, at)
+        table = (1.0 + assembly.table_gain) * read
+        return cls(run, table, read, model.table_slope(assembly, number, at))
+
+
+def _pushes(
+    model: Model, filtered: Filtered, number: int, assembly: Assembly, shaken: _Shaken
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return modal forces of contacts and laws in a run, each (samples, modes): as predicted, as left, and their rate."""
     run, modes, before = filtered.runs[number], filtered.run_modes[number], filtered.prediction.before[number]
-    data, n = model.observed.runs[run], len(modes.omega)
+    data, n = shaken.run, len(modes.omega)
     known, rate = np.zeros((len(before), n)), np.zeros((len(before), n))
-    assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
     at, near = np.arange(len(before)) * data.step_s, data.step_s / data.substeps
     for column, (left, right) in enumerate(model.observed.contact_floors):
         direction = modes.floors[right] - modes.floors[left]
@@ -45,11 +71,11 @@ def _pushes(model: Model, filtered: Filtered, number: int) -> tuple[np.ndarray, 
     laws = tangents_of(model, filtered, number)
     if laws is None:
         return known, known, rate
-    predicted, left = (known - laws.forces[side::2] @ laws.rows for side in (0, 1))
+    predicted, left = (known - forces @ laws.rows for forces in (laws.forces[:, 0], laws.left))
     system = model.linear_system(modes)
-    faster = before @ system.rate[n : 2 * n].T - np.outer(data.table, modes.participation) + predicted
+    faster = before @ system.rate[n : 2 * n].T - np.outer(shaken.table, modes.participation) + predicted
     for j, row in enumerate(laws.rows):
-        by_drift, by_rate = laws.slopes[::2, j, 0, 0], laws.slopes[::2, j, 0, 1]
+        by_drift, by_rate = laws.at_sample[:, j, 0], laws.at_sample[:, j, 1]
         rate -= np.outer(by_drift * (before[:, n : 2 * n] @ row) + by_rate * (faster @ row), row)
     return predicted, left, rate
 
@@ -58,7 +84,7 @@ def _motion(
     model: Model,
     modes: Modes,
     states: np.ndarray,
-    run: RunData,
+    shaken: _Shaken,
     outputs: np.ndarray,
     pushes: np.ndarray,
     pushing: np.ndarray,
@@ -68,7 +94,7 @@ def _motion(
     floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
     drift = model.structure.drift
     return Motion(
-        run=run,
+        run=shaken.run,
         eta=eta,
         eta_rate=rate,
         floor=floor,
@@ -77,8 +103,10 @@ def _motion(
         drift_rate=floor_rate @ drift.T,
         acceleration=_acceleration(model, modes, states) + pushes @ modes.floors.T,
         table_rate=states[:, -1],
+        table_read=shaken.read,
+        table_slope=shaken.slope,
         outputs=outputs,
-        output_rate=_output_rate(model, modes, states, run, pushes, pushing),
+        output_rate=_output_rate(model, modes, states, shaken.table, pushes, pushing),
     )
 
 
@@ -91,14 +119,19 @@ def _acceleration(model: Model, modes: Modes, states: np.ndarray) -> np.ndarray:
 
 
 def _output_rate(
-    model: Model, modes: Modes, states: np.ndarray, run: RunData, pushes: np.ndarray, pushing: np.ndarray
+    model: Model,
+    modes: Modes,
+    states: np.ndarray,
+    table: np.ndarray,
+    pushes: np.ndarray,
+    pushing: np.ndarray,
 ) -> np.ndarray:
     """Return the rate of each channel that follows from state and forces alone, shape (samples, channels).
 
     A difference between predicted samples would hold the innovation that it is to be compared with.
     """
     system = model.linear_system(modes)
-    table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
+    by_table = system.output @ (system.force[:, :-1] @ modes.participation - system.force[:, -1])
     n = len(modes.omega)
     pushed = pushes @ system.output[:, n : 2 * n].T + pushing @ system.direct.T
-    return np.asarray(states @ (system.output @ system.rate).T - np.outer(run.table, table) + pushed)
+    return np.asarray(states @ (system.output @ system.rate).T - np.outer(table, by_table) + pushed)

@@ -72,6 +72,18 @@ class LinearSystem:
         found[-2:] = self.output[:, -2:].any()
         return found
 
+    def held(self, step_s: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return what a step makes of the states, (states, states), and forces held over it, (states, modes + 1).
+
+        Args:
+            step_s: The step [s].
+        """
+        states, forces = self.force.shape
+        block = np.zeros((states + forces, states + forces))
+        block[:states, :states], block[:states, states:] = self.rate * step_s, self.force * step_s
+        exponential = expm(block)
+        return exponential[:states, :states], exponential[:states, states:]
+
     def part(self, states: np.ndarray) -> LinearSystem:
         """Return the system of some states, which no others act on; `states` says which, shape (states,)."""
         rate = self.rate[np.ix_(states, states)]

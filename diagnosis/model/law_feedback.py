@@ -7,92 +7,133 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.closed_loop import Loop, OwnMotions, pushed
+from pounding.diagnosis.model.closed_loop import Loop, OwnMotions
 from pounding.diagnosis.model.kalman import SteadyFilter
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
+
+MANY = 64
+"""Weights from which on a product by the library is faster."""
+
+
+class Added(NamedTuple):
+    """What terms add to the forces of laws by themselves, at the samples at hand.
+
+    Attributes:
+        law, term: Number of the law and of the term, shape (additions,).
+        forces: The forces [N] at each sample and in the middle of each substep, shape (samples, 1 + substeps, additions).
+    """
+
+    law: np.ndarray
+    term: np.ndarray
+    forces: np.ndarray
+
+    def rounded(self, precision: type[np.floating[Any]]) -> Added:
+        """Return the same with numbers of a precision."""
+        return Added(self.law, self.term, self.forces.astype(precision, order="C"))
 
 
 class LawFeedback(NamedTuple):
     """The feedback of laws about a motion to each term: tangent stiffness, damping and memory in the closed loop.
 
+    As the predictor does, it asks each law at the samples, which accelerations show at once, and in the middle of each
+    substep, over which its force is held there.
+
     Attributes:
-        loop: The loop without it, whose `output` and `direct` have the laws' drifts, then their rates, below the channels.
-        slopes: Of `Tangents`.
-        own_ends: What the end of a law adds to drifts and rates, shape (2 laws, laws).
-        settled: What the ends of laws become of those that answer the terms alone, because each answers what all of them do
-            to the motion at once, shape (samples, laws, laws).
-        corrected: How far what is shown corrects these, shape (2 laws, channels).
-        pushed: What start and end of each law, all starts first, add to the states in a step, shape (states, 2 laws).
-        direct: What the end of each law adds to what is shown, shape (channels, laws).
+        loop: The loop without it. Below the channels, its `output` and `direct` have drifts and rates of the laws at a
+            sample as predicted, and then in the middle of each substep.
+        at_sample, within: Slopes, of `Tangents`.
+        held: What each term's series adds to the latter until the middle of each substep, shape (2 laws substeps, terms).
+        onwards: What forces before it add to drifts and rates in the middle of each substep, shape (substeps, 2 laws, (2 +
+            substeps) laws): those of each law at the sample, by what the filter makes of them, in the last substep of the
+            step before, and in each substep.
+        pushed: What the same forces add to the states in a step, shape (states, (2 + substeps) laws).
+        direct: What the force of each law at a sample adds to what is shown, shape (channels, laws).
+        seen: Drifts and rates in the middle of each substep for each of the filter's states, (2 laws substeps, states).
         memory: Change of what each law remembers, for each term, shape (laws, remembered, terms).
+        last: Change of the force of each law in the last substep before, for each term, shape (laws, terms).
     """
 
     loop: Loop
-    slopes: np.ndarray
-    own_ends: np.ndarray
-    settled: np.ndarray
-    corrected: np.ndarray
+    at_sample: np.ndarray
+    within: np.ndarray
+    held: np.ndarray
+    onwards: np.ndarray
     pushed: np.ndarray
     direct: np.ndarray
+    seen: np.ndarray
     memory: np.ndarray
+    last: np.ndarray
 
     @classmethod
     def of(
         cls,
         loop: Loop,
         steady: SteadyFilter,
-        closed: np.ndarray,
         own: OwnMotions | None,
         shown: np.ndarray,
         laws: Tangents,
         lacking: np.ndarray,
+        force: np.ndarray,
     ) -> LawFeedback:
         """Return the feedback to terms.
 
         Args:
             loop: The loop without laws.
             steady: The filter.
-            closed: Transition of its closed loop, shape (states, states).
             own: The motions that are the loop's states; None where these are the filter's own.
             shown: Matrix by which the innovations are multiplied, shape (channels, channels).
             laws: The laws.
             lacking: What the ends of the terms have made of the filter's states, which are less that (`pushed`), taken
                 negative, shape (states, terms).
+            force: Modal forces, and acceleration of the table, that a unit of each term makes, shape (modes + 1, terms).
         """
         count, modes = laws.rows.shape
-        states = len(steady.step)
+        states, substeps = len(steady.step), laws.within.shape[1]
         seen = np.zeros((2 * count, states))
         seen[:count, :modes] = laws.rows
         seen[count:, modes : 2 * modes] = laws.rows
         seen[count:, -1] = laws.room
-        # With the mean of start and end over the step, as in Newmark's rule of constant acceleration, no joint is too stiff.
-        mean = 0.5 * (steady.force_start + steady.force_end)[:, :modes] @ laws.rows.T
-        inputs, direct = pushed(steady, closed, mean, mean, steady.direct @ laws.rows.T)
-        moved = inputs if own is None else own.forth @ inputs
-        shows = seen if own is None else seen @ own.back
-        own_ends = -seen @ inputs[2]
-        # The force at the end of a step is a part of the motion that it answers.
-        before = laws.slopes[::2, :, 0, :2]
-        answers = (
-            before[..., 0, np.newaxis] * own_ends[:count] + before[..., 1, np.newaxis] * own_ends[count:]
-        )
-        alone = np.eye(count) + answers
-        # The library's inverse of each sample's matrix is slow, and most often it is that of a number.
-        settled = np.linalg.inv(alone) if count > 1 else 1.0 / alone
-        whole = (
-            laws.slopes,
-            own_ends,
-            settled,
-            seen @ steady.gain @ np.linalg.inv(shown),
-            np.hstack([moved[0], moved[1]]),
-            shown @ direct,
-            np.zeros((count, laws.slopes.shape[2] - 1, lacking.shape[1])),
-        )
+        half, pushed = laws.half
+        whole, by_law = half @ half, np.vstack([laws.rows.T, np.zeros(count)])
+        # What a force that is held makes of the states until the middle of the substep in which it begins, and its end.
+        until_half, until_end = pushed @ by_law, (pushed + half @ pushed) @ by_law
+        at_once = steady.direct @ laws.rows.T
+        middles, held, onwards = [], [], []
+        onward, so_far, pushes = half, pushed, [until_end]
+        for _ in range(substeps):
+            middles.append(seen @ onward)
+            held.append(seen @ so_far @ force)
+            onward, so_far = onward @ whole, so_far + onward @ (pushed + half @ pushed)
+            pushes.append(whole @ pushes[-1])
+        none = np.zeros_like(until_half)
+        for j in range(substeps):
+            # Until the middle of a substep the predictor takes the force that the law had in the substep before.
+            earlier = [none, *(half @ one for one in pushes[:j][::-1]), *[none] * (substeps - j)]
+            earlier[j] = earlier[j] + until_half
+            onwards.append(np.hstack([-middles[j] @ steady.gain @ at_once, *(seen @ one for one in earlier)]))
+        kept = [-steady.step @ steady.gain @ at_once, none, *pushes[:substeps][::-1]]
+        inputs, within = np.hstack(kept), np.vstack(middles)
+        back = np.eye(states) if own is None else own.back
+        # In the middles of the substeps the filter has corrected the states by what is shown.
+        corrected = within @ steady.gain @ np.linalg.inv(shown)
         below = loop._replace(
-            output=np.vstack([loop.output, shows]), direct=np.vstack([loop.direct, -seen @ lacking])
+            output=np.vstack([loop.output, seen @ back, within @ back - corrected @ loop.output]),
+            direct=np.vstack([loop.direct, -seen @ lacking, -within @ lacking - corrected @ loop.direct]),
         )
-        return cls(below, *whole)
+        terms, remembered = lacking.shape[1], laws.within.shape[3] - 1
+        return cls(
+            loop=below,
+            at_sample=laws.at_sample,
+            within=laws.within,
+            held=np.vstack(held),
+            onwards=np.array(onwards),
+            pushed=inputs if own is None else own.forth @ inputs,
+            direct=shown @ at_once,
+            seen=within,
+            memory=np.zeros((count, remembered, terms)),
+            last=np.zeros((count, terms)),
+        )
 
     def rounded(self, precision: type[np.floating[Any]]) -> LawFeedback:
         """Return the feedback with numbers of a precision."""
@@ -104,10 +145,12 @@ class LawFeedback(NamedTuple):
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def filter_with_laws(
     feedback: LawFeedback,
+    added: Added,
     first: int,
     series: np.ndarray,
     at_end: np.ndarray,
     jumps: np.ndarray,
+    jumped: np.ndarray,
     state: np.ndarray,
     result: np.ndarray,
 ) -> None:
@@ -115,56 +158,70 @@ def filter_with_laws(
 
     Args:
         feedback: The loop with it.
+        added: What terms add to the forces of laws by themselves.
         first: Number of the first sample.
         series, at_end: Size of each term at the samples, shape (samples, terms).
         jumps: What else each adds to the states after each sample, shape (samples, states, terms), or none.
+        jumped: What that adds to drifts and rates in the middle of each substep, shape (samples, 2 laws substeps, terms).
         state: States before the first sample, which become those after the last one, shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
     """
     transition, output, inputs, direct, column, turning = feedback.loop
-    _, slopes, own_ends, settled, corrected, own_pushed, own_direct, memory = feedback
+    _, at_sample, within, held, onwards, own_pushed, own_direct, _, memory, last = feedback
     samples, terms = series.shape
     channels, laws = own_direct.shape
-    groups = result.shape[2]
+    substeps, groups = within.shape[1], result.shape[2]
+    middles = channels + 2 * laws
     jumping = jumps.size > 0
-    shown = np.zeros((channels + 2 * laws, terms), state.dtype)
+    shown = np.zeros((middles + 2 * laws * substeps, terms), state.dtype)
     motion = np.zeros((2 * laws, terms), state.dtype)
-    forces = np.zeros((2 * laws, terms), state.dtype)
-    starts, ends = forces[:laws], forces[laws:]
+    # Those at the sample, of the last substep before, and of each substep.
+    forces = np.zeros(((2 + substeps) * laws, terms), state.dtype)
+    here = forces[:laws]
+    for i in range(laws):
+        for t in range(terms):
+            forces[laws + i, t] = last[i, t]
     push = np.zeros_like(state)
     moved = np.zeros_like(state)
     new = np.zeros_like(memory)
     for k in range(samples):
         np.dot(output, state, shown)
-        for c in range(channels + 2 * laws):
+        for c in range(len(shown)):
             for t in range(terms):
                 shown[c, t] += direct[c, t] * at_end[k, t]
-        before, after = slopes[2 * (first + k)], slopes[2 * (first + k) + 1]
         for i in range(2 * laws):
             for t in range(terms):
                 motion[i, t] = shown[channels + i, t]
-        _answer(before, motion, memory, starts)
-        _weighed(settled[first + k], starts, ends)
-        for i in range(2 * laws):
-            for j in range(laws):
-                for t in range(terms):
-                    motion[i, t] += own_ends[i, j] * ends[j, t]
-        _remember(before, motion, memory, new)
+        _answer(at_sample[first + k], motion, memory, here)
+        for a in range(added.law.size):
+            here[added.law[a], added.term[a]] += added.forces[k, 0, a]
         for c in range(channels):
             for j in range(laws):
                 for t in range(terms):
-                    shown[c, t] += own_direct[c, j] * ends[j, t]
+                    shown[c, t] += own_direct[c, j] * here[j, t]
+        for j in range(substeps):
+            _weighed(onwards[j], forces, motion)
             for i in range(2 * laws):
+                row = 2 * laws * j + i
                 for t in range(terms):
-                    motion[i, t] -= corrected[i, c] * shown[c, t]
-        _answer(after, motion, memory, starts)
-        _remember(after, motion, memory, new)
+                    motion[i, t] += shown[middles + row, t] + held[row, t] * series[k, t]
+                if jumping:
+                    for t in range(terms):
+                        motion[i, t] += jumped[k, row, t]
+            there = forces[(2 + j) * laws : (3 + j) * laws]
+            _answer(within[first + k, j, :, 0], motion, memory, there)
+            for a in range(added.law.size):
+                there[added.law[a], added.term[a]] += added.forces[k, 1 + j, a]
+            _remember(within[first + k, j], motion, memory, new)
         for c in range(channels):
             for t in range(groups, terms):
                 shown[c, column[t]] += shown[c, t]
             for g in range(groups):
                 result[k, c, g] = shown[c, g]
         _weighed(own_pushed, forces, push)
+        for i in range(laws):
+            for t in range(terms):
+                forces[laws + i, t] = forces[(1 + substeps) * laws + i, t]
         for i in range(len(state)):
             for t in range(terms):
                 push[i, t] += inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
@@ -177,6 +234,9 @@ def filter_with_laws(
             for i in range(len(state)):
                 for t in range(terms):
                     state[i, t] = moved[i, t] + push[i, t]
+    for i in range(laws):
+        for t in range(terms):
+            last[i, t] = forces[laws + i, t]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
@@ -198,6 +258,9 @@ def _turn(turn: np.ndarray, push: np.ndarray, state: np.ndarray) -> None:
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _weighed(weights: np.ndarray, rows: np.ndarray, found: np.ndarray) -> None:
     """Fill in the product of weights, (n, m), and rows, (m, terms): for few of them no library is called."""
+    if weights.size > MANY:
+        np.dot(weights, rows, found)
+        return
     terms = rows.shape[1]
     for i in range(weights.shape[0]):
         weight = weights[i, 0]
@@ -211,19 +274,27 @@ def _weighed(weights: np.ndarray, rows: np.ndarray, found: np.ndarray) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _answer(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, forces: np.ndarray) -> None:
-    """Fill in the forces, (laws, terms), that answer changes of drifts and rates, (2 laws, terms), and of memories."""
+    """Fill in the forces, (laws, terms), that answer changes of drifts and rates, (2 laws, terms), and of memories.
+
+    `slopes` are those of the forces, shape (laws, 2 + remembered).
+    """
     laws, terms = forces.shape
     for i in range(laws):
+        by_drift, by_rate = slopes[i, 0], slopes[i, 1]
         for t in range(terms):
-            forces[i, t] = -(slopes[i, 0, 0] * motion[i, t] + slopes[i, 0, 1] * motion[laws + i, t])
+            forces[i, t] = -(by_drift * motion[i, t] + by_rate * motion[laws + i, t])
         for r in range(memory.shape[1]):
+            kept = slopes[i, 2 + r]
             for t in range(terms):
-                forces[i, t] -= slopes[i, 0, 2 + r] * memory[i, r, t]
+                forces[i, t] -= kept * memory[i, r, t]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
 def _remember(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, new: np.ndarray) -> None:
-    """Change what laws remember, (laws, remembered, terms), by changes of drifts and rates, (2 laws, terms)."""
+    """Change what laws remember, (laws, remembered, terms), by changes of drifts and rates, (2 laws, terms).
+
+    `slopes` are those of `Tangents.within` of one substep, shape (laws, 1 + remembered, 2 + remembered).
+    """
     laws, remembered, terms = memory.shape
     if remembered == 0:
         return

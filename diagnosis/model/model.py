@@ -34,6 +34,7 @@ from pounding.diagnosis.model.sensor_faults import SensorFaults
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Coupling, Modes, Structure, solve_modes
 from pounding.diagnosis.model.table_motion import TableMotion
+from pounding.diagnosis.model.tangents import Tangents
 from pounding.diagnosis.model.tilt import tilt_inputs
 from pounding.diagnosis.settings import SETTINGS
 
@@ -53,12 +54,31 @@ class Acting(Protocol):
 
 @dataclass(frozen=True)
 class Prediction:
-    """Innovations (or residuals), predicted and filtered states and outputs of each run."""
+    """Innovations (or residuals), predicted and filtered states and outputs of each run.
+
+    `middles` has drift [m] and rate [m/s] on which each law acts at the middle of each substep, of each run, shape (samples,
+    substeps, laws, 2).
+    """
 
     innovations: list[np.ndarray]
     before: list[np.ndarray]
     after: list[np.ndarray]
     outputs: list[np.ndarray]
+    middles: list[np.ndarray]
+
+    def of(self, numbers: Sequence[int]) -> Prediction:
+        """Return the prediction of some of the runs, which are given by their numbers among these."""
+
+        def some(series: list[np.ndarray]) -> list[np.ndarray]:
+            return [series[number] for number in numbers]
+
+        return Prediction(
+            some(self.innovations),
+            some(self.before),
+            some(self.after),
+            some(self.outputs),
+            some(self.middles),
+        )
 
 
 class Model:
@@ -97,6 +117,7 @@ class Model:
         self._plain: Last[Assembly] = Last()
         self._modes: Last[Modes] = Last()
         self._between: Last[np.ndarray] = Last()
+        self.tangents: dict[int, tuple[object, Tangents]] = {}
 
     def spread(self, discrepancy: float) -> np.ndarray:
         """Return the prior standard deviations of the nuisance parameters in their own units, shape (nuisance,).
@@ -110,11 +131,6 @@ class Model:
         """Return which channels sit on a frame (its number), shape (channels,); the first one has the table's, too."""
         span, floor = self.structure.span(frame), self.observed.floor
         return np.asarray((floor >= span.start) & (floor < span.stop))
-
-    def table_slope(self, run: RunData) -> np.ndarray:
-        """Return the rate of change of a run's table acceleration [m/s^3], shape (samples,)."""
-        number = next(i for i, one in enumerate(self.observed.runs) if one is run)
-        return self._tables[number].slope()
 
     def assemble(self, values: np.ndarray, effects: Sequence[tuple[Acting, np.ndarray]] = ()) -> Assembly:
         """Return the system of the baseline model with nuisance parameters and effects.
@@ -250,10 +266,25 @@ class Model:
             number: Number of the run.
             times_s: Times from the start of the run [s], any shape.
         """
+        late = self._table_times(assembly, number, times_s)
+        return np.asarray((1 + assembly.table_gain) * self._tables[number].at(late))
+
+    def table_slope(self, assembly: Assembly, number: int, times_s: np.ndarray) -> np.ndarray:
+        """Return by how much the table's acceleration grows with its own clock's time [m/s^3], shape of `times_s`.
+
+        Args:
+            assembly: The assembly, with the table's gain, delay and clock.
+            number: Number of the run.
+            times_s: Times from the start of the run [s], any shape.
+        """
+        late = self._table_times(assembly, number, times_s)
+        return np.asarray((1 + assembly.table_gain) * self._tables[number].slope(late))
+
+    def _table_times(self, assembly: Assembly, number: int, times_s: np.ndarray) -> np.ndarray:
+        """Return times on the table's own clock [s], shape of `times_s`."""
         run = self.observed.runs[number]
         true = (times_s - assembly.table_delay_s) * (1 + assembly.table_clock)
-        late = np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
-        return np.asarray((1 + assembly.table_gain) * self._tables[number].at(late))
+        return np.clip(true, 0.0, (len(run.table) - 1) * run.step_s)
 
     @cached_property
     def own_motion(self) -> np.ndarray:
@@ -303,12 +334,11 @@ class Model:
             for number, (run, system) in enumerate(zip(numbers, systems, strict=True))
         ]
         pieces = side_by_side(lambda one: self._run(*one, whole), each)
-        innovations, before, after, outputs = ([piece[i] for piece in pieces] for i in range(4))
-        return Prediction(innovations, before, after, outputs)
+        return Prediction(*([piece[i] for piece in pieces] for i in range(5)))
 
     def _run(
         self, assembly: Assembly, modes: Modes, number: int, gain: Gain | None, whole: bool
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    ) -> tuple[np.ndarray, ...]:
         run = self.observed.runs[number]
         storeys = self.structure.floors
         states = 2 * len(modes.omega) + storeys + 3
@@ -321,7 +351,7 @@ class Model:
         if added is not None:
             measured = measured - added
         channels = len(self.observed.names)
-        innovations, before, after, outputs = predict(
+        innovations, before, after, outputs, middles = predict(
             np.stack([modes.omega, modes.ratio], axis=1),
             modes.coupling.pairs,
             modes.coupling.rates,
@@ -349,10 +379,11 @@ class Model:
         # An innovation is that of the channel as it reads.
         innovations = innovations * (1.0 + assembly.channel_gain)
         if not whole:
-            return innovations, before, after, outputs
+            return innovations, before, after, outputs, middles
         if added is not None:
             outputs += added
-        return innovations, before, after, self.faults.added(assembly, number, outputs, late=gain is None)
+        outputs = self.faults.added(assembly, number, outputs, late=gain is None)
+        return innovations, before, after, outputs, middles
 
     def _inputs(
         self, assembly: Assembly, modes: Modes, number: int, run: RunData

@@ -49,8 +49,12 @@ def _effect_forces(
     time: float,
     keep: bool,
     force: Real,
+    motion: Real,
 ) -> None:
-    """Add the modal forces of all effects; `rows` holds for each the modal row of its drift."""
+    """Add the modal forces of all effects; `rows` holds for each the modal row of its drift.
+
+    Drift and rate of each are written to `motion`, shape (effects, 2), unless that is empty.
+    """
     modes = eta.size
     numbers, remembered, then = parameters.ctypes.data, memory.ctypes.data, new.ctypes.data
     of_parameters, of_memory = 8 * parameters.shape[1], 8 * memory.shape[1]
@@ -60,6 +64,8 @@ def _effect_forces(
         for m in range(modes):
             d += rows[j, m] * eta[m]
             v += rows[j, m] * rate[m]
+        if motion.size > 0:
+            motion[j, 0], motion[j, 1] = d, v
         before, after = remembered + j * of_memory, then + j * of_memory
         pull = -called_at(laws[j], numbers + j * of_parameters, before, d, v, time, after)
         if keep:
@@ -136,7 +142,7 @@ def predict(
     room: Real,
     parameters: Real,
     whole: bool,
-) -> tuple[Real, Real, Real, Real]:
+) -> tuple[Real, Real, Real, Real, Real]:
     """Run the predictor over one run.
 
     Args:
@@ -166,7 +172,8 @@ def predict(
 
     Returns:
         Innovations (samples, channels), NaN samples as zero; predicted states (samples, states); filtered states;
-        outputs as predicted (samples, channels).
+        outputs as predicted (samples, channels); drift and rate on which each effect acts at the middle of each substep
+        (samples, substeps, effects, 2).
     """
     samples, channels = measured.shape
     n = modes.shape[0]
@@ -194,6 +201,8 @@ def predict(
     outputs = np.zeros((kept, channels))
     before = np.zeros((kept, states))
     after = np.zeros((kept, states))
+    middles = np.zeros((kept, substeps, laws.size, 2))
+    unseen = np.zeros((0, 2))
     memory = np.zeros((laws.size, MEMORY))
     new = np.zeros((laws.size, MEMORY))
     force = np.zeros(n)
@@ -222,7 +231,7 @@ def predict(
             for m in range(n):
                 force[m] += latent_rows[s, m] * z[2 * n + s]
         _effect_forces(
-            laws, rows, room, parameters, memory, new, eta, rate, z[states - 1], time, False, force
+            laws, rows, room, parameters, memory, new, eta, rate, z[states - 1], time, False, force, unseen
         )
         for c in range(channels):
             y = 0.0
@@ -315,6 +324,7 @@ def predict(
                     time + (j + 0.5) * h,
                     True,
                     last,
+                    middles[k, j] if whole else unseen,
                 )
                 _coupled(pairs, couplings, rate_mid, last)
                 for m in range(n):
@@ -324,4 +334,4 @@ def predict(
                     eta[m] = moved
             z[states - 1] += h * (table - 1.4 * LEAK * z[states - 1] - LEAK**2 * z[states - 2])
             z[states - 2] += h * z[states - 1]
-    return innovations, before, after, outputs
+    return innovations, before, after, outputs, middles

@@ -11,7 +11,7 @@ from numba import njit
 
 from pounding.diagnosis.model.closed_loop import Loop, own_motions, pushed, transition
 from pounding.diagnosis.model.kalman import SteadyFilter
-from pounding.diagnosis.model.law_feedback import LawFeedback, filter_with_laws
+from pounding.diagnosis.model.law_feedback import Added, LawFeedback, filter_with_laws
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
 
@@ -33,6 +33,8 @@ class Term:
         jumps: Series (samples, n), and what a unit of each adds to the states at once when a sample has corrected them,
             (states, n), or None.
         inertial: The force comes from the table's motion, which an absolute acceleration does not show at once.
+        change: What it adds to the forces of the laws that act, at each sample and in the middle of each substep, shape
+            (samples, 1 + substeps, laws), or None.
     """
 
     series: np.ndarray
@@ -42,6 +44,7 @@ class Term:
     inertial: bool = False
     table: float = 0.0
     jumps: tuple[np.ndarray, np.ndarray] | None = None
+    change: np.ndarray | None = None
 
 
 def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray) -> np.ndarray:
@@ -101,7 +104,7 @@ def signature_pieces(
     # What is shown is kept in single precision anyhow, and own motions do not lose its digits.
     precision = np.float64 if own is None else np.float32
     loop = Loop(turn, shows, moved[:2], shown @ direct, column, turning=own is not None)
-    feedback = None if laws is None else LawFeedback.of(loop, steady, closed, own, shown, laws, inputs[2])
+    feedback = None if laws is None else LawFeedback.of(loop, steady, own, shown, laws, inputs[2], force)
     loop, feedback = loop.rounded(precision), feedback and feedback.rounded(precision)
     ends = [term.series if term.end is None else term.end for term in terms]
     state = (moved[2] * np.array([end[0] for end in ends])).astype(precision)
@@ -112,10 +115,12 @@ def signature_pieces(
         at_end = _rounded([end[rows] for end in ends], precision)
         jumps = _jumps(terms, rows, onward).astype(precision)
         result = np.empty((len(series), channels, len(groups)), np.float32)
-        if feedback is None:
+        if feedback is None or laws is None:
             _filter(loop, series, at_end, jumps, state, result)
         else:
-            filter_with_laws(feedback, first, series, at_end, jumps, state, result)
+            jumped = _jumps(terms, rows, feedback.seen).astype(precision)
+            added = _changes(terms, rows, laws).rounded(precision)
+            filter_with_laws(feedback, added, first, series, at_end, jumps, jumped, state, result)
         yield result
 
 
@@ -125,12 +130,13 @@ def _rounded(series: Sequence[np.ndarray], precision: type[np.floating[Any]]) ->
 
 
 def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray:
-    """Return what a step makes of the terms' jumps at some samples, (samples, states, terms), without any (0, 0, 0).
+    """Return what becomes of the terms' jumps at some samples, (samples, rows of `onward`, terms), without any (0, 0, 0).
 
     Args:
         terms: The terms.
         rows: The samples.
-        onward: What a step makes of the filter's states, in whatever coordinates the loop's are, shape (states, states).
+        onward: What becomes of the filter's states: a step's end in whatever coordinates the loop's are, or what laws meet,
+            shape (any, states).
     """
     if all(term.jumps is None for term in terms):
         return np.zeros((0, 0, 0))
@@ -138,6 +144,18 @@ def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray
     each = [none if term.jumps is None else term.jumps for term in terms]
     pushed = [series[rows] @ (onward @ ways).T for series, ways in each]
     return np.ascontiguousarray(np.stack(pushed, axis=2))
+
+
+def _changes(terms: Sequence[Term], rows: slice, laws: Tangents) -> Added:
+    """Return the changes of laws at some samples."""
+    changing = [(number, term.change) for number, term in enumerate(terms) if term.change is not None]
+    samples, substeps, count = laws.within.shape[:3]
+    none = np.zeros((samples, 1 + substeps, 0))
+    return Added(
+        np.tile(np.arange(count), len(changing)),
+        np.repeat(np.array([number for number, _ in changing], int), count),
+        np.concatenate([none[rows], *(change[rows] for _, change in changing)], axis=2),
+    )
 
 
 def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:

@@ -45,6 +45,6 @@ class TableMotion:
             return np.asarray(gained / (last - first))
         return np.asarray(self._spline(times_s))
 
-    def slope(self) -> np.ndarray:
-        """Return the rate of change at the samples [m/s^3], shape (samples,), of a smooth curve whatever lies between."""
-        return np.asarray(self._spline(self._times, 1))
+    def slope(self, times_s: np.ndarray) -> np.ndarray:
+        """Return the rate of change at times [m/s^3], shape of `times_s`, of a smooth curve whatever lies between."""
+        return np.asarray(self._spline(times_s, 1))

@@ -28,7 +28,9 @@ LEAST_SHARE = 0.02
 class Motion:
     """Motion of one run, from which regressors are made; columns are floors, storeys or modes.
 
-    `start` holds it as the filter leaves it at each sample, the rest as predicted before the sample.
+    `start` holds it as the filter leaves it at each sample, the rest as predicted before the sample. `table_read` is the
+    table's acceleration at the delay and clock that act, without its gain [m/s^2], and `table_slope` by how much it grows
+    with its own clock's time, with the gain [m/s^3].
     """
 
     run: RunData
@@ -40,6 +42,8 @@ class Motion:
     drift_rate: np.ndarray
     acceleration: np.ndarray
     table_rate: np.ndarray
+    table_read: np.ndarray
+    table_slope: np.ndarray
     outputs: np.ndarray
     output_rate: np.ndarray
     start: Motion | None = None
@@ -103,9 +107,9 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
     if kind == "damping_power":
         return _damping_terms(model, modes, motion, structure.span(place), log_frequency(structure, place))
     if kind == "table_gain":
-        return [table_term(modes, motion.run.table)]
+        return [table_term(modes, motion.table_read)]
     if kind == "table_delay":
-        return [table_term(modes, -model.table_slope(motion.run))]
+        return [table_term(modes, -motion.table_slope)]
     if kind == "event_gain":
         return _event_terms(model, modes, motion, place)
     if kind == "channel_gain":
