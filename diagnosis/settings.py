@@ -214,10 +214,6 @@ class Refinement:
     """[ln likelihood] Loss at which a step is taken back. Origin: chosen."""
     enough: float = 0.2
     """[ln posterior] Gain below which a descent ends. Origin: chosen."""
-    strides_below: float = 20.0
-    """[ln posterior] Gain of a step below which single parameters are searched too. Origin: chosen."""
-    stride_gain: float = 0.1
-    """[ln posterior] Gain of such a search that counts. Origin: chosen."""
 
 
 @dataclass(frozen=True)

@@ -140,13 +140,11 @@ class Coordinates:
         own = len(self.start)
         least, most = self._ends()
         box = np.full(len(self.scale), box_of(len(self.scale)))
-        kinked = tuple(range(len(self.scale), len(self.scale) + own))
         return Posterior(
             tuple(terms),
             np.concatenate([-box, least]),
             np.concatenate([box, most]),
             np.concatenate([np.full(len(box), np.inf), np.full(own, REACH)]),
-            kinked,
         )
 
     def _ends(self) -> tuple[np.ndarray, np.ndarray]:

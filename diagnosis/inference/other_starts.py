@@ -17,7 +17,7 @@ from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best, race
 from pounding.diagnosis.inference.refine import Fit, refine
-from pounding.diagnosis.inference.refining import refined, widths, without_kinks
+from pounding.diagnosis.inference.refining import refined, widths
 from pounding.diagnosis.inference.rescue import anew
 from pounding.diagnosis.settings import SETTINGS
 
@@ -146,7 +146,9 @@ def _faded(found: Findings, leading: Judged) -> Iterator[Start]:
     def fading(share: float) -> Fit | None:
         force, stiffness, _, damping_ratio = fit.values[0]
         values = np.array([force * (1.0 + 1.0 / share), stiffness, share * usual, damping_ratio])
-        faded = refine(found.model, without_kinks(found, fit), (rival,), (values,), race=race(found))
+        # That is far from any optimum: with the little noise that plain friction leaves it would not come back.
+        loud, there = found.null.fit.filtered, fit.filtered.values
+        faded = refine(found.model, loud, (rival,), (values,), nuisance=there, race=race(found))
         return faded if faded.values[0][2] < usual else None
 
     yield from (partial(fading, share) for share in SETTINGS.search.faded)

@@ -66,8 +66,6 @@ PIECE = 2048
 """Rows of which products are taken at a time."""
 CORRECTIONS = 3
 """Times that a step which left a bent valley is led back into it."""
-STRIDE = 0.1
-"""First stride of the search along single coordinates."""
 
 
 class Likelihood(Protocol):
@@ -162,8 +160,6 @@ class Posterior:
         terms: The kinds of data.
         lower, upper: Bounds of the parameters in prior standard deviations, shape (parameters,).
         reach: Largest change of each in one step, (parameters,).
-        kinked: Numbers of the parameters that are also searched one by one: sticking and touching make kinks that a
-            slope does not see.
         truncated: Numbers of the parameters whose prior ends at their bounds: the evidence counts what lies inside.
     """
 
@@ -171,7 +167,6 @@ class Posterior:
     lower: np.ndarray
     upper: np.ndarray
     reach: np.ndarray
-    kinked: tuple[int, ...] = ()
     truncated: tuple[int, ...] = ()
 
     def cost(self, theta: np.ndarray) -> float:
@@ -230,18 +225,6 @@ class Posterior:
         upper = np.minimum(self.upper - theta, self.reach)
         return bounded_step(precision, slope - theta, lower, upper)
 
-    def moved(self, theta: np.ndarray, number: int, stride: float) -> np.ndarray:
-        """Return a point, shape (parameters,), with one coordinate moved by a stride, inside the bounds.
-
-        Args:
-            theta: The point, shape (parameters,).
-            number: Number of the coordinate.
-            stride: How far it moves.
-        """
-        there = theta.copy()
-        there[number] = np.clip(theta[number] + stride, self.lower[number], self.upper[number])
-        return there
-
     def led_back(
         self, gram: np.ndarray, theta: np.ndarray, trial: np.ndarray, cost: float
     ) -> tuple[np.ndarray, float]:
@@ -292,14 +275,13 @@ def descend(
     """
     last: float | None = None
     for _ in range(iterations):
-        before = after = posterior.cost(theta)
+        before = posterior.cost(theta)
         if not np.isfinite(before):
             # Where an effect blows up there is no direction to go.
             break
         gram, slope = posterior.normal_equations(theta)
         if not (np.isfinite(gram).all() and np.isfinite(slope).all()):
             break
-        moved, settled = theta, None
         for damping, share in trials.steps(last):
             step = posterior.step(gram, slope, theta, damping)
             trial = theta + share * step
@@ -309,63 +291,13 @@ def descend(
                 trial, after = posterior.led_back(gram, theta, trial, after)
             # What helps as long as nothing else follows the parameters may be of no help when all does.
             if after < before and (settled := posterior.settled(trial)) is not None:
-                moved, last = trial, damping
+                posterior, theta, last = settled, trial, damping
                 break
-        after = before if settled is None else after
-        if posterior.kinked and before - after < SETTINGS.refinement.strides_below:
-            there, lower = _along_each(posterior, moved, after)
-            if lower < after and (along := posterior.settled(there)) is not None:
-                moved, after, settled = there, lower, along
-        if settled is None:
+        else:
             break
-        posterior, theta = settled, moved
         if before - after < enough:
             break
     return posterior, theta
-
-
-def _along_each(posterior: Posterior, theta: np.ndarray, cost: float) -> tuple[np.ndarray, float]:
-    """Return parameters and cost after a search along single coordinates."""
-    for j in posterior.kinked:
-        theta, cost = _along(posterior, theta, cost, j)
-    return theta, cost
-
-
-def _along(posterior: Posterior, theta: np.ndarray, cost: float, j: int) -> tuple[np.ndarray, float]:
-    """Return parameters and cost after a search along one coordinate: strides that grow, then a parabola's vertex."""
-    enough = SETTINGS.refinement.stride_gain
-
-    def at(moved: float) -> tuple[np.ndarray, float]:
-        there = posterior.moved(theta, j, moved)
-        return there, posterior.cost(there)
-
-    beside = []
-    for stride in (STRIDE, -STRIDE):
-        there, tried = at(stride)
-        if tried < cost - enough:
-            return _onwards(posterior, there, tried, j, 2 * stride)
-        beside.append(tried)
-    bend = sum(beside) - 2 * cost
-    if not (np.isfinite(bend) and bend > 0.0):
-        return theta, cost
-    lean = beside[1] - beside[0]
-    if abs(lean) < np.sqrt(8 * bend * enough):
-        # The vertex of the parabola through the three lies less than that below.
-        return theta, cost
-    there, tried = at(STRIDE * lean / (2 * bend))
-    return (there, tried) if tried < cost - enough else (theta, cost)
-
-
-def _onwards(
-    posterior: Posterior, theta: np.ndarray, cost: float, j: int, stride: float
-) -> tuple[np.ndarray, float]:
-    """Return parameters and cost after strides along a coordinate, each twice the last, as long as they gain."""
-    while True:
-        there = posterior.moved(theta, j, stride)
-        tried = posterior.cost(there)
-        if not tried < cost - SETTINGS.refinement.stride_gain:
-            return theta, cost
-        theta, cost, stride = there, tried, 2 * stride
 
 
 def _log_inside(lower: float, upper: float) -> float:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.effects.bases import LawEffect
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.evidence import Score
@@ -91,20 +91,22 @@ def usual_widths(found: Findings, effects: Sequence[Effect]) -> list[np.ndarray]
     return [widths(found.model, one, found.sizes, one.grid(found.sizes)[0]) for one in effects]
 
 
-def without_kinks(found: Findings, fit: Fit) -> Filtered:
-    """Return a fit as a descent from it or beside its effects begins: with the null model's noise where these are laws.
-
-    What sticks and slips, or touches, makes kinks. With the little noise that a fit of it leaves, a descent ends at the next
-    one, and there are none where noise and latent forces are large.
+def refined_at_its_noise(found: Findings, fit: Fit, filtered: Filtered) -> Fit:
+    """Return a fit refined from what is filtered, noise and latent forces as they are there.
 
     Args:
         found: The findings.
         fit: The fit.
+        filtered: Where it starts.
     """
-    there = fit.filtered
-    if not any(isinstance(effect, LawEffect) for effect in fit.effects):
-        return there
-    return run_filter(found.model, there.values, found.null.fit.filtered.noise, there.runs, there.effects)
+    wide = usual_widths(found, fit.effects)
+    best, gained = replace(fit, filtered=filtered, log_posterior=-np.inf), np.inf
+    while gained > SETTINGS.refinement.likelier:
+        start, steps = best.filtered, SETTINGS.refinement.steps
+        then = refine(found.model, start, best.effects, best.values, wide, steps, thorough=False)
+        gained = then.log_posterior - best.log_posterior
+        best = max(best, then, key=lambda one: one.log_posterior)
+    return best
 
 
 def refined(

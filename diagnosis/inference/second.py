@@ -20,7 +20,6 @@ from pounding.diagnosis.inference.refining import (
     not_yet_likelier,
     refined,
     usual_widths,
-    without_kinks,
 )
 from pounding.diagnosis.settings import SETTINGS
 
@@ -125,7 +124,7 @@ def _gained(found: Findings, first: Judged) -> float:
 
 
 def _refine_beside(found: Findings, first: Judged, worth: Sequence[Score]) -> None:
-    fit, about = first.fit, without_kinks(found, first.fit)
+    fit, about = first.fit, first.fit.filtered
     quick = each(found, partial(refined, found, about, with_fit=fit, thorough=False), worth)
     order = not_yet_likelier(found.judged, quick)
 

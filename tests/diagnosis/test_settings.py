@@ -40,7 +40,6 @@ NO_THRESHOLDS = {
         "numbers.PROBE",
         "posterior.DAMPED",
         "posterior.SHORTENED",
-        "posterior.STRIDE",
         "posterior.PIECE",
         "posterior.CORRECTIONS",
         "constancy.PERIODS",

@@ -16,7 +16,6 @@ from pounding.diagnosis.inference.posterior import (
     Marquardt,
     Posterior,
     Trials,
-    _along,
     add_products,
     bounded_step,
     descend,
@@ -95,51 +94,6 @@ def test_bounds_hold_and_the_rest_makes_the_best_of_it() -> None:
     _, slope = whole.normal_equations(theta)
     free = np.abs(theta) < 1.0 - 1e-6
     assert (slope - theta)[free] == pytest.approx(np.zeros(free.sum()), abs=1e-6)
-
-
-class Kink(Curve):
-    """A problem whose slopes say nothing of its last parameter."""
-
-    def blocks(self, theta: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        for residual, slopes in super().blocks(theta):
-            yield residual, slopes * [1.0, 1.0, 0.0]
-
-
-def test_what_slopes_do_not_see_is_searched_along_its_coordinate() -> None:
-    whole = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
-    blind = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0))
-    costs = [one.cost(descend(one, np.zeros(3), 20)[1]) for one in (whole, blind)]
-    best = whole.cost(exact(Curve()))
-    assert costs[0] < best + 0.5 < costs[1]
-
-
-def test_a_search_along_a_coordinate_ends_at_the_vertex_of_a_parabola() -> None:
-    whole = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
-    start = np.array([0.8, -1.5, 0.33])
-    theta, cost = _along(whole, start, whole.cost(start), 2)
-    least = min(whole.cost(np.array([0.8, -1.5, x])) for x in np.linspace(-2.0, 2.0, 4001))
-    assert cost == whole.cost(theta) == pytest.approx(least, abs=1e-4)
-
-
-def test_a_search_along_a_coordinate_stays_inside_its_bounds() -> None:
-    whole = Posterior((Kink(),), np.full(3, -9.0), np.array([9.0, 9.0, 0.6]), np.full(3, 9.0), kinked=(2,))
-    free = Posterior((Kink(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
-    start = np.array([0.8, -1.5, 0.33])
-    ends = [_along(one, start, one.cost(start), 2)[0][2] for one in (whole, free)]
-    assert ends[0] <= 0.6 < ends[1]
-
-
-class Walled(Kink):
-    """The same, beside a wall so steep that its square is beyond a float."""
-
-    def cost(self, theta: np.ndarray) -> float:
-        return 1e200 if theta[2] < 0.3 else super().cost(theta)
-
-
-def test_a_search_along_a_coordinate_stands_a_wall() -> None:
-    whole = Posterior((Walled(),), np.full(3, -9.0), np.full(3, 9.0), np.full(3, 9.0), kinked=(2,))
-    start = np.array([0.8, -1.5, 0.38])
-    assert _along(whole, start, whole.cost(start), 2)[1] <= whole.cost(start)
 
 
 class Explosive(Curve):

@@ -8,11 +8,6 @@ from typing import Any, cast
 
 import pytest
 
-from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.effects.frame import AddedMass
-from pounding.diagnosis.effects.storey import Bumper, DampingChange
-from pounding.diagnosis.effects.table_and_sensors import SensorGain
-from pounding.diagnosis.inference import refining
 from pounding.diagnosis.inference import second as module
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.refining import not_yet_likelier
@@ -226,17 +221,3 @@ def test_what_goes_astray_alone_begins_from_its_score(
 ) -> None:
     found = searched(monkeypatch, {A: 1000.0}, {frozenset({A, C}): 1400.0}, {C: reached})
     assert [one.ln_bayes for one in found.judged if one.effects == (C,)] == [kept]
-
-
-@pytest.mark.parametrize(
-    ("effect", "law"),
-    [(AddedMass(), False), (SensorGain(), False), (DampingChange(), True), (Bumper(), True)],
-)
-def test_beside_a_law_a_descent_begins_with_the_noise_of_the_null_model(
-    monkeypatch: pytest.MonkeyPatch, effect: Effect, law: bool
-) -> None:
-    monkeypatch.setattr(refining, "run_filter", lambda *arguments: arguments)
-    loud, fitted = SimpleNamespace(noise="loud"), SimpleNamespace(values=1, noise="quiet", runs=2, effects=3)
-    found: Any = SimpleNamespace(model=0, null=SimpleNamespace(fit=SimpleNamespace(filtered=loud)))
-    fit: Any = SimpleNamespace(effects=(effect,), filtered=fitted)
-    assert refining.without_kinks(found, fit) == ((0, 1, "loud", 2, 3) if law else fitted)
