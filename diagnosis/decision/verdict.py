@@ -26,6 +26,7 @@ from pounding.diagnosis.decision.measures import (
     stands_out,
     within_model_error,
 )
+from pounding.diagnosis.decision.nearest_frame import nearest_frame
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -200,17 +201,15 @@ def _bends(found: Findings, judged: Judged) -> bool:
 def _another_frame(found: Findings, judged: Judged) -> list[str]:
     """Return a sentence if effects, or the baseline model alone, make another frame of the one that case.toml names.
 
-    What a model gets wrong bends its stiffness and mass where little noise lets them follow it: the frame nearest to the
-    baseline model is asked for that moves alike within the model's error. With reference runs the frame at hand is known,
-    and where no more than noise remains there is no error that could bend it, but that of the effects' laws where the
-    frame is itself without them.
+    What a model gets wrong bends its stiffness and mass: the nearest frame is asked that moves alike. With reference runs
+    the frame at hand is known, and where no more than noise remains there is no error that could bend it, but that of the
+    effects' laws where the frame is itself without them.
     """
-    filtered = judged.fit.filtered
-    said = strained(found.model, filtered.values)
+    said = strained(found.model, judged.fit.filtered.values)
     by_law = bool(judged.effects) and not strained(found.model, found.null.fit.filtered.values)
     if not said or found.reference or not (by_law or _something_left(found, judged)):
         return said
-    return strained(found.model, Sight.of(found, filtered).nearest(len(found.training)))
+    return strained(found.model, nearest_frame(found, judged))
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:

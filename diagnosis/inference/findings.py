@@ -111,6 +111,8 @@ class Findings:
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
     beside_latent_force: dict[Hashable, BesideLatentForce] = field(default_factory=dict)
     """Two effects whatever the law of one gets wrong, by the fits of that one and of both."""
+    nearest: dict[Hashable, np.ndarray] = field(default_factory=dict)
+    """Parameters of the nearest frame that moves alike (`decision.nearest_frame`), by the fit."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 

@@ -72,14 +72,14 @@ def by_its_motion(model: Model, fit: Fit) -> Fit:
     known = all(model.acts(run) and not model.observed.runs[run].contact.size for run in runs)
     if not known or not (leaves_much(model, before, filtered, runs) or bent(model, filtered)):
         return fit
-    tolerant = run_filter(model, filtered.values, _tolerant(model, filtered), runs, filtered.effects)
-    alone = calibrated_further(model, tolerant, SETTINGS.refinement.by_motion, Marquardt())
+    start = run_filter(model, filtered.values, tolerant(model, filtered), runs, filtered.effects)
+    alone = calibrated_further(model, start, SETTINGS.refinement.by_motion, Marquardt())
     moved = run_filter(model, alone.values, filtered.noise, runs, filtered.effects)
     nearer = np.nanmedian(fit_misfits(model, moved, runs)) < np.nanmedian(before)
     return replace(fit, filtered=moved) if nearer else fit
 
 
-def _tolerant(model: Model, filtered: Filtered) -> list[Noise]:
+def tolerant(model: Model, filtered: Filtered) -> list[Noise]:
     """Return noise that has the model's error in it and no latent forces."""
     return [
         replace(

@@ -11,7 +11,7 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.coordinates import Coordinates
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import levelled, own_error, simulate
+from pounding.diagnosis.inference.misfit import levelled, simulate
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.model.side_by_side import side_by_side
@@ -89,22 +89,6 @@ class Sight:
         information = self.gram[np.ix_(~ours, ~ours)] + np.eye(int((~ours).sum()))
         left = added - others @ np.linalg.solve(information, others.T @ added)
         return float(np.sqrt(np.sum(left**2) / np.sum((self.output / self.noise) ** 2)))
-
-    def nearest(self, runs: int) -> np.ndarray:
-        """Return the nuisance parameters nearest to the baseline that move the frame alike, in their units, (nuisance,).
-
-        Alike is what differs by no more than the error that a model may have: what a model gets wrong bends its stiffness
-        and mass where little noise lets them follow it, and says nothing of the frame.
-
-        Args:
-            runs: How many runs there are, each of which counts as the strongest one.
-        """
-        found, spread = self.filtered, self.model.spread(self.filtered.discrepancy)
-        error = own_error(self.model, found, self.run) / self.noise
-        columns = self.nuisance.reshape(*self.output.shape, -1) / np.hypot(1.0, error)[:, np.newaxis]
-        columns = columns.reshape(len(self.nuisance), -1)
-        gram = runs * (columns.T @ columns)
-        return np.asarray(spread * np.linalg.solve(gram + np.eye(len(gram)), gram @ (found.values / spread)))
 
     def linear_share(self) -> float:
         """Return which part of the power that remains above the noise other stiffness, mass and damping would take away."""

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis import decide
+from pounding.diagnosis.decision import verdict as verdict_rules
 from pounding.diagnosis.decision.measures import (
     model_error,
 )
 from pounding.diagnosis.decision.verdict import error_of_frame
-from pounding.diagnosis.inference.sight import Sight
 from tests.diagnosis.decision.problems import (
     ALL,
     CUBIC,
@@ -29,6 +29,8 @@ from tests.diagnosis.decision.problems import (
 )
 
 SOFTER = of("p_delta")
+
+pytestmark = pytest.mark.usefixtures("own_frames")
 
 
 @pytest.mark.parametrize(
@@ -237,5 +239,5 @@ def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
     model, usual = bench()
     tried = Tried((CUBIC,), 5000.0, 2.0)
     found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
-    monkeypatch.setattr(Sight, "nearest", lambda sight, runs: nearest * sight.model.std)
+    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda found, _: nearest * found.model.std)
     assert decide(found).verdict == verdict

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis import decide
+from pounding.diagnosis.decision import verdict as verdict_rules
 from pounding.diagnosis.decision.measures import (
     explained,
     less_certain,
@@ -19,7 +20,6 @@ from pounding.diagnosis.decision.measures import (
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import BesideLatentForce
 from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE
-from pounding.diagnosis.inference.sight import Sight
 from tests.diagnosis.decision.problems import (
     CUBIC,
     DATA,
@@ -35,6 +35,8 @@ from tests.diagnosis.decision.problems import (
     findings,
     judged,
 )
+
+pytestmark = pytest.mark.usefixtures("own_frames")
 
 
 @pytest.mark.parametrize("data", DATA)
@@ -144,7 +146,7 @@ def test_what_a_law_gets_wrong_bends_a_frame_though_only_noise_remains(
         data, Tried((), 0.0, problem.null), cast(Filtered, replace(usual, values=alone * far))
     )
     allow(monkeypatch, 0.038)
-    monkeypatch.setattr(Sight, "nearest", lambda *_: alike * far)
+    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda *_: alike * far)
     assert decide(found).verdict == verdict
 
 
@@ -313,6 +315,7 @@ def test_a_sensors_fault_that_is_too_small_does_not_hide_what_the_calibration_to
 ) -> None:
     allow(monkeypatch, 0.05)
     model, usual = bench()
+    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda *_: 0.0 * model.std)
     far = np.array([parameter.kind in STRUCTURE for parameter in model.parameters]) * model.std
     tried = (Tried((partial(effect, leads),), 80.0, 1.2), Tried((partial(effect, "p_delta"),), 60.0, 1.19))
     found = findings(Problem(1.2, tried, verdict), DATA["quiet"])

@@ -11,12 +11,9 @@ from msgspec import structs
 
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference.findings import Findings
-from pounding.diagnosis.inference.misfit import own_error, simulate
-from pounding.diagnosis.inference.model_checks import strain
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.model.model import Model
-from pounding.diagnosis.model.observations import root_mean_square
 from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.report import CalibratedParameter
 from pounding.diagnosis.report.report_text import beside_the_verdict, storeys_that_moved
@@ -116,25 +113,6 @@ def test_what_a_linear_frame_cannot_be_is_no_model_error(power: int) -> None:
     runs = tuple(changed if one is run else one for one in found.model.observed.runs)
     sight = replace(sight, model=found.model.seeing(replace(found.model.observed, runs=runs)))
     assert (sight.linear_share() > 0.5) == (power == 1)
-
-
-def test_the_nearest_frame_moves_alike_within_the_error_that_a_model_may_have(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    found = softer()
-    model, sight = found.model, Sight.of(found, found.null.fit.filtered)
-    own = strain(model, sight.filtered.values)[0]
-    last, strains = own, []
-    for allowed in (1e-7, 1e-3, 0.05, 1.0, 100.0):
-        monkeypatch.setattr(model, "prior", structs.replace(model.prior, model_error=allowed))
-        nearest = sight.nearest(1)
-        moved = simulate(model, nearest, sight.filtered.effects, [sight.run])[0] - sight.output
-        assert np.all(root_mean_square(moved) < 5 * own_error(model, sight.filtered, sight.run) + sight.noise)
-        strains.append(strain(model, nearest)[0])
-        assert strains[-1] <= last * (1 + 1e-9)
-        last = strains[-1]
-    assert strains[0] == pytest.approx(own, rel=0.3)
-    assert strains[-1] < 0.01 * own
 
 
 def frequencies(ratios: list[float]) -> tuple[CalibratedParameter, ...]:
