@@ -52,6 +52,6 @@ def slopes_of_noise(
     run = filtered.runs[number]
     assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
     # What was not measured has no noise.
-    noise = np.nan_to_num(model.faults.rates(assembly, run) - motion.output_rate)
+    noise = np.nan_to_num(model.faults.rates(assembly, run) / motion.reads - motion.output_rate)
     groups = [[channel_term(model, channel, -series)] for channel, series in enumerate(noise.T)]
     return product(run_signatures(model, filtered, number, groups), residual)

@@ -297,13 +297,27 @@ def signature_pieces_of_run(
     steady = filtered.filters[number]
     good = np.isfinite(model.observed.runs[filtered.runs[number]].measured)
     channels = good.shape[1]
-    shown = steady.whitening if good.all() else np.eye(channels)
+    # The filter follows what faultless sensors would read; an innovation is that of the channel as it reads.
+    reads = np.diag(reads_of(model, filtered, number))
+    shown = steady.whitening @ reads if good.all() else reads
     first = 0
     for each in signature_pieces(steady, columns, shown, piece, feedback):
         last = first + len(each)
         seen = each if good.all() else whitened(each, steady, good[first:last])
         yield slice(first * channels, last * channels), seen.reshape(-1, each.shape[2])
         first = last
+
+
+def reads_of(model: Model, filtered: Filtered, number: int) -> np.ndarray:
+    """Return how much of what is true each channel reads in a run, shape (channels,).
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+    """
+    acts = model.acts(filtered.runs[number])
+    return np.asarray(1.0 + model.assemble(filtered.values, filtered.effects if acts else ()).channel_gain)
 
 
 def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | None:

@@ -6,7 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Filtered, run_filter, run_signatures, whitened_innovations
+from pounding.diagnosis.inference.filtering import (
+    Filtered,
+    reads_of,
+    run_filter,
+    run_signatures,
+    whitened_innovations,
+)
 from pounding.diagnosis.model.kalman import Noise, filter_slopes
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.sensitivity import Term
@@ -99,7 +105,8 @@ def _scored(model: Model, here: Filtered) -> tuple[np.ndarray, np.ndarray]:
     slopes = filter_slopes(model.linear_system(here.run_modes[0]), here.noise[0], run.step_s, steady)
     # What the filter corrects the model by, the motion lacks.
     still = np.zeros(len(innovations))
-    columns = [[Term(still, jumps=(innovations, -one))] for one in slopes.gain]
+    true = innovations / reads_of(model, here, 0)
+    columns = [[Term(still, jumps=(true, -one))] for one in slopes.gain]
     moved = run_signatures(model, here, 0, columns)
     white = whitened_innovations(model, here)[0]
     good = np.isfinite(run.measured)

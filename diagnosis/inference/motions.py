@@ -22,13 +22,16 @@ def motions(model: Model, filtered: Filtered) -> list[Motion]:
     for number, run in enumerate(filtered.runs):
         outputs, modes = filtered.prediction.outputs[number], filtered.run_modes[number]
         assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
+        reads = 1.0 + assembly.channel_gain
+        with np.errstate(divide="ignore", invalid="ignore"):
+            outputs = (outputs - assembly.channel_offset) / reads
         shaken = _Shaken.of(model, assembly, run)
         predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, shaken)
         start = _motion(model, modes, filtered.prediction.after[number], shaken, outputs, pushes, pushing)
         predicted = _motion(
             model, modes, filtered.prediction.before[number], shaken, outputs, predicted_pushes, pushing
         )
-        found.append(replace(predicted, start=start))
+        found.append(replace(predicted, start=start, reads=reads))
     return found
 
 
@@ -106,6 +109,7 @@ def _motion(
         table_read=shaken.read,
         table_slope=shaken.slope,
         outputs=outputs,
+        reads=np.ones(outputs.shape[1]),
         output_rate=_output_rate(model, modes, states, shaken.table, pushes, pushing),
     )
 

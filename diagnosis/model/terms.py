@@ -30,7 +30,8 @@ class Motion:
 
     `start` holds it as the filter leaves it at each sample, the rest as predicted before the sample. `table_read` is the
     table's acceleration at the delay and clock that act, without its gain [m/s^2], and `table_slope` by how much it grows
-    with its own clock's time, with the gain [m/s^3].
+    with its own clock's time, with the gain [m/s^3]. `outputs` are what faultless sensors would read, and `reads` how much
+    of it each channel reads, shape (channels,).
     """
 
     run: RunData
@@ -46,6 +47,7 @@ class Motion:
     table_slope: np.ndarray
     outputs: np.ndarray
     output_rate: np.ndarray
+    reads: np.ndarray
     start: Motion | None = None
 
 
@@ -113,9 +115,9 @@ def parameter_terms(model: Model, modes: Modes, motion: Motion, kind: str, place
     if kind == "event_gain":
         return _event_terms(model, modes, motion, place)
     if kind == "channel_gain":
-        return [channel_term(model, place, motion.outputs[:, place])]
+        return [channel_term(model, place, motion.outputs[:, place] / motion.reads[place])]
     if kind == "channel_offset":
-        return [channel_term(model, place, np.ones(len(motion.outputs)))]
+        return [channel_term(model, place, np.full(len(motion.outputs), 1.0 / motion.reads[place]))]
     return [channel_term(model, place, -motion.output_rate[:, place])]
 
 

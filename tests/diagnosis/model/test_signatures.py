@@ -17,7 +17,7 @@ from pounding.diagnosis.effects.storey import (
     DampingChange,
     Hysteresis,
 )
-from pounding.diagnosis.effects.table_and_sensors import TableClock, TableGain
+from pounding.diagnosis.effects.table_and_sensors import SensorGain, TableClock, TableGain
 from pounding.diagnosis.inference import filtering
 from pounding.diagnosis.inference.filtering import (
     LARGEST_SLOPE,
@@ -66,8 +66,11 @@ def test_signatures_are_slopes_of_the_innovations(
         assert np.median(errors(model, filtered)) > 2 * np.median(found)
 
 
-@pytest.mark.parametrize(("effect", "size"), [(TableClock(), -0.01), (TableGain(), -0.4)])
-def test_slopes_follow_the_tables_own_clock_and_gain(effect: Effect, size: float) -> None:
+@pytest.mark.parametrize(
+    ("effect", "size"),
+    [(TableClock(), -0.01), (TableGain(), -0.4), (SensorGain(index=2, channel="a3"), -1.8)],
+)
+def test_slopes_follow_gain_and_clock_of_table_and_sensors(effect: Effect, size: float) -> None:
     acting = [(effect, np.array([size]))]
     model = measured(acting)
     noise = starting_noise(model, (0,), 0.003)
