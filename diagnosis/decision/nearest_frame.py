@@ -21,11 +21,11 @@ def nearest_frame(found: Findings, judged: Judged) -> np.ndarray:
         found: What the search found; what was worked out before is kept in it.
         judged: The effects, or the null model.
     """
-    fit, model = judged.fit, found.model
-    asked = fit.effects, fit.log_posterior
+    model, filtered = found.model, judged.fit.filtered
+    # The same effects are asked of with a narrower discrepancy, too, and calibrated by their motion.
+    asked = judged.fit.effects, filtered.discrepancy, filtered.values.tobytes()
     if asked not in found.nearest:
-        filtered = fit.filtered
         noise = tolerant(model, filtered)
         start = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-        found.nearest[asked] = refined_at_its_noise(found, fit, start).filtered.values
+        found.nearest[asked] = refined_at_its_noise(found, judged.fit, start).filtered.values
     return found.nearest[asked]

@@ -14,7 +14,7 @@ import numpy as np
 
 from pounding.diagnosis.effects.bases import Departure
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.inference.filtering import Filtered, run_signatures
+from pounding.diagnosis.inference.filtering import Filtered, assembly_of, run_signatures
 from pounding.diagnosis.inference.posterior import product
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import CHANNEL_DELAY
@@ -49,9 +49,10 @@ def slopes_of_noise(
         motion: The motion of this run.
         residual: Its whitened innovations, shape (samples * channels,).
     """
-    run = filtered.runs[number]
-    assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
+    assembly = assembly_of(model, filtered, number)
     # What was not measured has no noise.
-    noise = np.nan_to_num(model.faults.rates(assembly, run) / motion.reads - motion.output_rate)
+    noise = np.nan_to_num(
+        model.faults.rates(assembly, filtered.runs[number]) / motion.reads - motion.output_rate
+    )
     groups = [[channel_term(model, channel, -series)] for channel, series in enumerate(noise.T)]
     return product(run_signatures(model, filtered, number, groups), residual)

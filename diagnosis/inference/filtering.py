@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from pounding.diagnosis.model.kalman import Gain, Noise, SteadyFilter, steady_filter
-from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Acting, Model, Prediction
+from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term, signature_pieces
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
@@ -308,6 +308,24 @@ def signature_pieces_of_run(
         first = last
 
 
+def assembly_of(
+    model: Model,
+    filtered: Filtered,
+    number: int,
+    effects: Sequence[tuple[Acting, np.ndarray]] | None = None,
+) -> Assembly:
+    """Return the system of a run, with the effects that act in it.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+        effects: Other effects, each with its SI parameters, shape (parameters,); those of the filtered model by default.
+    """
+    acting = filtered.effects if effects is None else effects
+    return model.assemble(filtered.values, acting if model.acts(filtered.runs[number]) else ())
+
+
 def reads_of(model: Model, filtered: Filtered, number: int) -> np.ndarray:
     """Return how much of what is true each channel reads in a run, shape (channels,).
 
@@ -316,8 +334,7 @@ def reads_of(model: Model, filtered: Filtered, number: int) -> np.ndarray:
         filtered: The filtered model.
         number: Number of the run among those of the filtered model.
     """
-    acts = model.acts(filtered.runs[number])
-    return np.asarray(1.0 + model.assemble(filtered.values, filtered.effects if acts else ()).channel_gain)
+    return np.asarray(1.0 + assembly_of(model, filtered, number).channel_gain)
 
 
 def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | None:
@@ -328,18 +345,15 @@ def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | Non
         filtered: The filtered model.
         number: Number of the run among those of the filtered model.
     """
-    laws, modes, run = (
-        _laws(model, filtered, number, filtered.effects),
-        filtered.run_modes[number],
-        filtered.runs[number],
-    )
+    run, laws = filtered.runs[number], assembly_of(model, filtered, number).laws
     if not laws:
         return None
     # They are asked for several times in turn: those that were worked out last are kept.
     known = model.tangents.get(run)
     if known is None or known[0] is not filtered.kept:
-        system, along = model.linear_system(modes), _along(model, filtered, number)
-        model.tangents[run] = known = filtered.kept, tangents(laws, modes, system, along)
+        modes = filtered.run_modes[number]
+        found = tangents(laws, modes, model.linear_system(modes), _along(model, filtered, number))
+        model.tangents[run] = known = filtered.kept, found
     return known[1]
 
 
@@ -357,15 +371,8 @@ def forces_of(
     Returns:
         At each sample and in the middle of each substep, shape (samples, 1 + substeps, laws).
     """
-    laws, modes = _laws(model, filtered, number, effects), filtered.run_modes[number]
-    return law_forces(laws, modes, _along(model, filtered, number))
-
-
-def _laws(
-    model: Model, filtered: Filtered, number: int, effects: Sequence[tuple[Acting, np.ndarray]]
-) -> Sequence[PlacedLaw]:
-    acts = model.acts(filtered.runs[number])
-    return model.assemble(filtered.values, effects if acts else ()).laws
+    laws = assembly_of(model, filtered, number, effects).laws
+    return law_forces(laws, filtered.run_modes[number], _along(model, filtered, number))
 
 
 def _along(model: Model, filtered: Filtered, number: int) -> Along:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pounding.diagnosis.inference.filtering import Filtered, tangents_of
+from pounding.diagnosis.inference.filtering import Filtered, assembly_of, tangents_of
 from pounding.diagnosis.model.kalman import linear_system
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
@@ -20,50 +20,55 @@ def motions(model: Model, filtered: Filtered) -> list[Motion]:
     """Return the motion of each run of a baseline, as predicted and as filtered."""
     found = []
     for number, run in enumerate(filtered.runs):
-        outputs, modes = filtered.prediction.outputs[number], filtered.run_modes[number]
-        assembly = model.assemble(filtered.values, filtered.effects if model.acts(run) else ())
-        reads = 1.0 + assembly.channel_gain
-        with np.errstate(divide="ignore", invalid="ignore"):
-            outputs = (outputs - assembly.channel_offset) / reads
-        shaken = _Shaken.of(model, assembly, run)
-        predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, shaken)
-        start = _motion(model, modes, filtered.prediction.after[number], shaken, outputs, pushes, pushing)
-        predicted = _motion(
-            model, modes, filtered.prediction.before[number], shaken, outputs, predicted_pushes, pushing
-        )
-        found.append(replace(predicted, start=start, reads=reads))
+        modes, assembly = filtered.run_modes[number], assembly_of(model, filtered, number)
+        seen = _Seen.of(model, assembly, run, filtered.prediction.outputs[number])
+        predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, seen)
+        start = _motion(model, modes, filtered.prediction.after[number], seen, pushes, pushing)
+        predicted = _motion(model, modes, filtered.prediction.before[number], seen, predicted_pushes, pushing)
+        found.append(replace(predicted, start=start))
     return found
 
 
 @dataclass(frozen=True)
-class _Shaken:
-    """A run, and how the table shakes it with the gain, delay and clock that act.
+class _Seen:
+    """A run as table and sensors have it, with the gains, offsets, delays and clocks that act.
 
     Attributes:
         run: The run.
-        table: Acceleration of the table at the samples [m/s^2], shape (samples,). read, slope: Of `Motion`, of that shape.
+        table: Acceleration of the table at the samples [m/s^2], shape (samples,).
+        table_read, table_slope, outputs, reads: Of `Motion`.
     """
 
     run: RunData
     table: np.ndarray
-    read: np.ndarray
-    slope: np.ndarray
+    table_read: np.ndarray
+    table_slope: np.ndarray
+    outputs: np.ndarray
+    reads: np.ndarray
 
     @classmethod
-    def of(cls, model: Model, assembly: Assembly, number: int) -> _Shaken:
+    def of(cls, model: Model, assembly: Assembly, number: int, read: np.ndarray) -> _Seen:
+        """Return it from what the channels of a run read as predicted, shape (samples, channels)."""
         run = model.observed.runs[number]
         at = np.arange(len(run.table)) * run.step_s
-        read = model.table_at(replace(assembly, table_gain=0.0), number, at)
-        table = (1.0 + assembly.table_gain) * read
-        return cls(run, table, read, model.table_slope(assembly, number, at))
+        table = model.table_at(replace(assembly, table_gain=0.0), number, at)
+        reads = 1.0 + assembly.channel_gain
+        return cls(
+            run=run,
+            table=(1.0 + assembly.table_gain) * table,
+            table_read=table,
+            table_slope=model.table_slope(assembly, number, at),
+            outputs=(read - assembly.channel_offset) / reads,
+            reads=reads,
+        )
 
 
 def _pushes(
-    model: Model, filtered: Filtered, number: int, assembly: Assembly, shaken: _Shaken
+    model: Model, filtered: Filtered, number: int, assembly: Assembly, seen: _Seen
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return modal forces of contacts and laws in a run, each (samples, modes): as predicted, as left, and their rate."""
     run, modes, before = filtered.runs[number], filtered.run_modes[number], filtered.prediction.before[number]
-    data, n = shaken.run, len(modes.omega)
+    data, n = seen.run, len(modes.omega)
     known, rate = np.zeros((len(before), n)), np.zeros((len(before), n))
     at, near = np.arange(len(before)) * data.step_s, data.step_s / data.substeps
     for column, (left, right) in enumerate(model.observed.contact_floors):
@@ -76,7 +81,7 @@ def _pushes(
         return known, known, rate
     predicted, left = (known - forces @ laws.rows for forces in (laws.forces[:, 0], laws.left))
     system = model.linear_system(modes)
-    faster = before @ system.rate[n : 2 * n].T - np.outer(shaken.table, modes.participation) + predicted
+    faster = before @ system.rate[n : 2 * n].T - np.outer(seen.table, modes.participation) + predicted
     for j, row in enumerate(laws.rows):
         by_drift, by_rate = laws.at_sample[:, j, 0], laws.at_sample[:, j, 1]
         rate -= np.outer(by_drift * (before[:, n : 2 * n] @ row) + by_rate * (faster @ row), row)
@@ -87,8 +92,7 @@ def _motion(
     model: Model,
     modes: Modes,
     states: np.ndarray,
-    shaken: _Shaken,
-    outputs: np.ndarray,
+    seen: _Seen,
     pushes: np.ndarray,
     pushing: np.ndarray,
 ) -> Motion:
@@ -97,7 +101,7 @@ def _motion(
     floor, floor_rate = eta @ modes.floors.T, rate @ modes.floors.T
     drift = model.structure.drift
     return Motion(
-        run=shaken.run,
+        run=seen.run,
         eta=eta,
         eta_rate=rate,
         floor=floor,
@@ -106,11 +110,11 @@ def _motion(
         drift_rate=floor_rate @ drift.T,
         acceleration=_acceleration(model, modes, states) + pushes @ modes.floors.T,
         table_rate=states[:, -1],
-        table_read=shaken.read,
-        table_slope=shaken.slope,
-        outputs=outputs,
-        reads=np.ones(outputs.shape[1]),
-        output_rate=_output_rate(model, modes, states, shaken.table, pushes, pushing),
+        table_read=seen.table_read,
+        table_slope=seen.table_slope,
+        outputs=seen.outputs,
+        reads=seen.reads,
+        output_rate=_output_rate(model, modes, states, seen.table, pushes, pushing),
     )
 
 

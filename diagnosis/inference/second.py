@@ -124,12 +124,12 @@ def _gained(found: Findings, first: Judged) -> float:
 
 
 def _refine_beside(found: Findings, first: Judged, worth: Sequence[Score]) -> None:
-    fit, about = first.fit, first.fit.filtered
-    quick = each(found, partial(refined, found, about, with_fit=fit, thorough=False), worth)
+    fit = first.fit
+    quick = each(found, partial(refined, found, fit.filtered, with_fit=fit, thorough=False), worth)
     order = not_yet_likelier(found.judged, quick)
 
     def both(i: int) -> Fit:
-        return refined(found, about, worth[i], fit, quick[i])
+        return refined(found, fit.filtered, worth[i], fit, quick[i])
 
     # What leads is refined first: of the others only those that come near it need be.
     for together in (order[:1], order[1:]):

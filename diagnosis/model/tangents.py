@@ -134,26 +134,31 @@ def tangents(placed: Sequence[PlacedLaw], modes: Modes, system: LinearSystem, al
         along: Its motion.
     """
     met = _Met.of(placed, modes, along)
-    remembered = max(one.law.followed for one in placed)
-    forces = np.zeros(met.drift.shape)
-    slopes = np.zeros((*forces.shape, 1 + remembered, 2 + remembered))
+    remembered, (laws, samples, each) = max(one.law.followed for one in placed), met.drift.shape
+    forces = np.zeros((samples, each, laws))
+    # Of what laws answer, single precision is enough.
+    at_sample = np.zeros((samples, laws, 2 + remembered), np.float32)
+    within = np.zeros((samples, each - 2, laws, 1 + remembered, 2 + remembered), np.float32)
     for j, address in enumerate(met.laws):
-        forces[j], memory = met.forces(j)
+        forces[:, :, j], memory = met.forces(j)
         moved = met.drift[j], met.rate[j], *np.moveaxis(memory, -1, 0)[: placed[j].law.followed]
         nudge = NUDGE * np.array([np.abs(one).max() for one in moved])
-        _slopes(address, met.parameters[j], met.drift[j], met.rate[j], met.step_s, nudge, memory, slopes[j])
-    # Where the motion has blown up there is no slope.
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)
-    used = 1 + np.flatnonzero(slopes[:, :, 2:, 1:].any(axis=(0, 1, 2, 4)))
-    slopes = slopes[..., np.r_[0, used], :][..., np.r_[0, 1, 1 + used]]
+        slopes = np.zeros((samples, each, 1 + remembered, 2 + remembered))
+        _slopes(address, met.parameters[j], met.drift[j], met.rate[j], met.step_s, nudge, memory, slopes)
+        # Where the motion has blown up there is no slope.
+        slopes[~np.isfinite(slopes)] = 0.0
+        at_sample[:, j], within[:, :, j] = slopes[:, 0, 0], slopes[:, 2:]
+    used = 1 + np.flatnonzero(within[..., 1:, :].any(axis=(0, 1, 2, 4)))
+    if len(used) < remembered:
+        at_sample = np.ascontiguousarray(at_sample[..., np.r_[0, 1, 1 + used]])
+        within = np.ascontiguousarray(within[..., np.r_[0, used], :][..., np.r_[0, 1, 1 + used]])
     return Tangents(
         rows=met.rows,
         room=met.room,
-        forces=np.delete(forces, 1, axis=2).transpose(1, 2, 0),
-        left=forces[:, :, 1].T,
-        # Of what they answer, single precision is enough.
-        at_sample=slopes[:, :, 0, 0].swapaxes(0, 1).astype(np.float32, order="C"),
-        within=slopes[:, :, 2:].transpose(1, 2, 0, 3, 4).astype(np.float32, order="C"),
+        forces=np.delete(forces, 1, axis=1),
+        left=forces[:, 1],
+        at_sample=at_sample,
+        within=within,
         half=system.held(along.step_s / (2 * along.middle.shape[1])),
     )
 
