@@ -33,6 +33,51 @@ class Added(NamedTuple):
         return Added(self.law, self.term, self.forces.astype(precision, order="C"))
 
 
+class _Step(NamedTuple):
+    """What a step makes of the drifts and rates that laws meet in the middle of each substep.
+
+    Attributes:
+        middles: Of a unit of each state after the filter's correction, shape (2 laws substeps, states).
+        held: Of a unit of each modal force, and of the table's acceleration, that is held from then on, shape (2 laws
+            substeps, modes + 1).
+        onwards: Of the force of each law in the last substep of the step before, and in each substep, shape (substeps, 2
+            laws, (1 + substeps) laws).
+        pushed: What the same forces add to the states at the end of the step, shape (states, (1 + substeps) laws).
+    """
+
+    middles: np.ndarray
+    held: np.ndarray
+    onwards: np.ndarray
+    pushed: np.ndarray
+
+    @classmethod
+    def of(cls, laws: Tangents, seen: np.ndarray) -> _Step:
+        """Return it from the drifts and rates of a unit of each state, shape (2 laws, states)."""
+        (half, pushed), (count, _), substeps = laws.half, laws.rows.shape, laws.within.shape[1]
+        whole, by_law = half @ half, np.vstack([laws.rows.T, np.zeros(count)])
+        # What a force that is held makes of the states until the middle of the substep in which it begins, and its end.
+        until_half, until_end = pushed @ by_law, (pushed + half @ pushed) @ by_law
+        middles, held, onward, so_far, pushes = [], [], half, pushed, [until_end]
+        for _ in range(substeps):
+            middles.append(seen @ onward)
+            held.append(seen @ so_far)
+            onward, so_far = onward @ whole, so_far + onward @ (pushed + half @ pushed)
+            pushes.append(whole @ pushes[-1])
+        none, onwards = np.zeros_like(until_half), []
+        for j in range(substeps):
+            earlier = [none, *(half @ one for one in pushes[:j][::-1]), *[none] * (substeps - j)]
+            # Until the middle of a substep the predictor takes the force that the law had in the substep before.
+            earlier[j] = earlier[j] + until_half
+            onwards.append(np.hstack([seen @ one for one in earlier]))
+        # The last force of the step before has pushed already.
+        return cls(
+            np.vstack(middles),
+            np.vstack(held),
+            np.array(onwards),
+            np.hstack([none, *pushes[:substeps][::-1]]),
+        )
+
+
 class LawFeedback(NamedTuple):
     """The feedback of laws about a motion to each term: tangent stiffness, damping and memory in the closed loop.
 
@@ -73,8 +118,7 @@ class LawFeedback(NamedTuple):
         own: OwnMotions | None,
         shown: np.ndarray,
         laws: Tangents,
-        lacking: np.ndarray,
-        force: np.ndarray,
+        pushes: tuple[np.ndarray, np.ndarray, np.ndarray],
     ) -> LawFeedback:
         """Return the feedback to terms.
 
@@ -84,9 +128,9 @@ class LawFeedback(NamedTuple):
             own: The motions that are the loop's states; None where these are the filter's own.
             shown: Matrix by which the innovations are multiplied, shape (channels, channels).
             laws: The laws.
-            lacking: What the ends of the terms have made of the filter's states, which are less that (`pushed`), taken
-                negative, shape (states, terms).
-            force: Modal forces, and acceleration of the table, that a unit of each term makes, shape (modes + 1, terms).
+            pushes: Modal forces, and acceleration of the table, that a unit of each term makes, shape (modes + 1, terms);
+                what its end adds to the channels, shape (channels, terms); and what this end has made of the filter's
+                states, which are less that (`pushed`), taken negative, shape (states, terms).
         """
         count, modes = laws.rows.shape
         states, substeps = len(steady.step), laws.within.shape[1]
@@ -94,43 +138,29 @@ class LawFeedback(NamedTuple):
         seen[:count, :modes] = laws.rows
         seen[count:, modes : 2 * modes] = laws.rows
         seen[count:, -1] = laws.room
-        half, pushed = laws.half
-        whole, by_law = half @ half, np.vstack([laws.rows.T, np.zeros(count)])
-        # What a force that is held makes of the states until the middle of the substep in which it begins, and its end.
-        until_half, until_end = pushed @ by_law, (pushed + half @ pushed) @ by_law
+        force, direct, lacking = pushes
         at_once = steady.direct @ laws.rows.T
-        middles, held, onwards = [], [], []
-        onward, so_far, pushes = half, pushed, [until_end]
-        for _ in range(substeps):
-            middles.append(seen @ onward)
-            held.append(seen @ so_far @ force)
-            onward, so_far = onward @ whole, so_far + onward @ (pushed + half @ pushed)
-            pushes.append(whole @ pushes[-1])
-        none = np.zeros_like(until_half)
-        for j in range(substeps):
-            # Until the middle of a substep the predictor takes the force that the law had in the substep before.
-            earlier = [none, *(half @ one for one in pushes[:j][::-1]), *[none] * (substeps - j)]
-            earlier[j] = earlier[j] + until_half
-            onwards.append(np.hstack([-middles[j] @ steady.gain @ at_once, *(seen @ one for one in earlier)]))
-        kept = [-steady.step @ steady.gain @ at_once, none, *pushes[:substeps][::-1]]
-        inputs, within = np.hstack(kept), np.vstack(middles)
+        step = _Step.of(laws, seen)
+        # In the middle of a substep the filter has corrected the states by what is shown.
+        corrected = step.middles - step.middles @ steady.gain @ steady.output
+        answered = -(step.middles @ steady.gain)
         back = np.eye(states) if own is None else own.back
-        # In the middles of the substeps the filter has corrected the states by what is shown.
-        corrected = within @ steady.gain @ np.linalg.inv(shown)
         below = loop._replace(
-            output=np.vstack([loop.output, seen @ back, within @ back - corrected @ loop.output]),
-            direct=np.vstack([loop.direct, -seen @ lacking, -within @ lacking - corrected @ loop.direct]),
+            output=np.vstack([loop.output, seen @ back, corrected @ back]),
+            direct=np.vstack([loop.direct, -seen @ lacking, -step.middles @ lacking + answered @ direct]),
         )
+        by_sample = (answered @ at_once).reshape(substeps, 2 * count, count)
+        inputs = np.hstack([-steady.step @ steady.gain @ at_once, step.pushed])
         terms, remembered = lacking.shape[1], laws.within.shape[3] - 1
         return cls(
             loop=below,
             at_sample=laws.at_sample,
             within=laws.within,
-            held=np.vstack(held),
-            onwards=np.array(onwards),
+            held=step.held @ force,
+            onwards=np.concatenate([by_sample, step.onwards], axis=2),
             pushed=inputs if own is None else own.forth @ inputs,
             direct=shown @ at_once,
-            seen=within,
+            seen=step.middles,
             memory=np.zeros((count, remembered, terms)),
             last=np.zeros((count, terms)),
         )

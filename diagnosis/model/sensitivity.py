@@ -104,7 +104,9 @@ def signature_pieces(
     # What is shown is kept in single precision anyhow, and own motions do not lose its digits.
     precision = np.float64 if own is None else np.float32
     loop = Loop(turn, shows, moved[:2], shown @ direct, column, turning=own is not None)
-    feedback = None if laws is None else LawFeedback.of(loop, steady, own, shown, laws, inputs[2], force)
+    feedback = (
+        None if laws is None else LawFeedback.of(loop, steady, own, shown, laws, (force, direct, inputs[2]))
+    )
     loop, feedback = loop.rounded(precision), feedback and feedback.rounded(precision)
     ends = [term.series if term.end is None else term.end for term in terms]
     state = (moved[2] * np.array([end[0] for end in ends])).astype(precision)
