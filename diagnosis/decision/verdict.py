@@ -326,11 +326,22 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
     needed = _second_evidence(found, single, double)
     if double.ln_bayes - single.ln_bayes <= needed:
         return False
-    if signal_to_noise(found, double, single) < SETTINGS.decision.second_size:
+    if signal_to_noise(found, double, single) < SETTINGS.decision.second_size or _untold(single, double):
         return False
     if _something_left(found, single) and not _something_left(found, double):
         return True
     return beside_latent_force(found, single, double).gained > needed
+
+
+def _untold(single: Judged, double: Judged) -> bool:
+    """Return whether the second effect is a sensor's fault that may as well be none, by its standard error."""
+    fit = double.fit
+    return any(
+        effect.channel is not None
+        and effect not in single.effects
+        and abs(values[0]) < SETTINGS.decision.told * std[0]
+        for effect, values, std in zip(fit.effects, fit.values, fit.std, strict=True)
+    )
 
 
 def _eases(found: Findings, single: Judged, double: Judged) -> bool:

@@ -172,7 +172,11 @@ def judged(data: Data, tried: Tried, filtered: Filtered) -> Judged:
     effects = tuple(one() for one in tried.effects)
     values = [np.ones(len(one.quantities)) for one in effects]
     fit: Any = SimpleNamespace(
-        effects=effects, values=values, std=values, filtered=filtered, log_posterior=tried.ln_bayes
+        effects=effects,
+        values=values,
+        std=[0.1 * one for one in values],
+        filtered=filtered,
+        log_posterior=tried.ln_bayes,
     )
     misfits = data.misfits(tried.over)
     return Judged(fit, tried.ln_bayes, (tried.over * data.noise,) * 2, misfits)
