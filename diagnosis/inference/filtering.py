@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
+from weakref import ref
 
 import numpy as np
 
@@ -348,12 +349,12 @@ def tangents_of(model: Model, filtered: Filtered, number: int) -> Tangents | Non
     run, laws = filtered.runs[number], assembly_of(model, filtered, number).laws
     if not laws:
         return None
-    # They are asked for several times in turn: those that were worked out last are kept.
+    # They are asked for several times in turn: those that were worked out last are kept, but no prediction for them.
     known = model.tangents.get(run)
-    if known is None or known[0] is not filtered.kept:
+    if known is None or known[0]() is not filtered.kept:
         modes = filtered.run_modes[number]
         found = tangents(laws, modes, model.linear_system(modes), _along(model, filtered, number))
-        model.tangents[run] = known = filtered.kept, found
+        model.tangents[run] = known = ref(filtered.kept), found
     return known[1]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
@@ -92,6 +92,8 @@ class Model:
 
     Attributes:
         faults: What the sensors make of the motion, and what they would have read without their faults.
+        tangents: Laws along the motion that was asked for last (`inference.filtering`), by the number of the run, each with
+            what returns that motion as long as somebody else needs it.
     """
 
     def __init__(
@@ -117,7 +119,7 @@ class Model:
         self._plain: Last[Assembly] = Last()
         self._modes: Last[Modes] = Last()
         self._between: Last[np.ndarray] = Last()
-        self.tangents: dict[int, tuple[object, Tangents]] = {}
+        self.tangents: dict[int, tuple[Callable[[], object | None], Tangents]] = {}
 
     def spread(self, discrepancy: float) -> np.ndarray:
         """Return the prior standard deviations of the nuisance parameters in their own units, shape (nuisance,).
