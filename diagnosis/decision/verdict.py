@@ -50,6 +50,8 @@ def _decided(found: Findings) -> Decision:
     judged = found.claimable()
     single = _heard(found, [one for one in judged if len(one.effects) == 1])
     if not single or not _detected(found, single[0]):
+        if single and _itself_only_with(found, single[0]):
+            return _named(found, single[0], single, _model_checks(found, single[0])[1])
         objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
@@ -72,6 +74,11 @@ def _decided(found: Findings) -> Decision:
         return Decision("nothing_missing", found.null, (), said)
     if drowned or not held:
         return Decision("unknown_effect", chosen, (), said)
+    return _named(found, chosen, single, said)
+
+
+def _named(found: Findings, chosen: Judged, single: list[Judged], said: tuple[str, ...]) -> Decision:
+    """Return the verdict that names effects, as a class where this data cannot tell which they are."""
     alike = _alike(found, chosen, single)
     return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
 
@@ -210,6 +217,18 @@ def _another_frame(found: Findings, judged: Judged) -> list[str]:
     if not said or found.reference or not (by_law or _something_left(found, judged)):
         return said
     return strained(found.model, nearest_frame(found, judged))
+
+
+def _itself_only_with(found: Findings, judged: Judged) -> bool:
+    """Return whether the frame is the one that case.toml names with a likely effect, and another one without it.
+
+    What is missing has then moved into stiffness and mass, and leaves no misfit by which it could be large enough.
+    """
+    if found.pair is not None or judged.effects[0].rival or judged.ln_bayes < thresholds(found)[0]:
+        return False
+    if strained(found.model, judged.fit.filtered.values) or not _another_frame(found, found.null):
+        return False
+    return not _model_checks(found, judged)[0]
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:

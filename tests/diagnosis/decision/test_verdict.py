@@ -130,6 +130,34 @@ def test_an_effect_that_bends_a_frame_which_is_itself_without_it_is_not_another_
 
 
 @pytest.mark.parametrize(
+    ("without", "beside", "ln_bayes", "verdict"),
+    [
+        pytest.param(5.0, 0.0, 40.0, "effect_named", id="another one without it"),
+        pytest.param(0.0, 0.0, 40.0, "nothing_missing", id="itself without it, too"),
+        pytest.param(5.0, 5.0, 40.0, "unknown_effect", id="another one with it, too"),
+        pytest.param(5.0, 0.0, 20.0, "unknown_effect", id="too little says so"),
+    ],
+)
+def test_an_effect_too_small_to_be_named_is_if_the_frame_is_another_one_without_it(
+    without: float, beside: float, ln_bayes: float, verdict: str
+) -> None:
+    """What is missing is in stiffness and mass, and takes nothing out of the channels."""
+    model, usual = bench()
+    far = np.array([one.kind == "storey_stiffness" for one in model.parameters]) * model.std
+    found = findings(
+        Problem(1.0, (Tried((MASS,), ln_bayes, 1.0),), ""),
+        DATA["quiet"],
+        cast(Filtered, replace(usual, values=beside * far)),
+    )
+    found.null = judged(
+        DATA["quiet"], Tried((), 0.0, 1.0), cast(Filtered, replace(usual, values=without * far))
+    )
+    # The likeliest baseline model has a wide discrepancy instead.
+    found.wide = judged(DATA["quiet"], Tried((), 0.0, 1.0), usual)
+    assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize(
     ("alone", "alike", "verdict"),
     [(0.0, 0.0, "effect_named"), (0.0, 5.0, "unknown_effect"), (5.0, 0.0, "unknown_effect")],
     ids=["the law bends it", "it is another one with the effect", "it is another one without it"],
