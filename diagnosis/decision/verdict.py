@@ -62,7 +62,7 @@ def _decided(found: Findings) -> Decision:
     if worth or (doubles and _eases(found, first, doubles[0])):
         chosen = _of_two(found, first, doubles[0])
     if worth and chosen is not first:
-        chosen = with_sizes(found, first, chosen)
+        chosen = _sized(found, first, chosen)
     objections, said = _model_checks(found, chosen)
     # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
     taken = len(chosen.effects) == 1 and straightens(found, chosen)
@@ -81,6 +81,15 @@ def _named(found: Findings, chosen: Judged, single: list[Judged], said: tuple[st
     """Return the verdict that names effects, as a class where this data cannot tell which they are."""
     alike = _alike(found, chosen, single)
     return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
+
+
+def _sized(found: Findings, single: Judged, double: Judged) -> Judged:
+    """Return two effects with the sizes that they have whatever force acts, where the frame moves as measured with these.
+
+    Such a force may take the part of an effect, and sizes with which the frame moves otherwise say nothing of it.
+    """
+    sized = with_sizes(found, single, double)
+    return double if _something_left(found, sized) and not _something_left(found, double) else sized
 
 
 def _detected(found: Findings, judged: Judged) -> bool:

@@ -157,6 +157,18 @@ def test_an_effect_too_small_to_be_named_is_if_the_frame_is_another_one_without_
     assert decide(found).verdict == verdict
 
 
+@pytest.mark.parametrize("over", [1.0, 3.0], ids=["moves as measured", "moves otherwise"])
+def test_sizes_beside_any_force_count_only_if_the_frame_moves_as_measured_with_them(
+    monkeypatch: pytest.MonkeyPatch, over: float
+) -> None:
+    problem, data = PROBLEMS["two effects at once, in two places"], DATA["quiet"]
+    sized = judged(data, replace(problem.tried[0], over=over), bench()[1])
+    monkeypatch.setattr(verdict_rules, "with_sizes", lambda *_: sized)
+    found, decision = decided(problem, data)
+    assert decision.verdict == "effect_named"
+    assert decision.judged is (sized if over == 1.0 else found.judged[0])
+
+
 @pytest.mark.parametrize(
     ("alone", "alike", "verdict"),
     [(0.0, 0.0, "effect_named"), (0.0, 5.0, "unknown_effect"), (5.0, 0.0, "unknown_effect")],
