@@ -51,7 +51,9 @@ def _decided(found: Findings) -> Decision:
     single = _heard(found, [one for one in judged if len(one.effects) == 1])
     if not single or not _detected(found, single[0]):
         if single and _itself_only_with(found, single[0]):
-            return _named(found, single[0], single, _model_checks(found, single[0])[1])
+            objections, said = _model_checks(found, single[0])
+            if not objections:
+                return _named(found, single[0], single, said)
         objections, said = _model_checks(found, found.null)
         if objections or (_something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
@@ -235,9 +237,7 @@ def _itself_only_with(found: Findings, judged: Judged) -> bool:
     """
     if found.pair is not None or judged.effects[0].rival or judged.ln_bayes < thresholds(found)[0]:
         return False
-    if strained(found.model, judged.fit.filtered.values) or not _another_frame(found, found.null):
-        return False
-    return not _model_checks(found, judged)[0]
+    return not strained(found.model, judged.fit.filtered.values) and bool(_another_frame(found, found.null))
 
 
 def _something_left(found: Findings, judged: Judged) -> bool:

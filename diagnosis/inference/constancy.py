@@ -15,6 +15,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from pounding.diagnosis.inference.histories import Histories
+from pounding.diagnosis.inference.posterior import posterior_covariance
 
 CHANCE = 0.05
 """Probability with which a parameter that is constant seems not to be."""
@@ -32,7 +33,7 @@ def between_windows(histories: Histories, theta: np.ndarray, gram: np.ndarray) -
         theta: The fit in units of the priors, shape (parameters,), the effects' coordinates last.
         gram: Information of the data about the effects' coordinates, shape (coordinates, coordinates).
     """
-    covariance = np.linalg.inv(gram + np.eye(len(gram)))
+    covariance = posterior_covariance(gram)
     # What a coordinate does beyond what the others can do: the others follow it.
     beyond = covariance / np.diag(covariance)
     each = np.array(list(_windows(histories, theta, beyond))).reshape(-1, 2, len(gram))

@@ -20,7 +20,7 @@ from pounding.diagnosis.effects.storey import StiffnessChange
 from pounding.diagnosis.inference.coordinates import Amplitudes
 from pounding.diagnosis.inference.modal_model import Joints
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
-from pounding.diagnosis.inference.posterior import Posterior, descend
+from pounding.diagnosis.inference.posterior import Posterior, descend, posterior_covariance
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.settings import SETTINGS
@@ -123,7 +123,7 @@ def weigh(model: Model, data: Sequence[ModalDatum], acting: Sequence[Effect] = (
     posterior, theta = _likeliest(numbers, coordinates)
     gram, slope = posterior.normal_equations(theta)
     count = len(model.std)
-    spread = np.sqrt(np.diag(np.linalg.inv(gram + np.eye(len(gram)))))[count:]
+    spread = np.sqrt(np.diag(posterior_covariance(gram)))[count:]
     return Weighed(
         acting=tuple(acting),
         log_evidence=posterior.log_evidence(theta, gram, slope),
@@ -150,7 +150,7 @@ def foretell(
     gram, _ = posterior.normal_equations(theta)
     everything = NumbersTerm(Numbers(model, (), data), coordinates)
     ((residual, columns),) = everything.blocks(theta)
-    uncertain = np.einsum("ij,jk,ik->i", columns, np.linalg.inv(gram + np.eye(len(gram))), columns)
+    uncertain = np.einsum("ij,jk,ik->i", columns, posterior_covariance(gram), columns)
     told = everything.numbers.shown(coordinates.nuisance(theta), coordinates.acting(theta))
     return np.exp(told), residual / np.sqrt(1 + uncertain)
 

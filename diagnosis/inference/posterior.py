@@ -200,12 +200,12 @@ class Posterior:
         found -= 0.5 * float(np.linalg.slogdet(information)[1])
         if not self.truncated or slope is None:
             return found
-        covariance = np.linalg.inv(information)
+        known = posterior_covariance(gram)
         pull = slope - theta
-        centre = theta + covariance @ pull
-        found += 0.5 * float(pull @ covariance @ pull)
+        centre = theta + known @ pull
+        found += 0.5 * float(pull @ known @ pull)
         for j in self.truncated:
-            spread = float(np.sqrt(covariance[j, j]))
+            spread = float(np.sqrt(known[j, j]))
             inside = _log_inside((self.lower[j] - centre[j]) / spread, (self.upper[j] - centre[j]) / spread)
             found += inside - _log_inside(float(self.lower[j]), float(self.upper[j]))
         return found
@@ -298,6 +298,25 @@ def descend(
         if before - after < enough:
             break
     return posterior, theta
+
+
+def posterior_covariance(gram: np.ndarray) -> np.ndarray:
+    """Return the covariance of parameters that have unit priors, (parameters, parameters), not a number where they blow up.
+
+    What sticks may have 1e20 times the information of its prior: on the scale of its diagonal, by eigenvalues, no rounding
+    makes a variance negative.
+
+    Args:
+        gram: Information of the data, shape (parameters, parameters).
+    """
+    information = gram + np.eye(len(gram))
+    if not np.isfinite(information).all():
+        return np.full_like(information, np.nan)
+    scale = 1.0 / np.sqrt(np.diag(information))
+    values, vectors = np.linalg.eigh(information * np.outer(scale, scale))
+    least = len(gram) * np.finfo(float).eps
+    root = scale[:, None] * vectors / np.sqrt(np.maximum(values, least))
+    return np.asarray(root @ root.T)
 
 
 def _log_inside(lower: float, upper: float) -> float:

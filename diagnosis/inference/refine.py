@@ -15,7 +15,14 @@ from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.histories import Histories
 from pounding.diagnosis.inference.likeliest_noise import likeliest_noise
 from pounding.diagnosis.inference.numbers import Numbers, NumbersTerm
-from pounding.diagnosis.inference.posterior import DAMPED, SHORTENED, Marquardt, Trials, descend
+from pounding.diagnosis.inference.posterior import (
+    DAMPED,
+    SHORTENED,
+    Marquardt,
+    Trials,
+    descend,
+    posterior_covariance,
+)
 from pounding.diagnosis.model.free_memory import give_back
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -355,7 +362,7 @@ def _finished(histories: Histories, theta: np.ndarray, to_the_end: bool) -> Fit:
     own = len(model.std)
     any_scale = Linearised(gram, slope, theta, model.discrepant, filtered.discrepancy).gained()
     size = np.concatenate([coordinates.scale, coordinates.slopes(theta)])
-    scaled, between = np.linalg.inv(gram + np.eye(len(gram))), np.zeros(len(gram) - own)
+    scaled, between = posterior_covariance(gram), np.zeros(len(gram) - own)
     if coordinates.effects:
         between = between_windows(histories, theta, gram[own:, own:])
         scaled[range(own, len(scaled)), range(own, len(scaled))] += between

@@ -19,6 +19,7 @@ from pounding.diagnosis.inference.posterior import (
     add_products,
     bounded_step,
     descend,
+    posterior_covariance,
 )
 
 RNG = np.random.default_rng(3)
@@ -194,3 +195,16 @@ def test_a_descent_follows_a_bent_valley_to_where_the_prior_is_best() -> None:
     whole, theta = descend(whole, start, 3)
     assert theta == pytest.approx(np.zeros(2), abs=0.02)
     assert whole.cost(theta) < 0.01
+
+
+def test_no_rounding_makes_a_variance_negative() -> None:
+    """A stuck joint's force and stiffness, with 1e22 times the information of their priors, are all but the same."""
+    rng = np.random.default_rng(3)
+    for spread in (1e-9, 1e-8, 1e-7):
+        one, other, third = rng.normal(size=(3, 50))
+        columns = np.column_stack([1e11 * one, 1e11 * (one + spread * other), third])
+        variance = np.diag(posterior_covariance(columns.T @ columns))
+        assert np.all((variance >= 0.0) & (variance <= 1.0 + 1e-6))
+    gram = np.diag([1e22, 3.0, 0.0])
+    assert np.diag(posterior_covariance(gram)) == pytest.approx([1e-22, 0.25, 1.0])
+    assert np.isnan(posterior_covariance(np.diag([np.inf, 1.0]))).all()
