@@ -21,7 +21,7 @@ from pounding.diagnosis.decision.claims import (
 )
 from pounding.diagnosis.decision.confidence import Basis, basis, confidence
 from pounding.diagnosis.decision.decision import Decision, Verdict
-from pounding.diagnosis.decision.measures import less_certain
+from pounding.diagnosis.decision.sizes import likeliest_sizes, stated_sizes
 from pounding.diagnosis.decision.verdict import features
 from pounding.diagnosis.effects.catalogue import CHANNEL_UNIT, Effect
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -78,9 +78,31 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
         confidence=confidence(given),
         basis=basis(given),
         effects=_claims(case, found, decision),
-        candidates=_candidates(case, found),
-        warnings=(*case.warnings, *found.model.observed.warnings, *decision.model_checks),
+        candidates=_candidates(case, found, decision),
+        warnings=(
+            *case.warnings,
+            *found.model.observed.warnings,
+            *decision.model_checks,
+            *_biased(case, found, decision),
+        ),
     )
+
+
+def _biased(case: Case, found: Findings, decision: Decision) -> list[str]:
+    """Return a sentence where other sizes than the likeliest are stated."""
+    likeliest = likeliest_sizes(found, decision)
+    if likeliest is None:
+        return []
+    each = zip(likeliest.fit.effects, likeliest.fit.stated(found.model, found.sizes), strict=True)
+    sizes = [
+        parameters(case, found, effect, *sizes)[0].words()
+        for effect, sizes in each
+        if effect in likeliest.effects and effect.frame is not None
+    ]
+    return [
+        f"the likeliest size is {' and '.join(sizes)}, which errors of the model bias: stated is what holds beside the "
+        "error that this model may have"
+    ]
 
 
 def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...]:
@@ -88,7 +110,7 @@ def _claims(case: Case, found: Findings, decision: Decision) -> tuple[Claim, ...
         return ()
     judged = decision.judged
     shown = []
-    sizes_of = judged.fit.stated(found.model, found.sizes, less_certain(found, judged))
+    sizes_of = stated_sizes(found, judged)
     for effect, (values, std) in zip(judged.fit.effects, sizes_of, strict=True):
         if effect.rival or effect not in judged.effects:
             continue
@@ -124,12 +146,14 @@ def parameters(
     return shown
 
 
-def _candidates(case: Case, found: Findings) -> tuple[Candidate, ...]:
+def _candidates(case: Case, found: Findings, decision: Decision) -> tuple[Candidate, ...]:
     """Return every single effect of the catalogue that has a finite evidence, the likeliest first, each place once.
 
-    A sensor's delay and that of its logger have one name and one place. What was refined there counts, and no score.
+    A sensor's delay and that of its logger have one name and one place. What was refined there counts, and no score; what is
+    named has one size.
     """
-    refined = {one.effects[0]: one for one in (*found.judged, *found.claimable()) if len(one.effects) == 1}
+    known_of = (*found.judged, *found.claimable(), decision.judged)
+    refined = {one.effects[0]: one for one in known_of if len(one.effects) == 1}
     known = {place_of(effect) for effect in refined}
     evidence = {effect: judged.ln_bayes for effect, judged in refined.items()}
     evidence |= {one.effect: one.ln_bayes for one in found.scores.ranked if place_of(one.effect) not in known}
@@ -149,5 +173,5 @@ def _candidates(case: Case, found: Findings) -> tuple[Candidate, ...]:
 
 def _sizes(case: Case, found: Findings, judged: Judged, effect: Effect) -> tuple[Parameter, ...]:
     """Return the parameters of a single effect that was judged, alone or beside an error of the frame."""
-    sizes = judged.fit.stated(found.model, found.sizes, less_certain(found, judged))
+    sizes = stated_sizes(found, judged)
     return tuple(parameters(case, found, effect, *sizes[judged.fit.effects.index(effect)]))

@@ -1,21 +1,36 @@
-"""The frame nearest to the baseline model that moves like the measured one, but for the error that a model may have."""
+"""The frame nearest to the baseline model that moves like the measured one, but for the errors of model and laws."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.misfit import as_new_in_every_sample, simulate
 from pounding.diagnosis.inference.null_model import tolerant
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.refining import refined_at_its_noise
+from pounding.diagnosis.model.kalman import Noise
+from pounding.diagnosis.model.observations import root_mean_square
 
 
 def nearest_frame(found: Findings, judged: Judged) -> np.ndarray:
     """Return its nuisance parameters in their own units, shape (nuisance,).
 
-    What a model, or an effect's law, gets wrong bends stiffness and mass where little noise lets them follow it, and says
-    nothing of the frame. Beside that error they go no further than the motion needs, and effects have the sizes that are
-    right then.
+    Args:
+        found: What the search found.
+        judged: The effects, or the null model.
+    """
+    return nearest_fit(found, judged).filtered.values
+
+
+def nearest_fit(found: Findings, judged: Judged) -> Fit:
+    """Return effects, or the null model, refined beside the errors that the model and the effects' laws may have.
+
+    What these get wrong bends stiffness and mass where little noise lets them follow it, and says nothing of the frame.
+    Beside these errors they go no further than the motion needs, and effects have the sizes that are right then.
 
     Args:
         found: What the search found; what was worked out before is kept in it.
@@ -25,7 +40,46 @@ def nearest_frame(found: Findings, judged: Judged) -> np.ndarray:
     # The same effects are asked of with a narrower discrepancy, too, and calibrated by their motion.
     asked = judged.fit.effects, filtered.discrepancy, filtered.values.tobytes()
     if asked not in found.nearest:
-        noise = tolerant(model, filtered)
+        noise = _tolerant_of_laws(found, judged)
         start = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
-        found.nearest[asked] = refined_at_its_noise(found, judged.fit, start).filtered.values
+        fit = refined_at_its_noise(found, judged.fit, start)
+        fit.put_away()
+        found.nearest[asked] = fit
     return found.nearest[asked]
+
+
+def evidence_beside_errors(found: Findings, judged: Judged) -> float:
+    """Return the ln Bayes factor of effects against the null model, both beside the errors of model and laws.
+
+    Args:
+        found: What the search found.
+        judged: The effects.
+    """
+    fit, null = nearest_fit(found, judged), found.null.fit
+    start = run_filter(
+        found.model, null.filtered.values, fit.filtered.noise, null.filtered.runs, null.filtered.effects
+    )
+    return fit.log_posterior - refined_at_its_noise(found, null, start).log_posterior
+
+
+def _tolerant_of_laws(found: Findings, judged: Judged) -> list[Noise]:
+    """Return noise that has the model's error in it, and what sizes as wrong as the effects' laws change in the motion."""
+    model, filtered = found.model, judged.fit.filtered
+    noise, acting = tolerant(model, filtered), list(zip(judged.fit.effects, judged.fit.values, strict=True))
+    wrong = [
+        (effect, values * (1.0 + effect.law_error(model, values, found.sizes)))
+        for effect, values in acting
+        if effect.frame is not None
+    ]
+    if not wrong:
+        return noise
+    right = [one for one in acting if one[0].frame is not None]
+    ours, others = (simulate(model, filtered.values, each, filtered.runs) for each in (right, wrong))
+    changed = [root_mean_square(one - other) for one, other in zip(ours, others, strict=True)]
+    return [
+        replace(
+            one,
+            channel=np.hypot(one.channel, as_new_in_every_sample(model, filtered, number, np.nan_to_num(by))),
+        )
+        for one, number, by in zip(noise, filtered.runs, changed, strict=True)
+    ]

@@ -27,6 +27,7 @@ from pounding.diagnosis.decision.measures import (
     within_model_error,
 )
 from pounding.diagnosis.decision.nearest_frame import nearest_frame
+from pounding.diagnosis.decision.sizes import with_unbiased_sizes
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
@@ -82,7 +83,9 @@ def _decided(found: Findings) -> Decision:
 def _named(found: Findings, chosen: Judged, single: list[Judged], said: tuple[str, ...]) -> Decision:
     """Return the verdict that names effects, as a class where this data cannot tell which they are."""
     alike = _alike(found, chosen, single)
-    return Decision("effect_class" if alike else "effect_named", chosen, alike, said)
+    return Decision(
+        "effect_class" if alike else "effect_named", with_unbiased_sizes(found, chosen), alike, said
+    )
 
 
 def _sized(found: Findings, single: Judged, double: Judged) -> Judged:

@@ -129,13 +129,16 @@ class Effect:
     def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
         """Return the share of its size that its law may get wrong on a frame, whatever the data say [-].
 
+        What is never quite right in any model is a part of what softens a frame beside what is missing.
+
         Args:
             model: The baseline model.
             values: Its parameters in SI, shape (parameters,).
             scales: Typical sizes of the motion.
         """
         del model, values, scales
-        return SETTINGS.refinement.law_error
+        ours = SETTINGS.refinement
+        return ours.law_error_everywhere if self.common_beside else ours.law_error
 
     def is_common(self, values: np.ndarray, scales: Scales) -> bool:
         """Return whether every real frame has a little of it and no model, with these parameters.

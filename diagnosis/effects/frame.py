@@ -16,7 +16,6 @@ from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
-from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import drag
 
 
@@ -49,11 +48,6 @@ class JointFlexibility(FrameEffect):
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return the joints' stiffness as a factor on that of the baseline model, shape (1,)."""
         return np.array([np.exp(np.clip(amplitude, -3.0, 3.0))])
-
-    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
-        """Return that of a law of all storeys: joints of a real frame are as soft as each other only on average."""
-        del model, values, scales
-        return SETTINGS.refinement.law_error_everywhere
 
     def apply(self, assembly: Assembly, values: np.ndarray, model: Model) -> None:
         """Rescale the joints' part of the flexibility."""

@@ -37,6 +37,7 @@ class Judged:
         misfit: Median misfit over the training and over the held-out runs (NaN without any).
         channel_misfit: Misfit of each channel over the training and the held-out runs, shape (2, channels).
         beside: A fit without which it is not judged, of what only tells how sensors are known; the former is against that.
+        sized: The fit that states its sizes, where that is not `fit` (`decision.sizes`).
     """
 
     fit: Fit
@@ -44,6 +45,7 @@ class Judged:
     misfit: tuple[float, float]
     channel_misfit: np.ndarray
     beside: Judged | None = None
+    sized: Fit | None = None
 
     def __repr__(self) -> str:
         return f"Judged({self.label()!r}, ln Bayes factor {self.ln_bayes:.4g})"
@@ -111,8 +113,8 @@ class Findings:
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
     beside_latent_force: dict[Hashable, BesideLatentForce] = field(default_factory=dict)
     """Two effects whatever the law of one gets wrong, by the fits of that one and of both."""
-    nearest: dict[Hashable, np.ndarray] = field(default_factory=dict)
-    """Parameters of the nearest frame that moves alike (`decision.nearest_frame`), by the fit."""
+    nearest: dict[Hashable, Fit] = field(default_factory=dict)
+    """Fits of the nearest frame that moves alike (`decision.nearest_frame`), by the fit."""
     settled: tuple[Judged, Model, Filtered] | None = None
     """Effects that are named in a pair, the model with forces as frames with these put them right, and these frames."""
 

@@ -120,17 +120,28 @@ def allowed_error(model: Model) -> float:
 def own_error(model: Model, filtered: Filtered, number: int) -> np.ndarray:
     """Return the error that a model may have in a run in SI as noise that is new in every sample, shape (channels,).
 
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run.
+    """
+    motion = np.nan_to_num(model.observed.rms(model.observed.runs[number]))
+    return as_new_in_every_sample(model, filtered, number, allowed_error(model) * motion)
+
+
+def as_new_in_every_sample(model: Model, filtered: Filtered, number: int, error: np.ndarray) -> np.ndarray:
+    """Return an error of a run's motion in SI as noise that is new in every sample, shape (channels,).
+
     What a model gets wrong it gets wrong for a whole swing of the first mode: the samples of one count as one.
 
     Args:
         model: The baseline model.
         filtered: The filtered model.
         number: Number of the run.
+        error: Its rms, shape (channels,).
     """
-    run = model.observed.runs[number]
     period_s = 2.0 * np.pi / filtered.modes.omega.min()
-    motion = np.nan_to_num(model.observed.rms(run))
-    return np.asarray(allowed_error(model) * motion * np.sqrt(period_s / run.step_s))
+    return np.asarray(error * np.sqrt(period_s / model.observed.runs[number].step_s))
 
 
 def by_frame(model: Model, over: np.ndarray) -> np.ndarray:

@@ -96,6 +96,15 @@ class Fit:
         """Keep the prediction no longer; it is made again where it is asked for."""
         self.filtered.kept.put_away()
 
+    def widened(self, by: float) -> tuple[np.ndarray, ...]:
+        """Return each effect's standard errors, (parameters,) each, the likelihood's part of them so many times as large.
+
+        Args:
+            by: The factor; what varies between windows is as it is.
+        """
+        each = zip(self.std, self.between, strict=True)
+        return tuple(_wider(std, between, by) for std, between in each)
+
     def stated(self, model: Model, sizes: Scales, wider: float = 1.0) -> list[tuple[np.ndarray, np.ndarray]]:
         """Return SI parameters and standard errors of each effect, (parameters,) each, relative to the calibrated frame.
 
@@ -107,11 +116,9 @@ class Fit:
             wider: What the standard errors of the likelihood are multiplied by; what varies between windows is not.
         """
         found, first = [], len(self.nuisance_std)
-        for effect, values, std, between in zip(
-            self.effects, self.values, self.std, self.between, strict=True
-        ):
+        each = zip(self.effects, self.values, self.widened(wider), self.between, strict=True)
+        for effect, values, std, between in each:
             beside = effect.relative_to(model)
-            std = _wider(std, between, wider)
             whole = 1.0 + float(self.filtered.values[beside].sum())
             if beside:
                 # The quotient's error to first order: both come from the same data. What of the model discrepancy is of

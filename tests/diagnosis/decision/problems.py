@@ -17,6 +17,7 @@ from pounding.diagnosis import Decision, Findings, decide
 from pounding.diagnosis.decision.false_alarms import of_nulls
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
+from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import BesideLatentForce, Judged
 from pounding.diagnosis.inference.starting import starting_noise
@@ -33,7 +34,8 @@ def bench() -> tuple[Model, Filtered]:
     """Return a model that leaves nothing of a real frame, and a filter with which nothing in its data is odd."""
     model = measured()
     model.prior = msgspec.structs.replace(model.prior, model_error=1e-6)
-    return model, run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), 0.01), (0, 1))
+    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, (0, 1), 0.01), (0, 1))
+    return model, filtered.with_discrepancy(float(SCALES[0]))
 
 
 @cache
