@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pounding.diagnosis.decision.false_alarms import alarms_of
+from pounding.diagnosis.decision.false_alarms import alarms_of, remains
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import allowed_error, by_frame, floors, over_floor
 from pounding.diagnosis.settings import SETTINGS
@@ -135,6 +135,16 @@ def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
     if None in frames:
         return np.ones(len(model.observed.names), bool)
     return np.asarray(np.any([model.at_frame(model.structure.index(str(frame))) for frame in frames], axis=0))
+
+
+def something_left(found: Findings, judged: Judged) -> bool:
+    """Return whether something remains that was not there before: more misfit than in the reference runs.
+
+    Args:
+        found: The findings.
+        judged: The effects, or the null model.
+    """
+    return remains(found, remaining(found, judged) / max(1.0, before(found, judged)))
 
 
 def less_certain(found: Findings, judged: Judged) -> float:

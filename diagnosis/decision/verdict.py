@@ -9,11 +9,9 @@ import numpy as np
 from pounding.diagnosis.decision.beside_latent_force import beside_latent_force, with_sizes
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.false_alarms import plain, remains, thresholds
+from pounding.diagnosis.decision.false_alarms import plain, thresholds
 from pounding.diagnosis.decision.hidden_by_calibration import moved, straightens
-from pounding.diagnosis.decision.impulses import impulses
 from pounding.diagnosis.decision.measures import (
-    before,
     explained,
     explained_beyond_errors,
     forces_from_motion,
@@ -21,19 +19,19 @@ from pounding.diagnosis.decision.measures import (
     model_error,
     of_sensors,
     over_noise,
-    remaining,
     signal_to_noise,
+    something_left,
     stands_out,
     within_model_error,
 )
-from pounding.diagnosis.decision.nearest_frame import nearest_frame
+from pounding.diagnosis.decision.objections import against_the_model, another_frame, bends, itself_only_with
 from pounding.diagnosis.decision.sizes import with_unbiased_sizes
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import log_prior_ratio, strained, stray_tones
+from pounding.diagnosis.inference.model_checks import log_prior_ratio
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -51,12 +49,12 @@ def _decided(found: Findings) -> Decision:
     judged = found.claimable()
     single = _heard(found, [one for one in judged if len(one.effects) == 1])
     if not single or not _detected(found, single[0]):
-        if single and _itself_only_with(found, single[0]):
-            objections, said = _model_checks(found, single[0])
+        if single and itself_only_with(found, single[0]):
+            objections, said = against_the_model(found, single[0])
             if not objections:
                 return _named(found, single[0], single, said)
-        objections, said = _model_checks(found, found.null)
-        if objections or (_something_left(found, found.null) and not within_model_error(found)):
+        objections, said = against_the_model(found, found.null)
+        if objections or (something_left(found, found.null) and not within_model_error(found)):
             return Decision("unknown_effect", single[0] if single else found.null, (), said)
         return Decision("nothing_missing", found.null, (), said)
     chosen = first = _listed(found, single)
@@ -66,7 +64,7 @@ def _decided(found: Findings) -> Decision:
         chosen = _of_two(found, first, doubles[0])
     if worth and chosen is not first:
         chosen = _sized(found, first, chosen)
-    objections, said = _model_checks(found, chosen)
+    objections, said = against_the_model(found, chosen)
     # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
     taken = len(chosen.effects) == 1 and straightens(found, chosen)
     held = _holds(found, chosen, objections) or (
@@ -94,7 +92,7 @@ def _sized(found: Findings, single: Judged, double: Judged) -> Judged:
     Such a force may take the part of an effect, and sizes with which the frame moves otherwise say nothing of it.
     """
     sized = with_sizes(found, single, double)
-    return double if _something_left(found, sized) and not _something_left(found, double) else sized
+    return double if something_left(found, sized) and not something_left(found, double) else sized
 
 
 def _detected(found: Findings, judged: Judged) -> bool:
@@ -124,7 +122,7 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
         return False
     shared = common(found, chosen) == chosen.effects
     error = shared and _as_an_error(found, found.null, chosen)
-    unknown = not held and (_something_left(found, chosen) or _bends(found, chosen))
+    unknown = not held and (something_left(found, chosen) or bends(found, chosen))
     # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
     return within_model_error(found, chosen.beside) and (error or unknown or drowned)
 
@@ -194,60 +192,6 @@ def _clearly_more(found: Findings, judged: Judged, rival: Judged) -> bool:
     return left[1] <= SETTINGS.decision.rival_left * left[0]
 
 
-def _model_checks(found: Findings, judged: Judged) -> tuple[bool, tuple[str, ...]]:
-    """Return whether something speaks against effects however well they fit, and a sentence for each thing seen.
-
-    A part of a real frame that sways by itself makes a tone too: one that is within the model's error is only said.
-    """
-    # What speaks against the model in a reference run was there before, and is no answer to what changed since.
-    filtered = judged.fit.filtered.since(found.model)
-    against = [] if _bends(found, judged) else _another_frame(found, judged)
-    # A contact's push that was missed is no blow.
-    pushed = None if forces_from_motion(found) else impulses(found.model, filtered)
-    if pushed is not None:
-        against.append(pushed.sentence())
-    stray = stray_tones(found.model, filtered)
-    objections = bool(against) or (bool(stray) and not within_model_error(found, judged))
-    return objections, (*against, *stray)
-
-
-def _bends(found: Findings, judged: Judged) -> bool:
-    """Return whether effects alone make another frame of one that is itself, within its model's error, without them."""
-    if not judged.effects or not within_model_error(found):
-        return False
-    another, itself = (bool(_another_frame(found, one)) for one in (judged, found.null))
-    return another and not itself
-
-
-def _another_frame(found: Findings, judged: Judged) -> list[str]:
-    """Return a sentence if effects, or the baseline model alone, make another frame of the one that case.toml names.
-
-    What a model gets wrong bends its stiffness and mass: the nearest frame is asked that moves alike. With reference runs
-    the frame at hand is known, and where no more than noise remains there is no error that could bend it, but that of the
-    effects' laws where the frame is itself without them.
-    """
-    said = strained(found.model, judged.fit.filtered.values)
-    by_law = bool(judged.effects) and not strained(found.model, found.null.fit.filtered.values)
-    if not said or found.reference or not (by_law or _something_left(found, judged)):
-        return said
-    return strained(found.model, nearest_frame(found, judged))
-
-
-def _itself_only_with(found: Findings, judged: Judged) -> bool:
-    """Return whether the frame is the one that case.toml names with a likely effect, and another one without it.
-
-    What is missing has then moved into stiffness and mass, and leaves no misfit by which it could be large enough.
-    """
-    if found.pair is not None or judged.effects[0].rival or judged.ln_bayes < thresholds(found)[0]:
-        return False
-    return not strained(found.model, judged.fit.filtered.values) and bool(_another_frame(found, found.null))
-
-
-def _something_left(found: Findings, judged: Judged) -> bool:
-    """Return whether something remains that was not there before: more misfit than in the reference runs."""
-    return remains(found, remaining(found, judged) / max(1.0, before(found, judged)))
-
-
 def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     """Return whether what effects take out of the motion is as small as the errors that every model of a frame has.
 
@@ -313,12 +257,12 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     something else is known to act as well. What is wrong with a sensor is no error of the frame's model, so it need not
     explain what remains where that is no more than such an error.
     """
-    if any(effect.rival for effect in judged.effects) or _another_frame(found, judged):
+    if any(effect.rival for effect in judged.effects) or another_frame(found, judged):
         return False
     if _spread(judged):
         return False
     apart = of_sensors(judged) and within_model_error(found, judged)
-    if not objections and (apart or not _something_left(found, judged)):
+    if not objections and (apart or not something_left(found, judged)):
         return True
     if objections:
         return explained(found, judged, 1.0) >= SETTINGS.decision.explained
@@ -359,7 +303,7 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
         return False
     if signal_to_noise(found, double, single) < SETTINGS.decision.second_size or _untold(single, double):
         return False
-    if _something_left(found, single) and not _something_left(found, double):
+    if something_left(found, single) and not something_left(found, double):
         return True
     return beside_latent_force(found, single, double).gained > needed
 
@@ -383,9 +327,9 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     beyond calibration, says as much; the latter also where the law acts in one storey and the parameter is another's.
     """
     gained = double.ln_bayes - single.ln_bayes
-    if any(effect.rival for effect in double.effects) or gained <= 0.0 or _another_frame(found, double):
+    if any(effect.rival for effect in double.effects) or gained <= 0.0 or another_frame(found, double):
         return False
-    if _another_frame(found, single):
+    if another_frame(found, single):
         return True
     if found.pair is not None:
         # What the contact's law gets wrong may bend a frame as well.
@@ -393,7 +337,7 @@ def _eases(found: Findings, single: Judged, double: Judged) -> bool:
     needed = thresholds(found)[0]
     if gained < needed:
         return False
-    right = not _something_left(found, single)
+    right = not something_left(found, single)
     if right and log_prior_ratio(found.model, single.fit.filtered, double.fit.filtered) >= needed:
         return True
     return any(

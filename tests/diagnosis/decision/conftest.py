@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from pounding.diagnosis.decision import verdict
+from pounding.diagnosis.decision import objections
 
 
 @pytest.fixture
 def own_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no other frame move like that of a made-up fit."""
-    monkeypatch.setattr(verdict, "nearest_frame", lambda _, judged: judged.fit.filtered.values)
+    monkeypatch.setattr(objections, "nearest_frame", lambda _, judged: judged.fit.filtered.values)

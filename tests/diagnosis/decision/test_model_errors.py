@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis import decide
-from pounding.diagnosis.decision import verdict as verdict_rules
+from pounding.diagnosis.decision import objections
 from pounding.diagnosis.decision.measures import (
     model_error,
 )
@@ -221,7 +221,7 @@ def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leav
     """A part of a real frame that sways by itself is an error of its model; it is said, and it decides nothing."""
     found = findings(Problem(4.0, tried, ""), DATA["quiet"])
     monkeypatch.setattr(
-        "pounding.diagnosis.decision.verdict.stray_tones", lambda *given: ["a tone of 8.4 Hz"]
+        "pounding.diagnosis.decision.objections.stray_tones", lambda *given: ["a tone of 8.4 Hz"]
     )
     left = model_error(found, found.judged[0] if tried else found.null)
     for allowed, verdict in zip((0.99 * left, 1.01 * left), verdicts, strict=True):
@@ -239,5 +239,5 @@ def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
     model, usual = bench()
     tried = Tried((CUBIC,), 5000.0, 2.0)
     found = findings(Problem(6.0, (tried,), ""), DATA["quiet"], replace(usual, values=9.0 * model.std))
-    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda found, _: nearest * found.model.std)
+    monkeypatch.setattr(objections, "nearest_frame", lambda found, _: nearest * found.model.std)
     assert decide(found).verdict == verdict

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis import decide
+from pounding.diagnosis.decision import objections
 from pounding.diagnosis.decision import verdict as verdict_rules
 from pounding.diagnosis.decision.measures import (
     explained,
@@ -186,7 +187,7 @@ def test_what_a_law_gets_wrong_bends_a_frame_though_only_noise_remains(
         data, Tried((), 0.0, problem.null), cast(Filtered, replace(usual, values=alone * far))
     )
     allow(monkeypatch, 0.038)
-    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda *_: alike * far)
+    monkeypatch.setattr(objections, "nearest_frame", lambda *_: alike * far)
     assert decide(found).verdict == verdict
 
 
@@ -355,7 +356,7 @@ def test_a_sensors_fault_that_is_too_small_does_not_hide_what_the_calibration_to
 ) -> None:
     allow(monkeypatch, 0.05)
     model, usual = bench()
-    monkeypatch.setattr(verdict_rules, "nearest_frame", lambda *_: 0.0 * model.std)
+    monkeypatch.setattr(objections, "nearest_frame", lambda *_: 0.0 * model.std)
     far = np.array([parameter.kind in STRUCTURE for parameter in model.parameters]) * model.std
     tried = (Tried((partial(effect, leads),), 80.0, 1.2), Tried((partial(effect, "p_delta"),), 60.0, 1.19))
     found = findings(Problem(1.2, tried, verdict), DATA["quiet"])
