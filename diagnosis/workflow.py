@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import msgspec
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pounding.diagnosis.case.case import Case
@@ -185,8 +186,9 @@ def find(
         own: Kinds of effects of the user's, beside the catalogue.
         false_alarms: Share of the cases without an effect in which one may be named.
     """
-    # Thousands of small matrices: threads inside the BLAS only get in the way of our own.
-    with threadpool_limits(1, user_api="blas"):
+    # Thousands of small matrices: threads inside the BLAS only get in the way of our own. Trials that blow up cost
+    # infinitely much, and are not taken; nobody needs to be warned of them.
+    with threadpool_limits(1, user_api="blas"), np.errstate(over="ignore", invalid="ignore"):
         found, decision = _find(case, progress, own, false_alarms)
         cell = None if found.pair is None else found.pair.cell
         if cell is not None and cell.corrected and _wrong_sensor(decision):

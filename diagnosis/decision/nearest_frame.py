@@ -19,28 +19,38 @@ from pounding.diagnosis.model.observations import root_mean_square
 def nearest_frame(found: Findings, judged: Judged) -> np.ndarray:
     """Return its nuisance parameters in their own units, shape (nuisance,).
 
+    What a model, or an effect's law, gets wrong bends stiffness and mass where little noise lets them follow it, and says
+    nothing of the frame. Beside these errors they go no further than the motion needs.
+
     Args:
         found: What the search found.
         judged: The effects, or the null model.
     """
-    return nearest_fit(found, judged).filtered.values
+    return _nearest(found, judged, laws=True).filtered.values
 
 
 def nearest_fit(found: Findings, judged: Judged) -> Fit:
-    """Return effects, or the null model, refined beside the errors that the model and the effects' laws may have.
+    """Return effects refined beside the error that the model may have: they have the sizes that are right then.
 
-    What these get wrong bends stiffness and mass where little noise lets them follow it, and says nothing of the frame.
-    Beside these errors they go no further than the motion needs, and effects have the sizes that are right then.
+    What is wrong with their laws is in the standard errors of sizes.
 
     Args:
-        found: What the search found; what was worked out before is kept in it.
-        judged: The effects, or the null model.
+        found: What the search found.
+        judged: The effects.
+    """
+    return _nearest(found, judged, laws=False)
+
+
+def _nearest(found: Findings, judged: Judged, laws: bool) -> Fit:
+    """Return effects, or the null model, refined beside errors of the model, and of laws where these count.
+
+    What was worked out before is kept in the findings.
     """
     model, filtered = found.model, judged.fit.filtered
     # The same effects are asked of with a narrower discrepancy, too, and calibrated by their motion.
-    asked = judged.fit.effects, filtered.discrepancy, filtered.values.tobytes()
+    asked = judged.fit.effects, filtered.discrepancy, filtered.values.tobytes(), laws and bool(judged.effects)
     if asked not in found.nearest:
-        noise = _tolerant_of_laws(found, judged)
+        noise = _tolerant_of_laws(found, judged) if laws else tolerant(model, filtered)
         start = run_filter(model, filtered.values, noise, filtered.runs, filtered.effects)
         fit = refined_at_its_noise(found, judged.fit, start)
         fit.put_away()
@@ -49,7 +59,7 @@ def nearest_fit(found: Findings, judged: Judged) -> Fit:
 
 
 def evidence_beside_errors(found: Findings, judged: Judged) -> float:
-    """Return the ln Bayes factor of effects against the null model, both beside the errors of model and laws.
+    """Return the ln Bayes factor of effects against the null model, both beside the error that the model may have.
 
     Args:
         found: What the search found.

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.measures import less_certain
+from pounding.diagnosis.decision.measures import less_certain, something_left
 from pounding.diagnosis.decision.nearest_frame import evidence_beside_errors, nearest_fit
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import run_filter
@@ -38,17 +38,16 @@ def with_unbiased_sizes(found: Findings, judged: Judged) -> Judged:
         or evidence_beside_errors(found, judged) <= 0.0
     ):
         return judged
-    # What is claimed is what the model has; its frame moves as measured with these sizes, too.
-    claimed = run_filter(
-        model, fit.filtered.values, fit.filtered.noise, fit.filtered.runs, nearest.filtered.effects
-    )
+    # What is claimed is what the model has; its frame must move as measured with these sizes, too.
+    noise, runs = fit.filtered.noise, fit.filtered.runs
+    claimed = run_filter(model, nearest.filtered.values, noise, runs, nearest.filtered.effects)
     moved = calibrated_further(model, claimed, SETTINGS.refinement.steps)
     with_these = replace(fit, values=nearest.values, filtered=moved)
     again = judged_on(
         replace(judged, fit=with_these, sized=nearest), model, moved, found.training, found.held_out
     )
     with_these.put_away()
-    return again
+    return judged if something_left(found, again) and not something_left(found, judged) else again
 
 
 def stated_sizes(found: Findings, judged: Judged) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -11,6 +11,7 @@ import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from functools import cache
 from typing import TypeVar
 
@@ -47,7 +48,8 @@ def side_by_side(
         finally:
             _mine.busy = False
 
-    futures: list[Future[R]] = [_pool(cores()).submit(busy, piece) for piece in pieces]
+    # A thread knows nothing of its caller's context, such as what numpy is not to warn of.
+    futures: list[Future[R]] = [_pool(cores()).submit(copy_context().run, busy, piece) for piece in pieces]
     results = []
     try:
         for piece, future in zip(pieces, futures, strict=True):

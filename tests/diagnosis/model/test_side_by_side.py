@@ -7,7 +7,9 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from typing import Literal
 
+import numpy as np
 import pytest
 
 from pounding.diagnosis.model.forked import forked
@@ -42,6 +44,15 @@ def test_a_piece_has_no_further_threads() -> None:
     """Else two fits of two runs each would be four threads on two cores."""
     assert side_by_side(lambda _: cores(), [0, 1, 2]) == [1, 1, 1]
     assert cores() == 2
+
+
+@pytest.mark.parametrize("together", [side_by_side, forked])
+@pytest.mark.parametrize("over", ["ignore", "raise"])
+def test_a_piece_warns_of_what_its_caller_warns_of(
+    over: Literal["ignore", "raise"], together: Callable[[Callable[[int], str], list[int]], list[str]]
+) -> None:
+    with np.errstate(over=over):
+        assert together(lambda _: np.geterr()["over"], [0, 1]) == [over, over]
 
 
 def test_an_error_in_a_piece_is_the_callers() -> None:
