@@ -89,18 +89,23 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
 
 
 def _biased(case: Case, found: Findings, decision: Decision) -> list[str]:
-    """Return a sentence where other sizes than the likeliest are stated."""
-    likeliest = likeliest_sizes(found, decision)
+    """Return a sentence on likeliest sizes that are a standard error and more from those that are stated."""
+    stated = decision.judged
+    likeliest = likeliest_sizes(found, stated)
     if likeliest is None:
         return []
-    each = zip(likeliest.fit.effects, likeliest.fit.stated(found.model, found.sizes), strict=True)
-    sizes = [
-        parameters(case, found, effect, *sizes)[0].words()
-        for effect, sizes in each
-        if effect in likeliest.effects and effect.frame is not None
+    each = zip(
+        likeliest.fit.effects, stated_sizes(found, likeliest), stated_sizes(found, stated), strict=True
+    )
+    other = [
+        parameters(case, found, effect, values, std)[0].words()
+        for effect, (values, std), (ours, error) in each
+        if effect in likeliest.effects and abs(values[0] - ours[0]) > error[0]
     ]
+    if not other:
+        return []
     return [
-        f"the likeliest size is {' and '.join(sizes)}, which errors of the model bias: stated is what holds beside the "
+        f"the likeliest size is {' and '.join(other)}, which errors of the model bias: stated is what holds beside the "
         "error that this model may have"
     ]
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.measures import less_certain, something_left
 from pounding.diagnosis.decision.nearest_frame import evidence_beside_errors, nearest_fit
 from pounding.diagnosis.inference.discrepancy import SCALES
@@ -63,14 +62,13 @@ def stated_sizes(found: Findings, judged: Judged) -> list[tuple[np.ndarray, np.n
     return judged.fit.stated(found.model, found.sizes, less_certain(found, judged))
 
 
-def likeliest_sizes(found: Findings, decision: Decision) -> Judged | None:
-    """Return the effects that are named with their likeliest sizes, where others are stated, or None.
+def likeliest_sizes(found: Findings, judged: Judged) -> Judged | None:
+    """Return effects that are named with their likeliest sizes, where others are stated, or None.
 
     Args:
         found: What the search found.
-        decision: The decision.
+        judged: The effects.
     """
-    judged = decision.judged
     if judged.sized is None:
         return None
     known = (*found.judged, *found.claimable())

@@ -127,9 +127,9 @@ def test_what_is_named_is_sized(monkeypatch: pytest.MonkeyPatch) -> None:
     assert decision.judged.sized is not None
     ((values, _),) = stated_sizes(found, decision.judged)
     assert values == pytest.approx(judged.fit.values[0] + 6.0 * judged.fit.std[0])
-    likeliest = likeliest_sizes(found, decision)
+    likeliest = likeliest_sizes(found, decision.judged)
     assert likeliest is judged
-    assert likeliest_sizes(found, replace(decision, judged=judged)) is None
+    assert likeliest_sizes(found, judged) is None
 
 
 def test_the_report_says_what_the_likeliest_size_is(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -141,6 +141,9 @@ def test_the_report_says_what_the_likeliest_size_is(monkeypatch: pytest.MonkeyPa
     assert mass.value == pytest.approx(judged.fit.values[0][0] + 6.0 * judged.fit.std[0][0])
     said = f"the likeliest size is mass {judged.fit.values[0][0]:.3g} ± "
     assert [one.startswith(said) for one in conclusion.warnings] == [True]
+    # What is as good as the same needs no sentence.
+    nearest(monkeypatch, 0.5, 0.9)
+    assert diagnosed(replace(found, judged=[judged])).conclusion.warnings == ()
 
 
 def test_effects_that_do_not_show_beside_the_errors_keep_their_likeliest_sizes(
