@@ -76,7 +76,7 @@ nitpick_ignore_regex += [
     ("py:.*", r"pounding\.frames\.(fe|reduction|response)\..*"),
     (
         "py:.*",
-        r"Acting|BesideLatentForce|FalseAlarms|Filtered|Largest|Observations|Pair|Scales|Scores|Structure",
+        r"Acting|BesideLatentForce|FalseAlarms|Filtered|Fit|Largest|Observations|Pair|Scales|Scores|Structure",
     ),
 ]
 
