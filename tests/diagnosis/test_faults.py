@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from pounding.diagnosis.case.case import Case, CaseFrame, Channel, Run
-from pounding.diagnosis.decision import verdict
+from pounding.diagnosis.decision import objections
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
 from pounding.diagnosis.errors import CaseError
@@ -184,7 +184,7 @@ def test_dropouts_are_no_effect(plain: Case) -> None:
 def test_a_single_run_has_no_held_out(plain: Case, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     case = replace(plain, runs=plain.runs[:1])
     asked = []
-    monkeypatch.setattr(verdict, "stray_tones", lambda *given: asked.append(given) or stray_tones(*given))
+    monkeypatch.setattr(objections, "stray_tones", lambda *given: asked.append(given) or stray_tones(*given))
     whole = diagnosis(case)
     report = write_report(whole, report_on(whole), tmp_path)
     # What speaks against the model is looked for once, whatever is made of it.
