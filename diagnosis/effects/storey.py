@@ -355,6 +355,11 @@ class Loosening(StoreyEffect):
         plain=("{where} loses {size} of its stiffness in the course of a run",),
     )
 
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return that of a law over a stiffness that a storey has not alone: its columns loosen, and its joints do not."""
+        del model, values, scales
+        return SETTINGS.refinement.law_error_everywhere
+
     def largest(self, model: Model) -> float:
         """Return nearly all of the storey's stiffness."""
         return LARGEST_LOSS

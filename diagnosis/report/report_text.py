@@ -315,7 +315,7 @@ def assumptions(case: Case, report: Report) -> list[str]:
         *([_STRUCK] if case.contacts else []),
         "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and, for what the "
         f"law gets wrong besides, {ours.law_error:.0%} of an effect on a frame, {ours.law_error_everywhere:.0%} of a law in "
-        f"all storeys, of joints, base or weight, {ours.law_error_of_yielding:.0%} of what yields and "
+        f"all storeys, of joints, base or weight and of what loosens, {ours.law_error_of_yielding:.0%} of what yields and "
         f"{ours.law_error_of_knee:.0%} divided by its ductility, the largest drift over the yield drift.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
