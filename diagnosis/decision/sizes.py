@@ -79,7 +79,8 @@ def _biased(judged: Judged, wider: float, nearest: Fit) -> bool:
     """Return whether the mean square errors of the likeliest sizes are larger than those of the nearest frame's.
 
     An effect's size is its first parameter. The square of a difference is larger than that of the bias by the difference's
-    variance, which is what the two variances differ by as the likeliest sizes are efficient.
+    variance, which is what the two variances differ by as the likeliest sizes are efficient. Standard errors of these that
+    are the larger ones have what the model leaves in them, or what varies between windows, and say nothing against them.
 
     Args:
         judged: The effects with their likeliest sizes.
@@ -92,5 +93,5 @@ def _biased(judged: Judged, wider: float, nearest: Fit) -> bool:
         np.array([each[0] for each, one in zip(series, ours, strict=True) if one])
         for series in (fit.values, fit.widened(wider), nearest.values, nearest.std)
     )
-    square = np.maximum((other - size) ** 2 - np.maximum(others_std**2 - std**2, 0.0), 0.0) + std**2
-    return bool(np.mean(square / others_std**2) > 1.0)
+    bias = np.maximum((other - size) ** 2 - np.abs(others_std**2 - std**2), 0.0)
+    return bool(np.mean((bias + std**2) / np.maximum(others_std, std) ** 2) > 1.0)

@@ -61,7 +61,8 @@ def nearest(monkeypatch: pytest.MonkeyPatch, off: float, wider: float) -> None:
         (-2.0, 3.0, False),
         (5.0, 3.0, True),
         (-5.0, 3.0, True),
-        (0.0, 0.9, True),
+        (0.2, 0.9, False),
+        (2.0, 0.9, True),
     ],
 )
 def test_the_sizes_with_the_smaller_mean_square_error_are_stated(
@@ -142,7 +143,7 @@ def test_the_report_says_what_the_likeliest_size_is(monkeypatch: pytest.MonkeyPa
     said = f"the likeliest size is mass {judged.fit.values[0][0]:.3g} ± "
     assert [one.startswith(said) for one in conclusion.warnings] == [True]
     # What is as good as the same needs no sentence.
-    nearest(monkeypatch, 0.5, 0.9)
+    nearest(monkeypatch, 0.9, 0.95)
     assert diagnosed(replace(found, judged=[judged])).conclusion.warnings == ()
 
 
