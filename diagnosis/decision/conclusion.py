@@ -83,13 +83,13 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
             *case.warnings,
             *found.model.observed.warnings,
             *decision.model_checks,
-            *_biased(case, found, decision),
+            *_likeliest_size(case, found, decision),
         ),
     )
 
 
-def _biased(case: Case, found: Findings, decision: Decision) -> list[str]:
-    """Return a sentence on likeliest sizes that are a standard error and more from those that are stated."""
+def _likeliest_size(case: Case, found: Findings, decision: Decision) -> list[str]:
+    """Return a sentence where the likeliest size is more than a standard error from the one that is stated."""
     stated = decision.judged
     likeliest = likeliest_sizes(found, stated)
     if likeliest is None:
@@ -105,8 +105,8 @@ def _biased(case: Case, found: Findings, decision: Decision) -> list[str]:
     if not other:
         return []
     return [
-        f"the likeliest size is {' and '.join(other)}, which errors of the model bias: stated is what holds beside the "
-        "error that this model may have"
+        f"errors of the model bias the likeliest size ({' and '.join(other)}); the size that is stated holds with the error "
+        "that this model may have"
     ]
 
 

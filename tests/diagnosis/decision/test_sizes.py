@@ -140,7 +140,7 @@ def test_the_report_says_what_the_likeliest_size_is(monkeypatch: pytest.MonkeyPa
     ((mass,), (candidate,)) = (one[0].parameters for one in (conclusion.effects, conclusion.candidates))
     assert mass == candidate
     assert mass.value == pytest.approx(judged.fit.values[0][0] + 6.0 * judged.fit.std[0][0])
-    said = f"the likeliest size is mass {judged.fit.values[0][0]:.3g} ± "
+    said = f"errors of the model bias the likeliest size (mass {judged.fit.values[0][0]:.3g} ± "
     assert [one.startswith(said) for one in conclusion.warnings] == [True]
     # What is as good as the same needs no sentence.
     nearest(monkeypatch, 0.9, 0.95)
