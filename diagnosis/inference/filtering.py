@@ -14,7 +14,6 @@ from pounding.diagnosis.model.kalman import Gain, Noise, SteadyFilter, steady_fi
 from pounding.diagnosis.model.model import Acting, Model, Prediction
 from pounding.diagnosis.model.nuisance import Assembly
 from pounding.diagnosis.model.sensitivity import Term, signature_pieces
-from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.tangents import Along, Tangents, law_forces, tangents
 
@@ -228,19 +227,6 @@ def whitened(series: np.ndarray, steady: SteadyFilter, good: np.ndarray | None =
     if series.ndim == 2:
         return np.asarray(series @ factor.T)
     return np.asarray(np.matmul(factor, series))
-
-
-def grouped_signatures(
-    model: Model, filtered: Filtered, groups: Sequence[Sequence[list[Term]]]
-) -> list[np.ndarray]:
-    """Return whitened signatures of each run, each of shape (samples * channels, columns).
-
-    Args:
-        model: The baseline model.
-        filtered: The filtered model.
-        groups: For each run and each column the terms whose signatures are summed.
-    """
-    return side_by_side(lambda one: run_signatures(model, filtered, *one), list(enumerate(groups)))
 
 
 def run_signatures(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from weakref import ref
 
 import numpy as np
 
@@ -12,17 +13,17 @@ from pounding.diagnosis.inference.filtering import (
     LARGEST_SLOPE,
     Filtered,
     forces_of,
-    grouped_signatures,
     run_filter,
     run_signatures,
     tangents_of,
     whitened_innovations,
     whitened_runs,
 )
-from pounding.diagnosis.inference.motions import motions
+from pounding.diagnosis.inference.motions import motion_of, motions
 from pounding.diagnosis.inference.posterior import PIECE, Likelihood, add_products, product
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.sensitivity import Term
+from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
 
@@ -57,6 +58,8 @@ class Histories(Likelihood):
         self._columns = nuisance_columns
         self._effects: tuple[bytes, list[np.ndarray]] | None = None
         self._gram = gram
+        if nuisance_columns is not None:
+            self._hold()
 
     @property
     def log_normaliser(self) -> float:
@@ -132,9 +135,8 @@ class Histories(Likelihood):
         )
         if filtered.log_likelihood < self.filtered.log_likelihood - SETTINGS.refinement.worse:
             return None
-        # The nuisance parameters' signatures are good for one step more.
+        # The nuisance parameters' signatures are good for one step more, and needed here no more.
         kept = (self._columns, self._gram) if self._fresh else (None, None)
-        # Here they are needed no more, and those of two filters are much memory; who asks makes them again.
         self._columns = self._gram = self._effects = None
         return Histories(self.model, filtered, self.coordinates, *kept)
 
@@ -169,13 +171,24 @@ class Histories(Likelihood):
     def nuisance_columns(self) -> list[np.ndarray]:
         """Return whitened signatures of the nuisance parameters in units of their priors, (samples * channels, nuisance)."""
         if self._columns is None:
-            model, filtered = self.model, self.filtered
-            both = zip(filtered.run_modes, motions(model, filtered), strict=True)
-            groups = [nuisance_terms(model, modes, motion) for modes, motion in both]
-            self._columns = grouped_signatures(model, filtered, groups)
-            for columns in self._columns:
-                columns *= self.coordinates.scale.astype(columns.dtype)
+            self._hold()
+            self._columns = side_by_side(self._nuisance_columns, range(len(self.filtered.runs)))
         return self._columns
+
+    def _nuisance_columns(self, number: int) -> np.ndarray:
+        """Return those of one run, whose terms are much memory, too, and are needed for nothing else."""
+        model, filtered = self.model, self.filtered
+        terms = nuisance_terms(model, filtered.run_modes[number], motion_of(model, filtered, number))
+        columns = run_signatures(model, filtered, number, terms)
+        columns *= self.coordinates.scale.astype(columns.dtype)
+        return columns
+
+    def _hold(self) -> None:
+        """Let no others keep such signatures, the larger part of a diagnosis' memory: who asks makes them again."""
+        other = self.model.histories()
+        if isinstance(other, Histories) and other is not self and other._columns is not None:
+            other._fresh, other._columns, other._gram = True, None, None
+        self.model.histories = ref(self)
 
     def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
         """Return for each run whitened signatures of the effects' coordinates, (samples * channels, coordinates).

@@ -18,15 +18,23 @@ from pounding.diagnosis.model.terms import Motion
 
 def motions(model: Model, filtered: Filtered) -> list[Motion]:
     """Return the motion of each run of a baseline, as predicted and as filtered."""
-    found = []
-    for number, run in enumerate(filtered.runs):
-        modes, assembly = filtered.run_modes[number], assembly_of(model, filtered, number)
-        seen = _Seen.of(model, assembly, run, filtered.prediction.outputs[number])
-        predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, seen)
-        start = _motion(model, modes, filtered.prediction.after[number], seen, pushes, pushing)
-        predicted = _motion(model, modes, filtered.prediction.before[number], seen, predicted_pushes, pushing)
-        found.append(replace(predicted, start=start))
-    return found
+    return [motion_of(model, filtered, number) for number in range(len(filtered.runs))]
+
+
+def motion_of(model: Model, filtered: Filtered, number: int) -> Motion:
+    """Return the motion of a run of a baseline, as predicted and as filtered.
+
+    Args:
+        model: The baseline model.
+        filtered: The filtered model.
+        number: Number of the run among those of the filtered model.
+    """
+    modes, assembly = filtered.run_modes[number], assembly_of(model, filtered, number)
+    seen = _Seen.of(model, assembly, filtered.runs[number], filtered.prediction.outputs[number])
+    predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, seen)
+    start = _motion(model, modes, filtered.prediction.after[number], seen, pushes, pushing)
+    predicted = _motion(model, modes, filtered.prediction.before[number], seen, predicted_pushes, pushing)
+    return replace(predicted, start=start)
 
 
 @dataclass(frozen=True)

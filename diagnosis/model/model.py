@@ -94,6 +94,7 @@ class Model:
         faults: What the sensors make of the motion, and what they would have read without their faults.
         tangents: Laws along the motion that was asked for last (`inference.filtering`), by the number of the run, each with
             what returns that motion as long as somebody else needs it.
+        histories: Returns whose signatures of the nuisance parameters were asked for last (`inference.histories`).
     """
 
     def __init__(
@@ -120,6 +121,7 @@ class Model:
         self._modes: Last[Modes] = Last()
         self._between: Last[np.ndarray] = Last()
         self.tangents: dict[int, tuple[Callable[[], object | None], Tangents]] = {}
+        self.histories: Callable[[], object | None] = lambda: None
 
     def spread(self, discrepancy: float) -> np.ndarray:
         """Return the prior standard deviations of the nuisance parameters in their own units, shape (nuisance,).

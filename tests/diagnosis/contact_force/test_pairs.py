@@ -21,10 +21,10 @@ from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
-from pounding.diagnosis.inference.filtering import grouped_signatures, whitened
+from pounding.diagnosis.inference.filtering import run_signatures, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import contact_response, simulate
-from pounding.diagnosis.inference.motions import motions
+from pounding.diagnosis.inference.motions import motion_of
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.terms import nuisance_terms
 from pounding.diagnosis.settings import SETTINGS
@@ -283,8 +283,8 @@ def test_the_signature_of_a_touch_is_the_derivative_of_the_prediction() -> None:
         whitened(model.predict(v, gains, (), start.runs).innovations[place], start.filters[place]).ravel()
         for v in (start.values, start.values + values)
     )
-    groups = [nuisance_terms(model, start.modes, motion) for motion in motions(model, start)]
-    column = grouped_signatures(model, start, groups)[place][:, number]
+    terms = nuisance_terms(model, start.modes, motion_of(model, start, place))
+    column = run_signatures(model, start, place, terms)[:, number]
     change = (before - after) / 0.01
     assert column @ change / np.linalg.norm(column) / np.linalg.norm(change) > 0.95
 

@@ -20,7 +20,7 @@ from pounding.diagnosis.effects.rivals import FadingFriction
 from pounding.diagnosis.effects.storey import CoulombFriction, StoreyEffect
 from pounding.diagnosis.effects.tuned import TRIED_DAMPING
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, run_filter, whitened
+from pounding.diagnosis.inference.filtering import run_filter, run_signatures, whitened
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.inference.motions import motions
 from pounding.diagnosis.inference.starting import starting_noise
@@ -105,8 +105,8 @@ def innovations(effect: Effect, shape: tuple[float, ...], amplitude: float) -> n
 def test_what_is_scored_is_the_derivative_of_the_prediction(effect: Effect) -> None:
     shape = middle(effect)
     size = (effect.sign or 1) * SHARE * effect.size(BASELINE, SIZES, shape)
-    groups = [[effect.terms(BASELINE, FILTERED.modes, MOTION, shape)]]
-    column = grouped_signatures(BASELINE, FILTERED, groups)[0][:, 0]
+    terms = effect.terms(BASELINE, FILTERED.modes, MOTION, shape)
+    column = run_signatures(BASELINE, FILTERED, 0, [terms])[:, 0]
     change = (innovations(effect, shape, size) - innovations(effect, shape, 2 * size)) / size
     cosine = column @ change / np.linalg.norm(column) / np.linalg.norm(change)
     # A late sensor is the measured series moved, with its noise; its rate is that of the prediction.

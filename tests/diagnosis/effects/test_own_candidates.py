@@ -19,7 +19,7 @@ from pounding.diagnosis.effects.catalogue import Effect, places
 from pounding.diagnosis.effects.user import user_kinds
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import grouped_signatures, run_filter, whitened
+from pounding.diagnosis.inference.filtering import run_filter, run_signatures, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import simulate
 from pounding.diagnosis.inference.motions import motions
@@ -133,8 +133,8 @@ def test_scoring_simulator_and_engine_are_the_same_function(kinds: list[type[Eff
     shape = effect.grid(scales(model, filtered))[0]
     size = effect.size(model, scales(model, filtered), shape)
     motion = motions(model, filtered)[0]
-    groups = [[effect.terms(model, filtered.modes, motion, shape)]]
-    column = grouped_signatures(model, filtered, groups)[0][:, 0]
+    terms = effect.terms(model, filtered.modes, motion, shape)
+    column = run_signatures(model, filtered, 0, [terms])[:, 0]
 
     def innovations(amplitude: float) -> np.ndarray:
         acting = [(effect, effect.values(amplitude, shape))]

@@ -8,8 +8,8 @@ import pytest
 from pounding.diagnosis.effects.storey import DampingChange
 from pounding.diagnosis.inference.filtering import (
     Filtered,
-    grouped_signatures,
     run_filter,
+    run_signatures,
     signature_pieces_of_run,
 )
 from pounding.diagnosis.inference.motions import motions
@@ -76,12 +76,12 @@ def test_a_kept_assembly_is_not_changed_by_effects() -> None:
 
 def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     model, _, filtered = problem()
-    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
-    groups = [[*columns, []] for columns in groups]
-    pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, groups[0], 64, None)]
-    quick = grouped_signatures(model, filtered, groups)
+    columns = [[*nuisance_terms(model, filtered.modes, motion), []] for motion in motions(model, filtered)]
+    pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, columns[0], 64, None)]
+    quick = [run_signatures(model, filtered, number, own) for number, own in enumerate(columns)]
     monkeypatch.setattr(closed_loop, "ALIKE", 0.0)
-    for one, other in zip(quick, grouped_signatures(model, filtered, groups), strict=True):
+    for number, (one, own) in enumerate(zip(quick, columns, strict=True)):
+        other = run_signatures(model, filtered, number, own)
         np.testing.assert_allclose(one, other, atol=1e-6 * np.abs(other).max())
         assert not one[:, -1].any()
     np.testing.assert_array_equal(np.concatenate(pieces), quick[0])

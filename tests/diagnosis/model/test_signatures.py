@@ -22,14 +22,13 @@ from pounding.diagnosis.inference import filtering
 from pounding.diagnosis.inference.filtering import (
     LARGEST_SLOPE,
     Filtered,
-    grouped_signatures,
     run_filter,
     run_signatures,
     signature_pieces_of_run,
     tangents_of,
     whitened,
 )
-from pounding.diagnosis.inference.motions import motions
+from pounding.diagnosis.inference.motions import motion_of
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import MODAL_DAMPING
@@ -97,7 +96,7 @@ def test_signatures_stay_finite_where_laws_would_blow_up_to_first_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     model, filtered = stuck()
-    (motion,) = motions(model, filtered)
+    motion = motion_of(model, filtered, 0)
     groups = nuisance_terms(model, filtered.modes, motion)
     laws = tangents_of(model, filtered, 0)
     assert laws is not None
@@ -116,8 +115,9 @@ def errors(model: Model, filtered: Filtered) -> np.ndarray:
     slopes = np.array([slope(model, filtered, j) for j in range(len(model.std))]).T
     # A shift moves the noise as well, which no prediction knows; `test_kalman` has it by itself.
     told = np.array([parameter.kind != "channel_delay" for parameter in model.parameters])
-    groups = [nuisance_terms(model, filtered.modes, motion) for motion in motions(model, filtered)]
-    columns = grouped_signatures(model, filtered, groups)[0]
+    columns = run_signatures(
+        model, filtered, 0, nuisance_terms(model, filtered.modes, motion_of(model, filtered, 0))
+    )
     return np.asarray(np.linalg.norm(columns - slopes, axis=0)[told] / np.linalg.norm(slopes, axis=0)[told])
 
 
