@@ -242,15 +242,17 @@ def run_signatures(
     """
     whole = np.empty((filtered.prediction.innovations[number].size, len(columns)), np.float32)
     for feedback in feedbacks(model, filtered, number):
+        finite = True
         for rows, signatures in signature_pieces_of_run(model, filtered, number, columns, AT_ONCE, feedback):
             whole[rows] = signatures
-        if np.all(np.abs(whole) < LARGEST_SLOPE):
+            finite = finite and bool(np.all(np.abs(signatures) < LARGEST_SLOPE))
+        if finite:
             break
     return whole
 
 
-def feedbacks(model: Model, filtered: Filtered, number: int) -> tuple[Tangents | None, ...]:
-    """Return the laws that act in a run to first order, and without their answers for where signatures blow up with them.
+def feedbacks(model: Model, filtered: Filtered, number: int) -> Iterator[Tangents | None]:
+    """Yield the laws that act in a run to first order, then without their answers for where signatures blow up with them.
 
     A filter that corrects a stuck joint may be unstable to first order. That it slips bounds it, and slopes do not see that.
 
@@ -260,7 +262,9 @@ def feedbacks(model: Model, filtered: Filtered, number: int) -> tuple[Tangents |
         number: Number of the run among those of the filtered model.
     """
     laws = tangents_of(model, filtered, number)
-    return (None,) if laws is None else (laws, laws.unanswering())
+    yield laws
+    if laws is not None:
+        yield laws.unanswering()
 
 
 def signature_pieces_of_run(
