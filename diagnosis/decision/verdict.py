@@ -124,7 +124,11 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
     error = shared and _as_an_error(found, found.null, chosen)
     unknown = not held and (something_left(found, chosen) or bends(found, chosen))
     # An error of the frame beside which an effect is judged is in the model, whose other errors are asked for.
-    return within_model_error(found, chosen.beside) and (error or unknown or drowned)
+    small = within_model_error(found, chosen.beside)
+    if error and forces_from_motion(found):
+        # What such forces leave is no error of a frame: beside that of the frame nothing may be left.
+        small = not something_left(found, chosen)
+    return small and (error or unknown or drowned)
 
 
 def error_of_frame(found: Findings) -> Judged | None:
@@ -198,7 +202,7 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     It is less than the case allows, and no more than a few times the frame's other errors: the discrepancy beside them and
     what they leave, or what the noise may hide of it. These say how large an error of this model may be.
     """
-    if found.reference or forces_from_motion(found):
+    if found.reference:
         return False
     before, after = model_error(found, without), model_error(found, judged)
     taken = np.sqrt(max(before**2 - after**2, 0.0))

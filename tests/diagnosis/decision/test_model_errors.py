@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,17 @@ def test_what_models_of_real_frames_leave_is_no_effect_unless_that_has_a_place_o
     for allowed, verdict in zip((0.038, 0.039), verdicts, strict=True):
         allow(monkeypatch, allowed)
         assert decide(found).verdict == verdict
+
+
+@pytest.mark.parametrize(("before", "left", "nothing"), [(1.5, 1.1, True), (2.5, 1.6, False)])
+def test_frames_have_their_errors_where_no_cell_measured_what_pushes_them_too(
+    before: float, left: float, nothing: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What such forces leave is no error of a frame: more than the noise may not remain."""
+    allow(monkeypatch, 0.05)
+    found = findings(Problem(before, (Tried((ALL,), 5000.0, left),), ""), DATA["quiet"])
+    found.pair = SimpleNamespace(blind=True, second=None, contact_claimed=True)  # type: ignore[assignment]
+    assert (decide(found).verdict == "nothing_missing") is nothing
 
 
 @pytest.mark.parametrize("second", [ALL, rival], ids=["in all storeys", "a rival"])
