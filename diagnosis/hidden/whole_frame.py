@@ -43,9 +43,14 @@ def in_all_storeys(put: Put, state: State) -> Put:
             here = replace(even, scenario=scenario, storey=storey)
             scenario, parameters = put(here, share * size, np.random.default_rng(chance))
             told.append(parameters)
-        values = state(told, own.stiffness)
-        lone = state([_of_lone_storey(one) for one in told], lone_storey_stiffness(setting.beams))
-        return scenario, {name: (*value, lone[name][0]) for name, value in values.items()}
+        stated, lone = state(told, own.stiffness), lone_storey_stiffness(setting.beams)
+        # A force is one over the stiffness of a storey alone, too, whatever else the storeys state of it.
+        beside = [state(each, lone) for each in ([_of_lone_storey(one) for one in told], told)]
+        others = {name: dict.fromkeys(one[name][0] for one in beside) for name in stated}
+        return scenario, {
+            name: (*value, *(other for other in others[name] if other != value[0]))
+            for name, value in stated.items()
+        }
 
     return everywhere
 

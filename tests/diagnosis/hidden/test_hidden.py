@@ -24,7 +24,7 @@ from pounding.diagnosis.hidden.outsiders import OUTSIDE
 from pounding.diagnosis.hidden.reference import Typical
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario
-from pounding.diagnosis.hidden.setting import Setting
+from pounding.diagnosis.hidden.setting import Parameters, Setting
 from pounding.diagnosis.hidden.whole_frame import STATES, in_all_storeys, yielding
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
@@ -276,6 +276,25 @@ def test_what_all_storeys_lose_is_stated_over_the_stiffness_of_a_storey_alone_to
     ratio = float(np.mean(storey_stiffness(built) / lone_storey_stiffness(built)))
     assert ratio < 0.8
     assert lone == pytest.approx(ratio * value, rel=0.02)
+
+
+def test_friction_of_all_storeys_is_stated_by_what_slides_and_by_what_breaks_away() -> None:
+    built, level, breakaway = baseline("15A"), 2.0, 1.2
+    still = np.ones(15)
+    under_load, alone = storey_stiffness(built), lone_storey_stiffness(built)
+    setting = Setting(
+        Scenario({"15A": built}), Typical(still, still, still, still, under_load, still, 4.0), "15A"
+    )
+
+    def rubbing(here: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
+        del size, rng
+        return here.scenario, {"friction_force": (level, "N", breakaway * level)}
+
+    put = in_all_storeys(rubbing, STATES["all_coulomb_friction"])
+    value, unit, *others = put(setting, 1.0, np.random.default_rng(1))[1]["slip_drift"]
+    assert unit == "um"
+    assert value == pytest.approx(1e6 * level * np.mean(1 / under_load))
+    assert others == pytest.approx([1e6 * force * np.mean(1 / alone) for force in (breakaway * level, level)])
 
 
 def test_a_whole_frame_differs_by_more_than_a_calibration_is_for() -> None:
