@@ -314,8 +314,8 @@ class Decision:
     pair; with nothing hidden up to 0.27 in the stored nulls, of a table that tilts.
     """
     second_evidence: float = 60.0
-    """[ln Bayes factor] An effect of a single frame beside another one needs this. Origin: chosen; lower thresholds
-    named second effects that were not there on development cases."""
+    """[ln Bayes factor] An effect of a single frame beside another one needs this, whatever force acts instead of the first
+    one's law. Origin: chosen; lower thresholds named second effects that were not there on development cases."""
     second_size: float = 0.1
     """[noise of a channel] A second effect needs this signal-to-noise ratio in some channel. Origin: chosen."""
     told: float = 2.0

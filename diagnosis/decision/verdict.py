@@ -300,16 +300,16 @@ def _worth(found: Findings, single: Judged, double: Judged) -> bool:
 def _acts(found: Findings, single: Judged, double: Judged) -> bool:
     """Return whether there is a second effect beside the first one, whatever it explains.
 
-    What the first one's law gets wrong may pass for one, but is not made good down to the noise by another effect.
+    What the first one's law gets wrong may pass for one, but is not made good down to the noise by another effect. It may
+    as well hide one: whatever force acts instead of that law, the second effect has its evidence beside it.
     """
-    needed = _second_evidence(found, single, double)
-    if double.ln_bayes - single.ln_bayes <= needed:
-        return False
+    gained, needed = double.ln_bayes - single.ln_bayes, _second_evidence(found, single, double)
     if signal_to_noise(found, double, single) < SETTINGS.decision.second_size or _untold(single, double):
         return False
-    if something_left(found, single) and not something_left(found, double):
+    if gained > needed and something_left(found, single) and not something_left(found, double):
         return True
-    return beside_latent_force(found, single, double).gained > needed
+    least = needed if found.pair is not None else thresholds(found)[0]
+    return gained > least and beside_latent_force(found, single, double).gained > needed
 
 
 def _untold(single: Judged, double: Judged) -> bool:
