@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from msgspec import UNSET
 
+from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.false_alarms import p_value, remains
 from pounding.diagnosis.decision.measures import model_error, remaining, within_model_error
@@ -28,14 +29,17 @@ SHOWN = 1e-4
 """Smallest share of the motion that is stated: no measurement is so exact."""
 
 
-def calibration(found: Findings, judged: Judged) -> tuple[CalibratedParameter, ...]:
+def calibration(
+    found: Findings, judged: Judged, contact: Fitted | None = None
+) -> tuple[CalibratedParameter, ...]:
     """Return the frames' frequencies and damping and every nuisance parameter that moved, before and after calibration.
 
     Args:
         found: What the search found.
         judged: What the verdict rests on.
+        contact: The contact of the baseline model as its impacts have it; None where there is none, or it is another one.
     """
-    return (*_modal(found, judged.fit), *_moved(found, judged.fit))
+    return (*_modal(found, judged.fit), *_moved(found, judged.fit), *_moved_contact(contact))
 
 
 def _modal(found: Findings, fit: Fit) -> list[CalibratedParameter]:
@@ -72,6 +76,29 @@ def _moved(found: Findings, fit: Fit) -> list[CalibratedParameter]:
         for one, value, std in rows
         if one.kind not in (MODAL_STIFFNESS, MODAL_DAMPING) and abs(value) > SETTINGS.report.moved * one.std
     ]
+
+
+def _moved_contact(contact: Fitted | None) -> list[CalibratedParameter]:
+    if contact is None:
+        return []
+    known, was, law = contact.hypothesis, contact.hypothesis.law, contact.law
+    stiffer, lossier = law.stiffness / was.stiffness, law.damping / was.damping
+    gap, stiffness, loss = contact.std
+    rows = [
+        ("contact_gap", was.gap_m, law.gap_m, gap, known.gap),
+        ("contact_stiffness", 1.0, stiffer, stiffer * stiffness, known.stiffness),
+        ("contact_damping", 1.0, lossier, lossier * loss, known.loss),
+        ("contact_restitution", was.restitution, law.restitution, loss, known.loss),
+    ]
+    each = [
+        CalibratedParameter(
+            parameter=name, baseline=baseline, calibrated=calibrated, std=std, prior_std=prior, contact=1
+        )
+        for name, baseline, calibrated, std, prior in rows
+        # A law without loss has neither of the last two, any other one of them.
+        if prior > 0.0 and np.isfinite(calibrated)
+    ]
+    return [one for one in each if abs(one.moved() or 0.0) > SETTINGS.report.moved]
 
 
 def _entry(found: Findings, one: Parameter, value: float, std: float) -> CalibratedParameter:

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 from msgspec import UNSET
 
+from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.diagnosis import Diagnosis
@@ -39,7 +40,7 @@ def detailed(diagnosis: Diagnosis, made: Made, loop: Loops | None = None) -> Rep
     return msgspec.structs.replace(
         report,
         remainder=remainder(found, judged, sight),
-        calibration=calibration(found, judged),
+        calibration=calibration(found, judged, _contact(diagnosis)),
         misfit=with_shares(report.misfit, report.verdict),
         advice=tuple(one.sentence for one in further),
         advice_evidence=tuple(one.ln_bayes for one in further),
@@ -50,6 +51,12 @@ def detailed(diagnosis: Diagnosis, made: Made, loop: Loops | None = None) -> Rep
         thresholds=_thresholds(found),
         origin=origin(case),
     )
+
+
+def _contact(diagnosis: Diagnosis) -> Fitted | None:
+    """Return the contact of the baseline model as its impacts have it, None without any or where another one is named."""
+    named = any(one.contact is not None for one in diagnosis.conclusion.effects)
+    return None if diagnosis.contact is None or named else diagnosis.contact.null
 
 
 def with_shares(misfits: Misfits, verdict: Verdict) -> Misfits:

@@ -22,7 +22,7 @@ from pounding.diagnosis.settings import SETTINGS
 
 SCHEMA = 2
 
-LOGARITHMS = ("frame_damping", "mode_damping", "joint_stiffness")
+LOGARITHMS = ("frame_damping", "mode_damping", "joint_stiffness", "contact_stiffness", "contact_damping")
 """Parameters of the baseline model whose priors are those of a logarithm of a factor."""
 
 
@@ -236,6 +236,7 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
     floor: int | UnsetType = UNSET
     mode: int | UnsetType = UNSET
     channel: str | UnsetType = UNSET
+    contact: int | UnsetType = UNSET
     measured: float | UnsetType = UNSET
     resolution: float | UnsetType = UNSET
     corrected: float | UnsetType = UNSET
@@ -246,7 +247,7 @@ class CalibratedParameter(Struct, frozen=True, kw_only=True):
 
     def where(self) -> str:
         """Return the place in words, for a table's cell."""
-        keys = ("storey", "floor", "mode", "channel")
+        keys = ("storey", "floor", "mode", "channel", "contact")
         words = [f"{key} {value}" for key in keys if isinstance(value := getattr(self, key), int | str)]
         return " of ".join([*words, *([self.frame] if self.frame else [])]) or "the table"
 

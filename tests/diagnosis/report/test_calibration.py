@@ -18,6 +18,7 @@ from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.report import CalibratedParameter
 from pounding.diagnosis.report.report_text import beside_the_verdict, storeys_that_moved
 from tests.diagnosis.models import measured
+from tests.diagnosis.pair_models import CONTACT, found_of
 from tests.diagnosis.report.test_report import of_runs
 
 SOFTER = -0.06
@@ -74,6 +75,21 @@ def test_damping_that_grows_with_the_frequency_is_one_number_of_the_frame() -> N
     assert power.calibrated == pytest.approx(0.8, abs=2.5 * power.std)
     assert (power.moved() or 0.0) > 1.0
     assert "mode_damping" not in rows
+
+
+def test_a_contact_that_moved_within_its_priors_is_listed() -> None:
+    """The gap is wider than believed by twice its prior's standard deviation, and nothing else is."""
+    found = softer()
+    wider_m = 6e-5
+    _, contact, conclusion = found_of(replace(CONTACT, gap_m=CONTACT.gap_m + wider_m))
+    assert not conclusion.effects
+    rows = calibration(found, found.null, contact.null)
+    (gap,) = [one for one in rows if one.contact]
+    assert (gap.parameter, gap.where()) == ("contact_gap", "contact 1")
+    assert gap.baseline == CONTACT.gap_m
+    assert gap.calibrated == pytest.approx(CONTACT.gap_m + wider_m, abs=3 * (gap.std or 0.0))
+    assert 1.0 < (gap.moved() or 0.0) < 2.0
+    assert not [one for one in calibration(found, found.null) if one.contact]
 
 
 def test_logarithms_are_said_in_prior_standard_deviations_of_theirs() -> None:
