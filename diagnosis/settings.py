@@ -189,7 +189,7 @@ class Refinement:
     never quite right. Origin: fitted; four sizes of columns G, I and J of the benchmark, stated by either stiffness, were
     4 to 14 % off, with standard errors of 2 to 10 % without it; in plane frames joints 3 to 25 % with 2 to 15 %, three bases
     that turn 8 to 11 % with 3 to 8 %, seven storeys that loosen 2 to 10 % with 2 to 7 %; judged on joints and bases since
-    their tenth set."""
+    their tenth set, and on one storey that loosens in their twelfth."""
     law_error_of_yielding: float = 0.4
     """[share of the size] The same of what yields: a rounder or a sharper knee means another force and another stiffness
     with nearly the same loop. Origin: fitted; eight sizes of columns F, G and J were 16 to 54 % off; not judged on

@@ -186,9 +186,14 @@ class Histories(Likelihood):
     def _hold(self) -> None:
         """Let no others keep such signatures, the larger part of a diagnosis' memory: who asks makes them again."""
         other = self.model.histories()
-        if isinstance(other, Histories) and other is not self and other._columns is not None:
-            other._fresh, other._columns, other._gram = True, None, None
+        if isinstance(other, Histories) and other is not self:
+            other._let_go()
         self.model.histories = ref(self)
+
+    def _let_go(self) -> None:
+        """Keep the signatures no longer; those that are made when they are asked for again are this filter's own."""
+        if self._columns is not None:
+            self._fresh, self._columns, self._gram = True, None, None
 
     def effect_columns(self, theta: np.ndarray) -> list[np.ndarray]:
         """Return for each run whitened signatures of the effects' coordinates, (samples * channels, coordinates).

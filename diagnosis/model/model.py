@@ -94,7 +94,8 @@ class Model:
         faults: What the sensors make of the motion, and what they would have read without their faults.
         tangents: Laws along the motion that was asked for last (`inference.filtering`), by the number of the run, each with
             what returns that motion as long as somebody else needs it.
-        histories: Returns whose signatures of the nuisance parameters were asked for last (`inference.histories`).
+        histories: Returns the term of the inference (`inference.histories`) that keeps its signatures of the nuisance
+            parameters, which one at a time does; None where there is none any more.
     """
 
     def __init__(

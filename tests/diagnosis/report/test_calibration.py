@@ -92,6 +92,28 @@ def test_a_contact_that_moved_within_its_priors_is_listed() -> None:
     assert not [one for one in calibration(found, found.null) if one.contact]
 
 
+@pytest.mark.parametrize(("believed", "calibrated", "prior", "row"), [
+    ({}, {}, 0.01, None),
+    ({}, {"stiffness": 1.05}, 0.01, ("contact_stiffness", 1.05)),
+    ({"restitution": 0.7}, {"restitution": 0.72}, 0.01, ("contact_restitution", 0.72)),
+    ({"damping": 1.0}, {"damping": 0.9}, 0.05, ("contact_damping", 0.9)),
+    ({"damping": 1.0}, {"damping": 0.96}, 0.05, None),
+])  # fmt: skip
+def test_a_contacts_stiffness_and_loss_are_listed_as_its_law_has_them(
+    believed: dict[str, float], calibrated: dict[str, float], prior: float, row: tuple[str, float] | None
+) -> None:
+    """Of a law with a dashpot the damping, of another damped one the restitution, of none without loss either."""
+    found, (_, contact, _) = softer(), found_of(CONTACT)
+    fitted = contact.null
+    assert fitted is not None
+    plain = replace(fitted.hypothesis.law, stiffness=1.0, damping=np.nan, restitution=np.nan)
+    was = replace(plain, **believed)
+    known = replace(fitted.hypothesis, law=was, stiffness=0.03, loss=prior if believed else 0.0)
+    moved = replace(fitted, hypothesis=known, law=replace(was, **calibrated))
+    rows = [one for one in calibration(found, found.null, moved) if one.contact]
+    assert [(one.parameter, one.calibrated) for one in rows] == ([] if row is None else [row])
+
+
 def test_logarithms_are_said_in_prior_standard_deviations_of_theirs() -> None:
     row = CalibratedParameter(
         parameter="mode_damping",
