@@ -308,8 +308,9 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
         return False
     if gained > needed and something_left(found, single) and not something_left(found, double):
         return True
-    least = needed if found.pair is not None else thresholds(found)[0]
-    return gained > least and beside_latent_force(found, single, double).gained > needed
+    return gained > _least_evidence(found, single, double) and (
+        beside_latent_force(found, single, double).gained > needed
+    )
 
 
 def _untold(single: Judged, double: Judged) -> bool:
@@ -368,11 +369,16 @@ def _together(judged: Judged) -> bool:
 
 
 def _second_evidence(found: Findings, single: Judged, double: Judged) -> float:
-    """Return the ln Bayes factor that a second effect needs beside a first one, whatever that one leaves."""
+    """Return the ln Bayes factor that a second effect needs beside a first one, whatever force acts instead of that one."""
     if found.pair is None:
         return SETTINGS.decision.second_evidence
-    second = (effect.absorbing for effect in double.effects if effect not in single.effects)
-    return SETTINGS.pair_decision.second_factor * thresholds(found, any(second))[0]
+    return SETTINGS.pair_decision.second_factor * _least_evidence(found, single, double)
+
+
+def _least_evidence(found: Findings, single: Judged, double: Judged) -> float:
+    """Return the ln Bayes factor that a second effect needs beside a first one as any first effect does."""
+    absorbing = any(effect.absorbing for effect in double.effects if effect not in single.effects)
+    return thresholds(found, absorbing)[0]
 
 
 def features(found: Findings, decision: Decision) -> Features:

@@ -58,7 +58,7 @@ FAILING = [
 
 def diagnosed(case: Path, *options: str) -> dict[str, Any]:
     """Return the report that the command prints."""
-    words = [sys.executable, "-m", "pounding.experiments.command", "diagnose", str(case), "--json", *options]
+    words = [sys.executable, "-m", "pounding", "diagnose", str(case), "--json", *options]
     done = subprocess.run(words, capture_output=True, text=True, timeout=1200, check=False)
     assert done.returncode == 0, done.stderr
     return dict(json.loads(done.stdout))

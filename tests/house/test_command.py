@@ -54,7 +54,7 @@ def here(capsys: pytest.CaptureFixture[str]) -> Callable[..., Done]:
 
 def pounding(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "pounding.experiments.command", *words],
+        [sys.executable, "-m", "pounding", *words],
         capture_output=True,
         text=True,
         timeout=300,
@@ -113,7 +113,7 @@ def test_the_tab_key_completes_without_python(tmp_path: Path) -> None:
     script = tmp_path / "completion"
     words = ["--install-completion", "--shell", "bash", "--output", str(script)]
     done = subprocess.run(
-        [sys.executable, "-m", "pounding.experiments.command", *words],
+        [sys.executable, "-m", "pounding", *words],
         env=dict(os.environ) | {"HOME": str(tmp_path)},
         capture_output=True,
         text=True,
@@ -302,7 +302,7 @@ def test_the_help_shows_verbs_by_purpose_and_each_with_its_example(here: Callabl
 
 def shell(line: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
     """The command in a shell; `status` of a pipe is the one of the command itself."""
-    command = line.replace("pounding", f"{sys.executable} -m pounding.experiments.command")
+    command = line.replace("pounding", f"{sys.executable} -m pounding")
     return subprocess.run(
         ["bash", "-c", command], capture_output=True, timeout=300, env=os.environ | environment
     )

@@ -56,7 +56,7 @@ def without(folder: Path, libraries: list[str], *words: str) -> subprocess.Compl
     """Run the command in processes that cannot import some libraries."""
     (folder / "sitecustomize.py").write_text(BLOCKER.format(blocked=set(libraries)))
     return subprocess.run(
-        [sys.executable, "-m", "pounding.experiments.command", *words],
+        [sys.executable, "-m", "pounding", *words],
         capture_output=True,
         text=True,
         timeout=300,

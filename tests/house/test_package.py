@@ -156,9 +156,9 @@ def test_what_is_installed_works_from_elsewhere(built: Built, tmp_path: Path) ->
     assert Path(where.stdout.strip()).is_relative_to(built.packages)
     # Files that are data: frames, published tables, templates.
     for words in (["modal", "5B"], ["study", "chapter-5", "--help"]):
-        run(sys.executable, "-m", "pounding.experiments.command", *words, cwd=tmp_path, path=built.packages)
+        run(sys.executable, "-m", "pounding", *words, cwd=tmp_path, path=built.packages)
     asked = ["design", "--tall", "39", "--short", "21", "--pga", "0.2", "--report", "page.html"]
-    run(sys.executable, "-m", "pounding.experiments.command", *asked, cwd=tmp_path, path=built.packages)
+    run(sys.executable, "-m", "pounding", *asked, cwd=tmp_path, path=built.packages)
     assert (tmp_path / "page.html").is_file()
 
 
@@ -189,7 +189,7 @@ def test_a_folder_of_the_users_own_named_experiments_does_no_harm(tmp_path: Path
     told = run(
         sys.executable,
         "-m",
-        "pounding.experiments.command",
+        "pounding",
         "list",
         cwd=tmp_path,
         path=Path(f"{tmp_path}:{clone}"),

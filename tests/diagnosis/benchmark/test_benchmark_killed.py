@@ -21,7 +21,7 @@ WORDS = ["diagnose", "--benchmark", "3", "--seed", "3", "--way", "sparse"]
 
 def run(out: Path, seconds: float) -> int | None:
     """Run the benchmark for at most so many seconds, then kill it and its workers; return its exit status."""
-    command = [sys.executable, "-m", "pounding.experiments.command", *WORDS, "--out", str(out)]
+    command = [sys.executable, "-m", "pounding", *WORDS, "--out", str(out)]
     process = subprocess.Popen(
         command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
     )

@@ -47,7 +47,7 @@ def test_the_command_refuses_in_one_sentence(words: list[str], tmp_path: Path) -
     (tmp_path / "openseespy.py").write_text("raise ImportError('libblas.so.3 is not there')")
     words = [str(tmp_path / "case") if word == "CASE" else word for word in words]
     ran = subprocess.run(
-        [sys.executable, "-m", "pounding.experiments.command", *words, "--engine", "opensees"],
+        [sys.executable, "-m", "pounding", *words, "--engine", "opensees"],
         env=os.environ | {"PYTHONPATH": str(tmp_path)},
         capture_output=True,
         text=True,

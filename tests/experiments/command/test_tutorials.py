@@ -148,7 +148,7 @@ def test_the_ground_motion(tmp_path: Path):
         assert written in page
     (refused,) = re.findall(r"```text\n(.*?)```", page, re.DOTALL)
     (tmp_path / "quarry.csv").write_text("time,acc\n0,0\n0.01,0.1\n")
-    command = [sys.executable, "-m", "pounding.experiments.command", "shake", "5A", "--record", "quarry.csv"]
+    command = [sys.executable, "-m", "pounding", "shake", "5A", "--record", "quarry.csv"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.returncode == 2
     assert done.stderr == refused

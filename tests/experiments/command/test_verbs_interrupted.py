@@ -68,7 +68,7 @@ def test_every_verb_is_here() -> None:
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("case") / "case"
     words = ["hide", "nothing", "--out", str(folder), "--motions", "artificial", "--duration", "4"]
-    subprocess.run([sys.executable, "-m", "pounding.experiments.command", *words], check=True, timeout=120)
+    subprocess.run([sys.executable, "-m", "pounding", *words], check=True, timeout=120)
     return folder
 
 

@@ -130,7 +130,7 @@ def test_a_file_that_a_stopped_worker_had_begun_is_removed(tmp_path):
 def test_the_command_on_a_full_file_system_leaves_no_half_file(tmp_path, test_records):
     # 200 kB hold a plot and not the histories: one sentence, status 2, and every file there is a whole one
     disk = tmp_path / "disk"
-    command = [sys.executable, "-m", "pounding.experiments.command", "shake", "5A", "--record", "elcentro",
+    command = [sys.executable, "-m", "pounding", "shake", "5A", "--record", "elcentro",
                "--records", str(test_records), "--out", str(disk / "run")]  # fmt: skip
     shown = [sys.executable, "-c", LISTED, str(disk), *command]
     printed, errors, status = on_a_small_disk(disk, "200k", *shown)
@@ -166,7 +166,7 @@ FULL = {
 def test_every_verb_on_a_full_disk_is_one_sentence_and_leaves_nothing_begun(tmp_path, verb):
     disk = tmp_path / "disk"
     words = [word.replace("DISK", str(disk)) for word in FULL[verb]]
-    command = [sys.executable, "-m", "pounding.experiments.command", *words]
+    command = [sys.executable, "-m", "pounding", *words]
     printed, errors, status = on_a_small_disk(disk, "8k", sys.executable, "-c", LISTED, str(disk), *command)
     assert status == 2, errors
     assert "No space left on device" in errors
@@ -180,7 +180,7 @@ def test_every_verb_on_a_full_disk_is_one_sentence_and_leaves_nothing_begun(tmp_
 )
 def test_standard_output_on_a_full_disk_is_one_sentence(words):
     with Path("/dev/full").open("w") as full:
-        command = [sys.executable, "-m", "pounding.experiments.command", *words]
+        command = [sys.executable, "-m", "pounding", *words]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=120)
     assert (done.returncode, done.stderr) == (2, "pounding: No space left on device\n")
 
@@ -229,7 +229,7 @@ def test_the_command_interrupted_says_so_and_leaves_whole_files(tmp_path):
     command = [
         sys.executable,
         "-m",
-        "pounding.experiments.command",
+        "pounding",
         "shake",
         "5A",
         "--record",
