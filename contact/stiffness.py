@@ -1,4 +1,4 @@
-"""Stiffness of the contact: the formulas of thesis section 2.3 and equation 5.2, in SI units."""
+"""Stiffness of the contact: formulas of thesis section 2.3 that its tables use, and equation 5.2, in SI units."""
 
 from __future__ import annotations
 
@@ -21,22 +21,6 @@ def axial(modulus: float, area: float, length: float) -> float:
         length: Length along the impact [m].
     """
     return _positive(modulus * area / length)
-
-
-def beams_and_slab(modulus: float, beam: tuple[float, float], slab: tuple[float, float]) -> float:
-    """E A_b / L_b + E A_s / L_s [N/m] (thesis eq. 2.19, Wada et al.; 2.23); area [m2] and length [m] each.
-
-    Args:
-        modulus: Young's modulus [Pa].
-        beam: Area [m^2] and length [m] of the beams.
-        slab: Area [m^2] and length [m] of the slab.
-    """
-    return axial(modulus, *beam) + axial(modulus, *slab)
-
-
-def anagnostopoulos(lateral_stiffness: float) -> float:
-    """Twenty times the lateral stiffness [N/m] of the stiffer structure (thesis eq. 2.20)."""
-    return _positive(20.0 * lateral_stiffness)
 
 
 def naserkhaki(building_stiffness: float, factor: float = 100.0) -> float:

@@ -192,8 +192,8 @@ class Refinement:
     their tenth set, and on one storey that loosens in their twelfth."""
     law_error_of_yielding: float = 0.4
     """[share of the size] The same of what yields: a rounder or a sharper knee means another force and another stiffness
-    with nearly the same loop. Origin: fitted; eight sizes of columns F, G and J were 16 to 54 % off; not judged on
-    others."""
+    with nearly the same loop. Origin: fitted; eight sizes of columns F, G and J were 16 to 54 % off; too
+    small in plane frames, see the next."""
     law_error_of_knee: float = 1.2
     """[share of the size times ductility] And the less it yields, ductility being the largest drift over the yield drift
     that was found. Origin: fitted; to the force of Menegotto and Pinto with R0 = 20 up to a ductility of 2.2 (`python -m

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from pounding.frames import cache, stick
+from pounding.frames import cache, checks, stick
 from pounding.frames.definition import Frame, PlateFrame, StickFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.fe.assembly import Model, Options, assemble
@@ -57,8 +57,8 @@ def build(
         FrameError: A value that cannot be, an unstable frame, or ``planar=True`` for one that is not
             symmetric.
     """
-    if damping is not None and not 0.0 <= damping < 1.0:
-        raise FrameError(f"damping: {damping} is not a fraction from 0 to below 1 (0.5 % is 0.005)")
+    if damping is not None:
+        checks.damping(frame.name, [damping])
     if isinstance(frame, StickFrame):
         with _solvable(frame):
             return stick.build(frame, damping, planar=planar)

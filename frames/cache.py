@@ -115,8 +115,7 @@ def _make_room(target: Path) -> None:
     """Delete the files used longest ago until the folder is small enough."""
     with suppress(OSError):  # another process may be making room at the same time
         files = sorted(
-            # Entries were once npz files.
-            ((path.stat(), path) for path in target.glob("*") if path.suffix in (".entry", ".npz")),
+            ((path.stat(), path) for path in target.glob("*.entry")),
             key=lambda item: item[0].st_mtime,
         )
         excess = sum(stat.st_size for stat, _ in files) - LARGEST_BYTES

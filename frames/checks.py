@@ -59,7 +59,7 @@ def plate_frame(frame: PlateFrame) -> None:
             f"{name}: joints.default is {frame.joints.default!r}, not one of "
             f"{', '.join(frame.joints.stiffness_n_m_per_rad) or 'none'} in joints.stiffness_n_m_per_rad"
         )
-    _damping(name, [frame.damping_ratio])
+    damping(name, [frame.damping_ratio])
     _scale(name, frame.scale)
     _masses(name, frame)
     _per_storey(name, "storey_stiffness_factor", frame.storey_stiffness_factor, frame.storeys)
@@ -101,7 +101,7 @@ def stick_frame(frame: StickFrame) -> None:
     ratios = frame.damping_ratios if not isinstance(frame.damping_ratio, list) else frame.damping_ratio
     if not 1 <= len(ratios) <= frame.storeys:
         raise FrameError(f"{name}: damping_ratio has {len(ratios)} values, needs 1 to {frame.storeys}")
-    _damping(name, ratios)
+    damping(name, ratios)
     for key, side in zip(("length", "width"), frame.plan_m, strict=True):
         _within(name, f"plan_m ({key})", side, bounds.LENGTH)
     if frame.yielding is not None and frame.yielding.storey_shear_n is None:
@@ -198,7 +198,7 @@ def _modes(name: str, frame: StickFrame, modes: ModeTable) -> None:
             "state one of each for a mode"
         )
     _frequencies(place, modes.frequency_hz, frame.storeys)
-    _damping(place, modes.damping_ratio)
+    damping(place, modes.damping_ratio)
     for number, shape in enumerate(modes.shapes, 1):
         _per_storey(place, f"shape {number}", shape, frame.storeys, required=True)
         if not all(map(isfinite, shape)) or not any(shape):
@@ -296,11 +296,17 @@ def _per_storey(
         raise FrameError(f"{name}: {key} has {len(values)} values, needs one for each of {storeys} storeys")
 
 
-def _damping(name: str, ratios: Sequence[float]) -> None:
+def damping(name: str, ratios: Sequence[float]) -> None:
+    """Raise FrameError for damping ratios, (modes,), that are no fractions of the critical damping.
+
+    Args:
+        name: What has them, the subject of the sentence.
+        ratios: The ratios [-].
+    """
     for ratio in ratios:
         if not 0.0 <= ratio < 1.0:
             raise FrameError(
-                f"{name}: damping_ratio is {ratio}, a fraction from 0 to below 1 (0.5 % is 0.005)"
+                f"{name}: damping_ratio is {ratio}; give a fraction from 0 to below 1 (0.5 % is 0.005)"
             )
 
 

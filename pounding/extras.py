@@ -1,6 +1,6 @@
 """Libraries that single features need: an installation without one of them has all the other features.
 
-Each belongs to an extra of the package (`pip install "pounding[films]"`); `pyproject.toml` has their versions.
+Each belongs to an extra of the package (`pip install '.[films]'` from a checkout); `pyproject.toml` has their versions.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ EXTRAS = {
 
 
 def how_to_install(library: str) -> str:
-    """Return the command that installs the extra of a library."""
-    return f'pip install "pounding[{EXTRAS[library].name}]"'
+    """Return the command that installs the extra of a library, and from where."""
+    return f"pip install '.[{EXTRAS[library].name}]' from a checkout of pounding"
 
 
 def extra_module(name: str) -> Any:

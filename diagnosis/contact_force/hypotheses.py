@@ -17,6 +17,12 @@ STIFFNESS, DAMPING, RESTITUTION = 0.03, 0.05, 0.01
 WIDE_GAP, WIDE_STIFFNESS, WIDE_DAMPING, WIDE_RESTITUTION = 0.4, 1.0, 1.0, 0.2
 """The same where it is what is missing; the first a share of the gap, the next two of logarithms."""
 USUAL_RESTITUTION, USUAL_SPREAD = 0.75, 0.12
+RESTITUTION_ENDS = (0.05, 0.995)
+"""Least and largest restitution that is fitted or simulated."""
+UNLISTED_STIFFNESS, UNLISTED_RESTITUTION = 2e7, 0.7
+UNLISTED_GAP_M, UNLISTED_SPREAD = 1e-3, 0.15
+"""A contact that the case does not list: stiffness [N/m] and restitution, and the spreads of its gap [m] and restitution;
+that of its stiffness is `WIDE_STIFFNESS`."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +116,7 @@ def at(hypothesis: Hypothesis, x: Sequence[float] | np.ndarray) -> Law:
     damping, restitution = law.damping, law.restitution
     if law.name in DAMPED:
         if np.isnan(damping):
-            restitution = float(np.clip(restitution + hypothesis.loss * x[2], 0.05, 0.995))
+            restitution = float(np.clip(restitution + hypothesis.loss * x[2], *RESTITUTION_ENDS))
         else:
             damping = float(damping * np.exp(np.clip(hypothesis.loss * x[2], -5, 5)))
     return replace(

@@ -8,7 +8,14 @@ import numpy as np
 
 from pounding.diagnosis.contact_force import contacts, impacts, pairs
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.hypotheses import Hypothesis
+from pounding.diagnosis.contact_force.hypotheses import (
+    UNLISTED_GAP_M,
+    UNLISTED_RESTITUTION,
+    UNLISTED_SPREAD,
+    UNLISTED_STIFFNESS,
+    WIDE_STIFFNESS,
+    Hypothesis,
+)
 from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
@@ -127,5 +134,8 @@ def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fit
     if not met.impacts:
         return None
     onset = float(np.median([one.free[min(one.onset, len(one.free) - 1)] for one in met.impacts]))
-    law = impacts.Law("linear_viscoelastic", onset, 2e7, float("nan"), 0.7, mass)
-    return contacts.fit(met, Hypothesis("second_contact", law, 1e-3, 1.0, 0.15))
+    law = impacts.Law(
+        "linear_viscoelastic", onset, UNLISTED_STIFFNESS, float("nan"), UNLISTED_RESTITUTION, mass
+    )
+    free = Hypothesis("second_contact", law, UNLISTED_GAP_M, WIDE_STIFFNESS, UNLISTED_SPREAD)
+    return contacts.fit(met, free)

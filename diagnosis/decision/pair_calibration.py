@@ -1,4 +1,4 @@
-"""`--calibrate` for two frames that touch: the whole pair, contact and force cell included, simulated by exudyn.
+"""`--calibrate` for two frames that touch: the whole pair, contact and force cell included, by the exact solver.
 
 As on a single frame null and rivals take turns at being the truth, the contact's rivals beside those of the frames. A
 simulated case is diagnosed from its channels alone, as the measured one was: forces known or found, frames, impacts.
@@ -16,7 +16,7 @@ from pounding.contact.errors import ContactError
 from pounding.contact.parameters import make_law
 from pounding.diagnosis.case.case import Case, Run
 from pounding.diagnosis.contact_force.contacts import Fitted
-from pounding.diagnosis.contact_force.hypotheses import at, baseline_law, null
+from pounding.diagnosis.contact_force.hypotheses import RESTITUTION_ENDS, at, baseline_law, null
 from pounding.diagnosis.contact_force.impacts import Law
 from pounding.diagnosis.contact_force.pair import ContactFindings
 from pounding.diagnosis.contact_force.pairs import with_contacts
@@ -105,7 +105,7 @@ def simulated(case: Case, found: Findings, truth: Truth, rng: np.random.Generato
         rng: Random numbers for nuisance parameters, sizes and noise.
 
     Raises:
-        CaseError: The contact's law and damping make no law that the engine knows.
+        CaseError: The contact's law and damping make no law that the solver knows.
     """
     assert found.pair is not None
     bare = with_contacts(found.pair.full)
@@ -156,7 +156,7 @@ def _of_size(stated: Law, fitted: Fitted, rng: np.random.Generator) -> Law:
     if effect == "contact_damping":
         if np.isnan(stated.damping):
             changed = stated.restitution + share * (law.restitution - stated.restitution)
-            return replace(stated, restitution=float(np.clip(changed, 0.05, 0.99)))
+            return replace(stated, restitution=float(np.clip(changed, *RESTITUTION_ENDS)))
         return replace(stated, damping=stated.damping * (law.damping / stated.damping) ** share)
     return replace(law, gap_m=stated.gap_m)
 
@@ -170,7 +170,7 @@ def _run(
     between: Between,
     rng: np.random.Generator,
 ) -> Run:
-    """Return a run as it is recorded: the engine's motion, noise as estimated, dropouts where they were.
+    """Return a run as it is recorded: the solver's motion, noise as estimated, dropouts where they were.
 
     It ends where the measured one ended for the diagnosis, which leaves out an end at which nothing is recorded.
     """

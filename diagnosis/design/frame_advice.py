@@ -155,7 +155,7 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
 
 
 def as_it_was(found: Findings, number: int | None = None) -> Measurement:
-    """Return what was measured: a run, cut to `LONGEST_S`, without what is infinitely noisy.
+    """Return what was measured: a run, cut to `design.longest_s` of the settings, without what is infinitely noisy.
 
     Args:
         found: What the search found.

@@ -26,6 +26,8 @@ from pounding.diagnosis.hidden.worlds import world_of
 VISIBILITY = (0.1, 10.0)
 """Range from which the visibility of an effect is drawn, log-uniform: barely visible to plain."""
 
+SHORTEST_S, LONGEST_S = 0.5, 60.0
+"""Lengths of a run that are made [s]."""
 TRIALS = 7
 SMALLEST_CONTACT = 0.05
 """Least size of a contact's effect over its largest; drawn log-uniform from there."""
@@ -79,9 +81,11 @@ def hide(
     if source not in motions.SOURCES:
         raise CaseError(f"motions {source!r} are not known; use one of {', '.join(motions.SOURCES)}")
     if visibility is not None and not 0 < visibility < 1e3:
-        raise CaseError(f"visibility is {visibility:g}; give a number above 0, 1 is as strong as the noise")
-    if duration_s is not None and not 0.5 <= duration_s <= 60.0:
-        raise CaseError(f"duration is {duration_s:g} s; give 0.5 to 60")
+        raise CaseError(
+            f"visibility is {visibility:g}; give a number above 0 and below 1000; 1 is as strong as the noise"
+        )
+    if duration_s is not None and not SHORTEST_S <= duration_s <= LONGEST_S:
+        raise CaseError(f"duration is {duration_s:g} s; give {SHORTEST_S:g} to {LONGEST_S:g}")
     for name, share in (("noise", noise), ("model error", model_error)):
         if share is not None and not 1e-4 <= share <= 0.5:
             raise CaseError(f"{name} is {100 * share:g} %; give 0.01 to 50")

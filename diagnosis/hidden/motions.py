@@ -11,10 +11,9 @@ from scipy.signal.windows import tukey
 
 from pounding.constants import STANDARD_GRAVITY
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import find, records_folder
+from pounding.experiments.records import RECORDS, find, records_folder
 from pounding.scale import THESIS
 
-RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SOURCES = ("records", "artificial", "mixed")
 TABLE_BAND_HZ = (0.4, 60.0)
 """What the table can follow [Hz]."""

@@ -9,6 +9,7 @@ from scipy.ndimage import binary_dilation, find_objects, label, median_filter
 from scipy.stats import chi2
 
 from pounding.diagnosis.inference.filtering import Filtered, tangents_of, whitened_runs
+from pounding.diagnosis.model.hum import MAINS_HZ
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import MODAL_DAMPING, MODAL_STIFFNESS
 from pounding.diagnosis.settings import SETTINGS
@@ -17,8 +18,6 @@ STRUCTURE = ("frame_stiffness", "storey_stiffness", "base_stiffness", "joint_sti
 """Nuisance parameters that say which frame this is."""
 DAMPING = ("frame_damping", "damping_power", "mode_damping", MODAL_DAMPING)
 """Nuisance parameters that say how it is damped."""
-MAINS_HZ = (50.0, 60.0)
-"""Mains frequencies."""
 
 
 def strain(model: Model, values: np.ndarray, kinds: Sequence[str] = STRUCTURE) -> tuple[float, int]:

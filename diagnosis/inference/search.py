@@ -177,7 +177,7 @@ def _led_further(found: Findings) -> Fit | None:
 
 
 def _chosen(scores: Scores) -> list[Score]:
-    """Return the candidates to refine: the best ones, and the best of those that look like none of them."""
+    """Return the candidates to refine, the best first, and of those outside the catalogue only a few."""
     chosen: list[Score] = []
     rivals = 0
     for one in scores.ranked:

@@ -12,6 +12,7 @@ from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.decision.claims import Claim, Place
 from pounding.diagnosis.design.contenders import DECISIVE, STRONG, strength
 from pounding.diagnosis.design.detectability import Detectability, Sized
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.model.nuisance import (
     BASE_STIFFNESS,
     CHANNEL_DELAY_S,
@@ -299,8 +300,14 @@ def misread(case: Case, effect: Claim) -> str | None:
     return None
 
 
-def assumptions(case: Case, report: Report) -> list[str]:
-    """Return what the verdict rests on."""
+def assumptions(case: Case, report: Report, parameters: int) -> list[str]:
+    """Return what the verdict rests on.
+
+    Args:
+        case: The case.
+        report: The report.
+        parameters: How many nuisance parameters the model has.
+    """
     prior, ours = case.prior, SETTINGS.refinement
     channels = len(report.channels or ())
     return [
@@ -308,7 +315,7 @@ def assumptions(case: Case, report: Report) -> list[str]:
         f"{prior.storey_stiffness:.1%}, frame stiffness {prior.frame_stiffness:.1%}, floor mass {prior.floor_mass:.1%}, "
         f"each mode's damping {prior.damping_ratio:.0%} and the power of its frequency with which it grows "
         f"{DAMPING_POWER * prior.damping_ratio:.2g}, table gain {prior.table_gain:.1%}, table delay "
-        f"{prior.table_delay_ms:g} ms), none beyond three of them.",
+        f"{prior.table_delay_ms:g} ms), none beyond {box_of(parameters):.1f} of them.",
         f"A sensor's gain is known to {CHANNEL_GAIN:.1%}, its delay against the others to {CHANNEL_DELAY_S * 1e3:g} ms; "
         f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
         f"{JOINT_STIFFNESS:.0%}.",

@@ -69,7 +69,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         pictures = drawn()
     if picture is not None:
         pictures["on_the_frame"] = picture
-    case, stated = diagnosis.case, assumptions(diagnosis.case, report)
+    case, stated = diagnosis.case, assumptions(diagnosis.case, report, len(diagnosis.found.model.std))
     _write(
         folder,
         case,

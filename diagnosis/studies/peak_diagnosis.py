@@ -28,16 +28,14 @@ from pounding.diagnosis.studies.whole_frames import CATALOGUE, PeakModel, WholeF
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, plain, progress_console, table
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import RECORDS, Record, find
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.studies.table_4_1 import RECORDS, measured, trusted
+from pounding.experiments.studies.table_4_1 import KEPT_ARIAS, measured, trusted
 from pounding.frames.files import replacing, write_whole
 from pounding.scale import THESIS
 
 STEP_S = 1e-3
 """Longest step at which the table's motion is sampled [s]; the frames take two substeps in it."""
-KEPT_ARIAS = 0.999
-"""Records end at this share of their Arias intensity: frames only ring down after it."""
 STD_MM, STD_SHARE = 0.2, 0.03
 """Uncertainty of a peak: a fifth of a millimetre (printed to one tenth, laser), and three per cent of it."""
 SPLITS = tuple(combinations(RECORDS, 2))

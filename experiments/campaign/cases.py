@@ -22,7 +22,7 @@ from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.rig.contact_choice import ContactWish, chosen_parameters
-from pounding.experiments.rig.impacts import all_impacts
+from pounding.experiments.rig.impacts import SAMPLE_RATE_HZ, all_impacts
 from pounding.experiments.rig.motion import turning_points
 from pounding.experiments.rig.pounding import Pounding, built, built_in, floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import contact_floors, pair_gap
@@ -37,12 +37,11 @@ if TYPE_CHECKING:
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 LAWS = BUILT_IN
-RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 OTHER_MERGING_MS = (5, 10, 50)
 """Merging times to show how much the counts depend on it [ms]."""
 
 WINDOW_S = 0.03
-SAMPLE_RATE_HZ = 10_000.0
+"""Length of the interval of figure 6.10 [s]: it holds the first impact."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -319,8 +318,3 @@ def _first_force(found: Pounding) -> xr.DataArray:
         times = found.impacts[0].time_s - 1e-3 + samples / SAMPLE_RATE_HZ
         force = history.at(np.clip(times, history.time_s[0], history.time_s[-1]))[2].astype(np.float64)
     return xr.DataArray(force, {"sample": samples}, ("sample",))
-
-
-def model_seconds(tests: Sequence[Trial], folder: str | None = None) -> float:
-    """Return the model time of one run of each test [s]."""
-    return sum(shaking(test.record, folder).duration_s for test in tests)

@@ -8,7 +8,6 @@ nothing is normalised, and it grows with the number of samples.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -17,9 +16,9 @@ from scipy.stats import rankdata
 
 from pounding.experiments import published
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import RECORDS
 
 PAIRS = (("10", "5B"), ("15B", "5B"), ("15B", "10"))
-RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 
 
 def dissimilarity(first_n: ArrayLike, second_n: ArrayLike) -> float:
@@ -46,26 +45,6 @@ def ranks(values: ArrayLike) -> NDArray[np.int64]:
 def rank_sums(values: ArrayLike, laws: list[str]) -> dict[str, int]:
     """Return the sum of ranks of each law over all rows (rows, laws); the lowest is the best."""
     return dict(zip(laws, ranks(values).sum(axis=0).tolist(), strict=True))
-
-
-def rank_laws(
-    reference_n: Mapping[str, ArrayLike], runs_n: Mapping[str, Mapping[str, ArrayLike]]
-) -> pd.DataFrame:
-    """Rank laws by the dissimilarity of their histories from a stated reference.
-
-    Args:
-        reference_n: Reference history (m,) [N] of each interval, by the interval's name.
-        runs_n: For each law, its history (m,) [N] of each interval.
-
-    Returns:
-        Dissimilarity [N], one row an interval, one column a law.
-    """
-    return pd.DataFrame(
-        {
-            law: {name: dissimilarity(histories[name], reference) for name, reference in reference_n.items()}
-            for law, histories in runs_n.items()
-        }
-    )
 
 
 def printed_values() -> pd.DataFrame:

@@ -7,14 +7,15 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from pounding.diagnosis.hidden.hide import LONGEST_S
 from pounding.diagnosis.hidden.hide import hide as hide_effects
 from pounding.diagnosis.hidden.writing import check_free, write_hidden
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.results.provenance import stamp
 
-USUAL_S, LONGEST_S = 8.0, 60.0
-"""Longest run that is drawn where no length is asked for, and that is not refused [s]."""
+USUAL_S = 8.0
+"""Longest run that is drawn where no length is asked for [s]."""
 
 
 def hide(

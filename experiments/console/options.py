@@ -53,8 +53,8 @@ LawName = Annotated[Laws | str, _OPEN]
 Solver = Annotated[
     Literal["exudyn", "exact"],
     Parameter(
-        help="exudyn, or exact: closed formulas between impacts, about two hundred times quicker, for frames that "
-        "are linear apart from their contacts."
+        help="exudyn, or exact: closed formulas between impacts, much quicker, for frames that are "
+        "linear apart from their contacts."
     ),
 ]
 Joints = Annotated[

@@ -21,8 +21,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-import pandas as pd
-
 from pounding.experiments import published
 
 GAP_TOLERANCE_MM = 1.0
@@ -211,14 +209,3 @@ def _sides(peaks: Peaks, pair: Pair) -> tuple[tuple[float, float], tuple[float, 
     left = peaks.get((pair.left, pair.floor, pair.record))
     right = peaks.get((pair.right, pair.floor, pair.record))
     return None if left is None or right is None else (left, right)
-
-
-def as_table(contradictions: Iterable[Contradiction]) -> pd.DataFrame:
-    """Return contradictions as a table: rule, pair, printed and expected [mm], sentence."""
-    return pd.DataFrame(
-        [
-            {"rule": c.rule, "pair": str(c.pair), "printed_mm": c.printed_mm, "expected_mm": c.expected_mm}
-            for c in contradictions
-        ],
-        columns=["rule", "pair", "printed_mm", "expected_mm"],
-    )

@@ -113,6 +113,9 @@ REFERENCES = {
 }
 """By reserved name; a file may only be called by one of these names if `verified` lets it."""
 
+RECORDS = tuple(REFERENCES)
+"""Names of the four motions, in the order of the thesis' tables."""
+
 
 def verified(name: str, record: Record) -> Record:
     """Return the record under a reserved name, if it is that motion.

@@ -161,7 +161,7 @@ class Rig:
     def _exact_can(self, accuracy: Accuracy | None) -> None:
         if self.additions:
             raise ExperimentError(
-                "the exact solver knows frames and contacts only; run additions with exudyn"
+                "the exact solver takes no additions; run them with exudyn, or state them as laws in storeys"
             )
         if accuracy is not None:
             raise ExperimentError("the tolerances are exudyn's; the exact solver keeps its own")

@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.rig.states import FREQUENCIES as PLACES
 from pounding.experiments.rig.states import Frequency, first_frequency
 from pounding.experiments.studies import added_forces
@@ -25,7 +25,7 @@ from pounding.experiments.studies import single_changes as change
 from pounding.experiments.studies.change_catalogue import STEP_S
 from pounding.experiments.studies.frame_states import baseline
 from pounding.experiments.studies.peak_lattice import GAINS, Lattice, motion_of
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
+from pounding.experiments.studies.table_4_1 import FRAMES
 
 Real = NDArray[np.float64]
 Effect = Literal["slip", "friction"]

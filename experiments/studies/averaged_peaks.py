@@ -15,8 +15,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies.peak_lattice import Freedom, Lattice
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
+from pounding.experiments.studies.table_4_1 import FRAMES
 
 Real = NDArray[np.float64]
 NEGLIGIBLE = 1e-7

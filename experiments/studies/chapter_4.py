@@ -25,7 +25,7 @@ from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table, warn
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.published.consistency import Pair
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import RECORDS, Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
 from pounding.experiments.rig.required_gap import RequiredGap, pair_gap
@@ -87,7 +87,7 @@ def study(
         solver: What runs the collisions, see `confirmations`.
     """
     built = {name: build(name, BLIND) for name in FRAMES}
-    motions = {name: _motion(name, BLIND, folder) for name in tables_4.RECORDS}
+    motions = {name: _motion(name, BLIND, folder) for name in RECORDS}
     gaps = tables_4.computed_gaps(built.__getitem__, motions.__getitem__)
     strong = strong_motion(motions)
     table_4_2 = tables_4.table_4_2(gaps).join(in_mm(strong))
@@ -124,7 +124,7 @@ def strong_motion(motions: Mapping[str, Record]) -> Gaps:
         motions: Records at model scale by name.
     """
     found = {}
-    for (left, right, floor), record in product(tables_4.pairs(), tables_4.RECORDS):
+    for (left, right, floor), record in product(tables_4.pairs(), RECORDS):
         built = _in_strong_motion(Pair(left, right, floor, record))
         found[(left, right, floor, record)] = pair_gap(
             built[left], built[right], motions[record], floor=floor
@@ -182,7 +182,7 @@ def all_variants(folder: Path | None, progress: Progress | None = None) -> pd.Da
     rows = {}
     for variant in chosen:
         built = {name: build(name, variant) for name in FRAMES}
-        motions = {name: _motion(name, variant, folder) for name in tables_4.RECORDS}
+        motions = {name: _motion(name, variant, folder) for name in RECORDS}
         table_4_2 = tables_4.table_4_2(tables_4.computed_gaps(built.__getitem__, motions.__getitem__))
         mean = tables_4.mean_errors(table_4_2)["mean"]
         for polarity, closing in ((1, "closing_mm"), (-1, "opening_mm")):

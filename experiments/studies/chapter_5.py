@@ -16,13 +16,14 @@ import pandas as pd
 
 from pounding.contact.laws import BUILT_IN, Law
 from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
-from pounding.experiments.campaign.cases import RECORDS, Trial, chapter_5, run_all
+from pounding.experiments.campaign.cases import Trial, chapter_5, run_all
 from pounding.experiments.campaign.one_motion import laser_limits, on_one_motion
 from pounding.experiments.campaign.tables import case
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.pictures import contact_plots as plots_contact
+from pounding.experiments.records import RECORDS
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.impacts import MERGING_S, SAMPLE_RATE_HZ, THRESHOLD_N
 from pounding.experiments.rig.pounding import built, pound, shaking

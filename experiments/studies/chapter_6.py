@@ -25,6 +25,7 @@ from pounding.experiments.campaign.cases import (
 )
 from pounding.experiments.campaign.dissimilarity import printed_values, rank_sums, ranking_table
 from pounding.experiments.campaign.tables import (
+    DEFAULT_LAW,
     KEY,
     agreement,
     band_cases,
@@ -47,8 +48,6 @@ from pounding.experiments.rig.pounding import shaking
 from pounding.experiments.rig.rig import Solver
 from pounding.experiments.studies.shared import Kept, Workers, cell, engine_check, keyed, said, write_tables
 from pounding.experiments.sweeps.sweep import sweep
-
-DEFAULT_LAW = "linear_viscoelastic"
 
 
 def main(

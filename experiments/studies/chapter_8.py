@@ -18,7 +18,7 @@ from pounding.experiments import published
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
-from pounding.experiments.records import REFERENCES, Record, find
+from pounding.experiments.records import RECORDS, REFERENCES, Record, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.separation.chapter_7 import parametric, tables_7
 from pounding.experiments.separation.gaps import tables_4
@@ -26,7 +26,7 @@ from pounding.experiments.studies import chapter_6, chapter_7, chapter_8_printed
 from pounding.experiments.studies.chapter_8_conclusions import conclusions
 from pounding.experiments.studies.chapter_8_tables import Conclusion, Printed, Runs
 from pounding.experiments.studies.shared import Workers, write_tables
-from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, build, table_motion
+from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, build, table_motion
 
 
 def printed() -> Printed:

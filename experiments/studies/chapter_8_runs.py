@@ -20,14 +20,13 @@ from pounding.experiments.campaign.cases import (
     run_apart,
 )
 from pounding.experiments.campaign.tables import KEY, case, effect, label
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.rig.pounding import built
 from pounding.experiments.rig.required_gap import required_gap
 from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.separation.rules.rules import square_root_of_squares
 from pounding.experiments.studies.frame_states import baseline, displacements
 from pounding.experiments.studies.sap2000_peaks import TWINS
-from pounding.experiments.studies.table_4_1 import RECORDS
 from pounding.experiments.sweeps.sweep import sweep
 
 TWIN_FRACTION = 0.7

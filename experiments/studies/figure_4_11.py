@@ -20,7 +20,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
 from pounding.experiments.pictures.plots import OURS, PUBLISHED, STYLE, THEIRS
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import RECORDS, Record, find
 from pounding.experiments.records.spectra import (
     dominant_period,
     fourier_spectrum,
@@ -28,7 +28,7 @@ from pounding.experiments.records.spectra import (
     response_spectrum,
 )
 from pounding.experiments.results.provenance import stamp
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
+from pounding.experiments.studies.table_4_1 import FRAMES
 from pounding.frames.files import replacing
 from pounding.scale import THESIS
 

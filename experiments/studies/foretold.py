@@ -13,7 +13,7 @@ import pandas as pd
 from pounding.contact.parameters import thesis_law
 from pounding.experiments.campaign.cases import chapter_6
 from pounding.experiments.campaign.dissimilarity import counted_impacts
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.rig.pounding import floor_masses, pound, shaking
 from pounding.experiments.rig.required_gap import required_gap
 from pounding.experiments.rig.rig import Solver
@@ -57,7 +57,7 @@ def gaps(setting: Setting, states: States, motions: Mapping[str, Record]) -> pd.
         motions: Motion of the table by each record at the frames' scale.
     """
     rows = {}
-    for (left, right, floor), record in product(tables_4.pairs(), tables_4.RECORDS):
+    for (left, right, floor), record in product(tables_4.pairs(), RECORDS):
         motion = motions[record]
         moved = [
             displacements(

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies.peak_lattice import Freedom, Lattice
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS
+from pounding.experiments.studies.table_4_1 import FRAMES
 
 
 def split_errors(lattice: Lattice, freedom: Freedom, count: int, every: bool) -> list[float]:

@@ -24,7 +24,7 @@ from rich.progress import Progress, TaskID
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, plain, progress_console, table
-from pounding.experiments.records import find
+from pounding.experiments.records import RECORDS, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.states import Frequency
 from pounding.experiments.studies import foretold
@@ -37,7 +37,6 @@ from pounding.experiments.studies.peak_lattice import Chosen, Freedom, Lattice, 
 from pounding.experiments.studies.table_4_1 import (
     BLIND,
     FRAMES,
-    RECORDS,
     measured,
     score,
     table_motion,

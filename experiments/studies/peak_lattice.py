@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.rig.states import FREQUENCIES as PLACES
 from pounding.experiments.rig.states import Frequency, first_frequency
 from pounding.experiments.studies.frame_states import (
@@ -24,11 +24,9 @@ from pounding.experiments.studies.frame_states import (
     displacements,
 )
 from pounding.experiments.studies.single_changes import extremes
-from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, RECORDS, measured, table_motion, trusted
+from pounding.experiments.studies.table_4_1 import BLIND, FRAMES, KEPT_ARIAS, measured, table_motion, trusted
 
 Real = NDArray[np.float64]
-KEPT_ARIAS = 0.999
-"""Records end at this share of their Arias intensity: frames only ring down after it."""
 STEP_S = 1e-3
 """The exact response is looked at this often [s]."""
 FREQUENCIES = np.arange(0.85, 1.1301, 0.005)

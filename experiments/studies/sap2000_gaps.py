@@ -9,11 +9,10 @@ import numpy as np
 import pandas as pd
 
 from pounding.experiments import published
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.separation.chapter_7.printed_rows import printed_rows
 from pounding.experiments.studies.frame_states import baseline
 from pounding.experiments.studies.sap2000_model import Real, fitted_gain, mean_error, moved
-from pounding.experiments.studies.table_4_1 import RECORDS
 
 DIRECTIONS = {"closing": "closing", "opening": "opening", "equation_4_1": "larger of both (equation 4.1)"}
 FACTORS = np.arange(0.980, 1.0101, 0.0025)

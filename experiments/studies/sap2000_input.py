@@ -17,13 +17,13 @@ import pandas as pd
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit
-from pounding.experiments.records import find
+from pounding.experiments.records import RECORDS, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.studies import sap2000_gaps, sap2000_peaks
 from pounding.experiments.studies.chapter_4 import from_frame
 from pounding.experiments.studies.sap2000_model import TIME_FACTOR, motions
 from pounding.experiments.studies.sap2000_picture import picture
-from pounding.experiments.studies.table_4_1 import RECORDS, measured, score, trusted
+from pounding.experiments.studies.table_4_1 import measured, score, trusted
 from pounding.frames.files import write_whole
 from pounding.scale import THESIS
 

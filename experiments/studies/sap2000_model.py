@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.experiments import published
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import RECORDS, Record, find
 from pounding.experiments.studies import single_changes as change
 from pounding.experiments.studies.frame_states import baseline
-from pounding.experiments.studies.peak_lattice import KEPT_ARIAS, STEP_S
-from pounding.experiments.studies.table_4_1 import RECORDS
+from pounding.experiments.studies.peak_lattice import STEP_S
+from pounding.experiments.studies.table_4_1 import KEPT_ARIAS
 from pounding.frames.response.exact import forced, modal_poles
 
 Real = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from pounding.experiments.records import Record
+from pounding.experiments.records import RECORDS, Record
 from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.separation.gaps.gap import published_gap
@@ -23,7 +23,7 @@ from pounding.experiments.studies.sap2000_model import (
     table_damping,
 )
 from pounding.experiments.studies.single_changes import extremes
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS, measured, trusted
+from pounding.experiments.studies.table_4_1 import FRAMES, measured, trusted
 
 DAMPINGS = (0.005, 0.0075, 0.01, 0.0125, 0.015, 0.0175, 0.02, 0.025, 0.03, 0.04)
 """Damping ratios of all modes of all frames that are tried [-]."""

@@ -22,6 +22,7 @@ from pounding.experiments.campaign.tables import case, counted, label
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
+from pounding.experiments.records import RECORDS
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import shaking
 from pounding.experiments.rig.rig import Solver
@@ -32,7 +33,6 @@ from pounding.experiments.studies.peak_lattice import RATIOS
 from pounding.experiments.studies.shared import Kept, Workers, cell, keyed, write_tables
 from pounding.experiments.studies.table_4_1 import (
     FRAMES,
-    RECORDS,
     SIDES,
     errors,
     measured,

@@ -29,7 +29,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
 from pounding.experiments.published import consistency
-from pounding.experiments.records import Record, find
+from pounding.experiments.records import RECORDS, Record, find
 from pounding.experiments.results.dataset import save
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import built_in
@@ -41,8 +41,9 @@ from pounding.frames.response.exact import linear_response
 from pounding.scale import THESIS
 
 FITTED = "fitted to this table"
-RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 SIDES = ("max", "min")
+KEPT_ARIAS = 0.999
+"""Records end at this share of their Arias intensity: frames only ring down after it."""
 FRAMES = ("15A", "15B", "10", "5A", "5B")
 MODEL_STEP_S = 2.5e-4
 """The exact response is looked at this often [s]: 100 times in a period of the third mode of 5B (36 Hz)."""

@@ -24,7 +24,7 @@ from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, table
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.records import find
+from pounding.experiments.records import RECORDS, find
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.studies.change_catalogue import CHANGES
 from pounding.experiments.studies.shared import Kept, Workers
@@ -32,7 +32,7 @@ from pounding.experiments.studies.single_changes import storeys
 from pounding.experiments.studies.table_4_1 import (
     BLIND,
     FRAMES,
-    RECORDS,
+    KEPT_ARIAS,
     SIDES,
     build,
     measured,
@@ -44,8 +44,6 @@ from pounding.experiments.sweeps.sweep import sweep
 from pounding.scale import THESIS
 
 Real = NDArray[np.float64]
-KEPT_ARIAS = 0.999
-"""Records end at this share of their Arias intensity: frames only ring down after it."""
 
 
 def peaks_of(change_name: str, frame: str, record: str, folder: str, samples: str) -> dict[str, xr.DataArray]:

@@ -13,6 +13,7 @@ from pounding.constants import STANDARD_GRAVITY
 from pounding.contact.laws import BUILT_IN
 from pounding.contact.parameters import STIFFNESS_SETS, thesis_law, viscoelastic_of
 from pounding.experiments import published
+from pounding.experiments.campaign.cases import WINDOW_S
 from pounding.experiments.campaign.dissimilarity import dissimilarity
 from pounding.experiments.configurations.definition import Collision, ContactStiffness, Shaken
 from pounding.experiments.pictures import at_rest, sheets
@@ -34,8 +35,6 @@ from pounding.experiments.studies.thesis_figure_runs import (
 )
 from pounding.frames.drawing.rendering import cannot_render
 
-WINDOW_S = 0.03
-"""Length of the interval of figure 6.10 [s]: it holds the first impact."""
 COMPARED_WITH = "linear_viscoelastic"
 """Law that stands in the place of the lost measurement in figure 6.10: the one that the thesis ranks first."""
 STATES: dict[State, str] = {

@@ -12,15 +12,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from pounding.experiments.campaign.cases import WINDOW_S
 from pounding.experiments.console import options
 from pounding.experiments.console.exit_status import run_script
 from pounding.experiments.console.output import emit, progress_console, table
+from pounding.experiments.records import RECORDS
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.pounding import shaking
-from pounding.experiments.studies.table_4_1 import RECORDS
 from pounding.experiments.studies.thesis_figure_runs import STEP_S
 from pounding.experiments.studies.thesis_figure_sheets import (
-    WINDOW_S,
     force_figure,
     gap_figure,
     history_figure,

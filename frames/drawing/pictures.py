@@ -48,7 +48,7 @@ class Margins(NamedTuple):
 
 @contextmanager
 def bare_plotter(size: tuple[int, int], **options: Any) -> Iterator[Any]:
-    """Give a plotter as `plotter` does on a machine of which it is known that it can render, with rough edges.
+    """Give a plotter without smooth edges, on a machine that is known to render; `drawing` finds out whether it does.
 
     Args:
         size: Width and height [pixels].

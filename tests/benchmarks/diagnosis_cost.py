@@ -6,7 +6,7 @@ frames are those of the thesis; the model makes the motion, with noise of 1 %. O
 500 Hz, and its exponent is fitted. Last come a pair of frames that the generator made and the longest case that the
 diagnosis is meant for: three runs of 60 s at 1 kHz with 12 channels.
 
-    python -m tests.benchmarks.diagnosis_cost --out docs/validation/diagnosis-cost.json
+    python -m tests.benchmarks.diagnosis_cost --out cost.json
 """
 
 from __future__ import annotations

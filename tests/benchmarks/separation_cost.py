@@ -5,7 +5,7 @@ Processor seconds, so that what else runs on the machine does not count; wall ti
 work.
 
     pip install openseespy        # not a dependency: its licence does not let everyone redistribute it
-    python tests/benchmarks/separation_cost.py --out docs/validation/separation-cost.json --picture separation-cost.png
+    python tests/benchmarks/separation_cost.py --out cost.json --picture separation-cost.png
 """
 
 from __future__ import annotations

@@ -133,7 +133,7 @@ def test_a_feature_without_its_library_is_one_sentence_that_names_the_extra(
     assert left.value.code == 2
     assert out == ""
     assert err.startswith(f"pounding: {EXTRAS[library].features} need the extra")
-    assert err.endswith(f'pip install "pounding[{EXTRAS[library].name}]"\n')
+    assert err.endswith(f"pip install '.[{EXTRAS[library].name}]' from a checkout of pounding\n")
     assert err.count("\n") == 1
     assert not (tmp_path / "out").exists()
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pounding.experiments.records import find
+from pounding.experiments.records import RECORDS, find
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.studies import chapter_4
 from pounding.experiments.studies.table_4_1 import BLIND, build
@@ -46,7 +46,7 @@ def test_our_gaps_against_the_measured_ones(gaps) -> None:
 
 def test_gaps_in_strong_motion_beside_the_blind_ones(gaps, test_records) -> None:
     """The damping ratio is fitted to Table 4.1, not to these gaps; the states were chosen with all peaks seen."""
-    motions = {name: find(name, test_records).scaled(THESIS.time_factor) for name in tables_4.RECORDS}
+    motions = {name: find(name, test_records).scaled(THESIS.time_factor) for name in RECORDS}
     strong = chapter_4.strong_motion(motions)
     found = tables_4.mean_errors(tables_4.table_4_2(gaps).join(chapter_4.in_mm(strong)))["mean"]
     assert found["strong_motion_equation_4_1_mm"] == pytest.approx(0.123, abs=0.005)
@@ -87,7 +87,7 @@ def test_table_4_3_follows_from_table_4_1_but_for_hachinohe() -> None:
 def test_absolute_sum_covers_every_computed_gap(gaps, test_records) -> None:
     """No two motions can be further apart than the sum of their peaks; every other rule fails somewhere."""
     built = {name: build(name, BLIND) for name in chapter_4.FRAMES}
-    pga = {name: find(name, test_records).pga_g for name in tables_4.RECORDS}
+    pga = {name: find(name, test_records).pga_g for name in RECORDS}
     found = tables_4.summary(tables_4.rules_from_computed(lambda _pair: built, pga, gaps))
     assert found.loc["ABS", "safe"] == 1.0
     assert (found.drop(index="ABS")["safe"] < 1.0).all()
@@ -149,7 +149,7 @@ def test_study_writes_tables_and_pictures(test_records, tmp_path, capsys, monkey
 def test_contested_entries_are_left_out_by_name(gaps, test_records) -> None:
     """Left out is 15B under Hachinohe, and not the entry that no rule covers (10 beside 5B, El Centro)."""
     built = {name: build(name, BLIND) for name in chapter_4.FRAMES}
-    pga = {name: find(name, test_records).pga_g for name in tables_4.RECORDS}
+    pga = {name: find(name, test_records).pga_g for name in RECORDS}
     measured = tables_4.rules_from_measured(built, pga)
     contested = tables_4.table_4_2(gaps)["contested"].reindex(measured.index)
     left_out = measured[contested]

@@ -5,9 +5,10 @@ import json
 import pytest
 
 from pounding.experiments.command.app import main
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies import chapter_8, chapter_8_printed, chapter_8_runs
 from pounding.experiments.studies.chapter_8_conclusions import conclusions
-from pounding.experiments.studies.table_4_1 import BLIND, RECORDS, table_motion
+from pounding.experiments.studies.table_4_1 import BLIND, table_motion
 
 
 @pytest.fixture(scope="module")

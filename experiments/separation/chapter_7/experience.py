@@ -13,9 +13,6 @@ BY_CLASS_SEEN = 0.370
 BY_CLASS_UNSEEN_EVENT = 1.72
 """The same on the cases of an earthquake it was not fitted to [-]."""
 
-BEST_OF_PEAK_UNSEEN_EVENT = 0.424
-"""The best of three formulas that know the peak acceleration alone, on earthquakes not fitted to [-]."""
-
 SPECTRAL_DDC = 0.152
 """The double difference of the spectral displacements, which is fitted to nothing [-]."""
 

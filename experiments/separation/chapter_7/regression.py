@@ -96,7 +96,7 @@ class Fit:
         """Return ``low_mm`` and ``high_mm`` between which a new case lies with a probability.
 
         The interval takes the residuals for independent. Those of one earthquake are not, so it is too
-        narrow for another earthquake; `held_out_coverage` says by how much.
+        narrow for another earthquake; the column `coverage` of `cross_validate` says by how much.
         """
         frame = self.results.get_prediction(regressors(cases, self.kept, self.constant)).summary_frame(
             alpha=1.0 - probability
@@ -172,14 +172,6 @@ def correlations(cases: pd.DataFrame) -> pd.DataFrame:
     """Return Pearson's correlations of the gap and the eleven variables (12, 12), as Tables 7.5 to 7.7."""
     columns = cases[[TARGET, *ALL]].rename(columns={TARGET: "gap"})
     return columns.corr().rename_axis("variable")
-
-
-def correlation_p_values(correlation: pd.DataFrame, count: int) -> pd.DataFrame:
-    """Return the two-tailed p values of correlations, were the ``count`` cases independent (they are not)."""
-    r = correlation.to_numpy(float).clip(-1.0, 1.0)
-    with np.errstate(divide="ignore"):
-        t = np.abs(r) * np.sqrt((count - 2) / (1.0 - r**2))
-    return pd.DataFrame(2.0 * stats.t.sf(t, count - 2), correlation.index, correlation.columns)
 
 
 def variance_inflation(cases: pd.DataFrame, symbols: Sequence[str]) -> pd.Series:

@@ -14,13 +14,12 @@ import pandas as pd
 from pounding.experiments import published
 from pounding.experiments.published import consistency
 from pounding.experiments.published.consistency import Pair
+from pounding.experiments.records import RECORDS
 from pounding.experiments.rig.required_gap import RequiredGap, fine_step, motions, required_gap
 from pounding.experiments.separation.gaps.gap import published_gap
 from pounding.experiments.separation.rules.answers import Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.scale import THESIS
-
-RECORDS = ("elcentro", "hachinohe", "northridge", "kobe")
 
 TABLE_4_3_TOLERANCE_MM = 0.1
 """Peaks and sums are printed to a tenth."""

@@ -11,14 +11,16 @@ import pytest
 
 from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from pounding.diagnosis.case.case import Case, Contact
-from pounding.diagnosis.contact_force import contacts, impacts, pairs
+from pounding.diagnosis.contact_force import contacts, impacts, pairs, second_contact
 from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, predicted_impacts
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law
 from pounding.diagnosis.contact_force.pair import ContactFindings, found_again, prepare
 from pounding.diagnosis.contact_force.striking import STEP_S as FINE_S
 from pounding.diagnosis.contact_force.striking import strike
+from pounding.diagnosis.decision.claims import Candidate
 from pounding.diagnosis.decision.conclusion import ContactMisfit
+from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import run_signatures, whitened
@@ -177,6 +179,55 @@ def test_a_second_contact_is_named_though_its_force_leaves_more_than_noise() -> 
     assert joined(case, pair, found, poor, objections=True).verdict == "unknown_effect"
     alone = replace(pair, second=None)
     assert joined(case, alone, found, poor).verdict == "unknown_effect"
+
+
+@pytest.mark.parametrize(
+    ("met", "one", "contact"),
+    [
+        ("second_contact.share", 9e9, True),
+        ("second_contact.least_share", -9e9, False),
+        ("between", -1.0, True),
+        ("between", 1.0, False),
+    ],
+)
+def test_pushes_that_meet_some_approaches_are_a_contact_only_if_they_push_both_frames(
+    met: str, one: float, contact: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`one` is how much more a push on one frame alone explains than the least that a push on both must be ahead by."""
+    needs = SETTINGS.second_contact
+    share = {
+        "second_contact.share": needs.share,
+        "second_contact.least_share": 0.99 * needs.least_share,
+        "between": 0.5 * (needs.share + needs.least_share),
+    }[met]
+    none = np.zeros(0)
+
+    def pushes(*given: Any) -> list[pairs.Pushes]:
+        sides = given[4:]
+        return [pairs.Pushes(none, (), 100.0 if not sides else 100.0 - needs.both + one)]
+
+    monkeypatch.setattr(pairs, "pushes", pushes)
+    monkeypatch.setattr(second_contact, "_opposed", lambda *given: share)
+    anything = cast(Any, None)
+    assert second_contact._of_a_contact(anything, anything, (0, 1), ()) is contact
+
+
+@pytest.mark.parametrize(
+    ("verdict", "effect", "said"),
+    [
+        ("unknown_effect", "sensor_delay", True),
+        ("unknown_effect", "added_mass", False),
+        ("nothing_missing", "sensor_delay", False),
+    ],
+)
+def test_a_delay_that_explains_not_all_is_said_to_be_a_second_logger(
+    verdict: Verdict, effect: str, said: bool
+) -> None:
+    pair, found, _ = found_of(CONTACT)
+    late = Candidate(effect=effect, channel="stiff_a", log_evidence=900.0)
+    frames = replace(NOTHING, verdict=verdict, candidates=(late,))
+    warnings = joined(colliding(CONTACT), pair, found, frames).warnings
+    assert any("different loggers" in one for one in warnings) is said
 
 
 def test_the_sticks_are_those_of_the_case() -> None:

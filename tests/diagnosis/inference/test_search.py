@@ -11,7 +11,7 @@ import pytest
 
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.inference import search as search_module
-from pounding.diagnosis.inference.evidence import scales, score
+from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
@@ -19,8 +19,22 @@ from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.refining import keep, refined
 from pounding.diagnosis.inference.search import search, silent, to_the_end
 from pounding.diagnosis.inference.starting import calibrated
+from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured
+
+
+def test_of_rivals_outside_the_catalogue_only_a_few_are_refined() -> None:
+    """They act alike on neighbouring floors; the effects of the catalogue behind them keep their places."""
+    limit = SETTINGS.search.rivals
+
+    def scored(number: int, rival: bool) -> Score:
+        effect = cast(Any, SimpleNamespace(rival=rival))
+        return Score(effect, (), 1.0, 1.0, 1000.0 - number, number, np.zeros(0))
+
+    ranked = [scored(number, number <= limit) for number in range(limit + 3)]
+    chosen = search_module._chosen(Scores(ranked, np.eye(len(ranked))))
+    assert [one.column for one in chosen] == [*range(limit), limit + 1, limit + 2]
 
 
 def test_a_soft_base_is_found_from_a_stiff_one() -> None:

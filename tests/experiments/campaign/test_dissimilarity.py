@@ -10,7 +10,6 @@ from pounding.experiments.campaign.dissimilarity import (
     counted_impacts,
     dissimilarity,
     printed_values,
-    rank_laws,
     rank_sums,
     ranking_table,
     ranks,
@@ -62,12 +61,6 @@ def test_the_printed_sums_are_those_of_the_printed_rows() -> None:
 
 def test_ranks_share_the_better_place() -> None:
     assert ranks([[3.0, 1.0, 1.0, 2.0]]).tolist() == [[4, 1, 1, 3]]
-
-
-def test_laws_are_ranked_against_a_reference() -> None:
-    reference = {"one": np.array([0.0, 10.0, 0.0])}
-    table = rank_laws(reference, {"near": {"one": [0.0, 9.0, 0.0]}, "far": {"one": [0.0, 5.0, 0.0]}})
-    assert table.loc["one"].tolist() == [1.0, 5.0]
 
 
 def test_tables_5_1_and_6_1_are_what_the_laws_use() -> None:

@@ -13,13 +13,14 @@ from pounding import frames
 from pounding.contact.laws import BUILT_IN
 from pounding.contact.parameters import STIFFNESS_SETS
 from pounding.experiments import published
-from pounding.experiments.campaign.cases import RECORDS, chapter_5, chapter_6
+from pounding.experiments.campaign.cases import chapter_5, chapter_6
 from pounding.experiments.campaign.dissimilarity import counted_impacts
 from pounding.experiments.configurations import measured
 from pounding.experiments.configurations.definition import AnyExperiment, Collision, ContactStiffness, Shaken
 from pounding.experiments.configurations.library import FILES, experiments, find, parse
 from pounding.experiments.configurations.page import markdown
 from pounding.experiments.errors import ExperimentError
+from pounding.experiments.records import RECORDS
 
 GOOD = """
 [[experiment]]

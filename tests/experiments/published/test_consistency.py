@@ -86,8 +86,6 @@ def test_rules_are_computed_again():
     assert len(consistency.check_rules_together({pair: 7.0}, {pair: 4.5})) == 1
 
 
-def test_pairs_without_peaks_are_left_out_and_the_table_names_everything():
+def test_pairs_without_peaks_are_left_out():
     assert consistency.check_gaps({}, {Pair("a", "b", 1, "r"): 3.0}) == []
-    table = consistency.as_table(consistency.check_published())
-    assert list(table.columns) == ["rule", "pair", "printed_mm", "expected_mm"]
-    assert len(table) == 11
+    assert len(list(consistency.check_published())) == 11

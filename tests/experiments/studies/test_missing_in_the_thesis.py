@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pounding.experiments.records import RECORDS
 from pounding.experiments.rig.states import first_frequency
 from pounding.experiments.studies import foretold, peak_lattice
 from pounding.experiments.studies.averaged_peaks import averaged, averaged_errors, weighted_median
@@ -15,7 +16,7 @@ from pounding.experiments.studies.frame_states import (
 from pounding.experiments.studies.held_out import picked_inside, split_errors
 from pounding.experiments.studies.missing_in_the_thesis import freedoms
 from pounding.experiments.studies.peak_lattice import FRAMES, Freedom, PeakLattice
-from pounding.experiments.studies.table_4_1 import BLIND, RECORDS, predict, score, table_motion, trusted
+from pounding.experiments.studies.table_4_1 import BLIND, predict, score, table_motion, trusted
 from pounding.frames.response.exact import linear_response
 
 ALL = range(len(RECORDS))

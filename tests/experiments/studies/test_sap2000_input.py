@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies import sap2000_gaps, sap2000_peaks
 from pounding.experiments.studies.sap2000_input import TIME_FACTOR
 from pounding.experiments.studies.sap2000_model import fitted_gain, mean_error, motions, printed_frequencies
-from pounding.experiments.studies.table_4_1 import RECORDS, measured
+from pounding.experiments.studies.table_4_1 import measured
 
 
 @pytest.fixture(scope="module")

@@ -9,13 +9,14 @@ import pandas as pd
 import pytest
 
 from pounding.experiments.campaign.cases import chapter_6, run_apart
+from pounding.experiments.records import RECORDS
 from pounding.experiments.rig.pounding import built_in, shaking
 from pounding.experiments.rig.required_gap import pair_gap
 from pounding.experiments.rig.states import states_of
 from pounding.experiments.separation.gaps import tables_4
 from pounding.experiments.studies import strong_motion as study
 from pounding.experiments.studies.strong_motion import LABELS
-from pounding.experiments.studies.table_4_1 import FRAMES, RECORDS, measured
+from pounding.experiments.studies.table_4_1 import FRAMES, measured
 
 STRONG = LABELS["strong-motion"]
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies import table_4_1
-from pounding.experiments.studies.table_4_1 import RECORDS, measured
+from pounding.experiments.studies.table_4_1 import measured
 from pounding.experiments.studies.table_4_1_missing import judge, peaks_of
 
 VALUES = np.array([0.0, 1.0, 2.0, 3.0])

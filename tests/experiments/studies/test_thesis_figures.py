@@ -12,7 +12,7 @@ from pounding.contact.laws import BUILT_IN
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures import sheets
 from pounding.experiments.pictures.sheets import Level, Line
-from pounding.experiments.studies.table_4_1 import RECORDS
+from pounding.experiments.records import RECORDS
 from pounding.experiments.studies.thesis_figure_runs import panels
 from pounding.experiments.studies.thesis_figure_sheets import gap_figure, history_figure, interval_figure
 from pounding.experiments.studies.thesis_figures import ACCELERATIONS, DISPLACEMENTS, FORCES, GAPS, figures

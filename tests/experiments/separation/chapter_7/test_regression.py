@@ -145,13 +145,6 @@ def test_p_values_that_are_not_those_of_their_t() -> None:
     assert regression.p_values_that_do_not_follow(published.table("7.8"), 3081).empty
 
 
-def test_correlation_p_values() -> None:
-    r = pd.DataFrame([[1.0, 0.0433], [0.0433, 1.0]])
-    p = regression.correlation_p_values(r, 3081)
-    assert p.iloc[0, 1] == pytest.approx(0.0162, abs=2e-4)
-    assert p.iloc[0, 0] == 0.0
-
-
 def test_spectral_formulas_know_what_the_peak_does_not(test_records) -> None:
     """Where the gap is the double difference itself, the spectra find it and the peak does not."""
     from pounding.experiments.records import find
