@@ -153,7 +153,7 @@ def test_functions_without_their_library_raise_the_same(
 ) -> None:
     for library in ("distributed", "hdf5plugin", "statsmodels"):
         hide(library, monkeypatch)
-    with pytest.raises(MissingExtraError, match=r"pounding\[cluster\]"):
+    with pytest.raises(MissingExtraError, match=r"\.\[cluster\]"):
         sweep(nothing, {"case": [1]}, scheduler="tcp://127.0.0.1:9")
     with pytest.raises(MissingExtraError, match=r"pounding\[records\]"):
         read_fema("coolwater-ln", tmp_path / "farfield.hdf5")
