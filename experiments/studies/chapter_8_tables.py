@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -71,3 +72,13 @@ class Runs:
     correlations: pd.DataFrame
     equations: pd.DataFrame
     readings: pd.DataFrame
+
+
+def said(runs: Runs | None, words: Callable[[Runs], str]) -> str:
+    """Return what our model says of a conclusion; nothing where it was not run.
+
+    Args:
+        runs: What follows from our model, or None.
+        words: Says it.
+    """
+    return "" if runs is None else words(runs)
