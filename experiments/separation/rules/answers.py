@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.separation.rules import rules
@@ -92,60 +93,79 @@ def code_rules(tall: Building, short: Building, pga_g: float, *, length_scale: f
 
 
 def _peak_rules(tall: Building, short: Building, length_scale: float) -> list[Answer]:
-    a, b = tall.peak_m, short.peak_m
-    known = a is not None and b is not None
-    peak_a, peak_b = a or 0.0, b or 0.0
-    period_a, period_b = 1.0 / tall.frequency_hz, 1.0 / short.frequency_hz
-    rho = rules.correlation(period_a, period_b, tall.damping_ratio, short.damping_ratio)
-    time_scale = length_scale**0.5
-    factor = rules.separation_factor(period_a * time_scale, period_b * time_scale)
+    peaks = _Peaks(tall.peak_m, short.peak_m)
+    return [*_sums(peaks, length_scale), *_double_differences(peaks, tall, short, length_scale)]
+
+
+class _Peaks(NamedTuple):
+    """Peak displacements of both buildings at the height of contact [m], or None where not known."""
+
+    a_m: float | None
+    b_m: float | None
 
     def answer(
-        name: str, basis: str, gap: Callable[[], float], *, applies: bool = True, reason: str = ""
+        self,
+        name: str,
+        basis: str,
+        gap_mm: Callable[[float, float], float],
+        *,
+        applies: bool = True,
+        reason: str = "",
     ) -> Answer:
-        if not known:
+        if self.a_m is None or self.b_m is None:
             return Answer(name, None, basis, False, NO_PEAKS)
-        return Answer(name, gap(), basis, applies, reason)
+        return Answer(name, gap_mm(self.a_m, self.b_m), basis, applies, reason)
 
-    factor_holds = -1.0 <= factor <= 1.0
+
+def _sums(peaks: _Peaks, length_scale: float) -> list[Answer]:
+    """Return the rules that add up the peaks or their squares, whatever the periods."""
     return [
-        answer(
+        peaks.answer(
             "ABS",
             "absolute sum of the peak displacements (eq 2.26; IBC 2009, Eurocode 8)",
-            lambda: MM * rules.absolute_sum(peak_a, peak_b),
+            lambda a, b: MM * rules.absolute_sum(a, b),
         ),
-        answer(
+        peaks.answer(
             "SRSS",
             "square root of the sum of squares of the peak displacements (eq 2.27; IBC 2009, Eurocode 8)",
-            lambda: MM * rules.square_root_of_squares(peak_a, peak_b),
+            lambda a, b: MM * rules.square_root_of_squares(a, b),
         ),
-        answer(
+        peaks.answer(
             "NBCC as printed",
             "square root of the sum of the peak displacements in mm (eq 2.28; NBCC 2010)",
-            lambda: (
-                rules.nbcc_as_printed(MM * length_scale * peak_a, MM * length_scale * peak_b) / length_scale
-            ),
+            lambda a, b: rules.nbcc_as_printed(MM * length_scale * a, MM * length_scale * b) / length_scale,
             applies=False,
             reason=(
                 "no consistent unit: the code combines by the root of the sum of squares, an exponent "
                 "was lost"
             ),
         ),
-        answer(
+        peaks.answer(
             "TBC 1997",
             "0.6 of the sum of the peak inelastic displacements (eq 2.29 to 2.31)",
-            lambda: MM * rules.taiwan(peak_a, peak_b),
+            lambda a, b: MM * rules.taiwan(a, b),
             reason="the peaks given are taken as the inelastic ones",
         ),
-        answer(
+    ]
+
+
+def _double_differences(peaks: _Peaks, tall: Building, short: Building, length_scale: float) -> list[Answer]:
+    """Return the rules that ask how far both buildings move together, by their periods."""
+    period_a, period_b = 1.0 / tall.frequency_hz, 1.0 / short.frequency_hz
+    rho = rules.correlation(period_a, period_b, tall.damping_ratio, short.damping_ratio)
+    time_scale = length_scale**0.5
+    factor = rules.separation_factor(period_a * time_scale, period_b * time_scale)
+    factor_holds = -1.0 <= factor <= 1.0
+    return [
+        peaks.answer(
             "DDC",
             f"double difference, complete quadratic combination, correlation {rho:.3f} (eq 2.33 and 2.34)",
-            lambda: MM * rules.double_difference(peak_a, peak_b, rho),
+            lambda a, b: MM * rules.double_difference(a, b, rho),
         ),
-        answer(
+        peaks.answer(
             "Naderpour",
             f"double difference with the separation factor {factor:.3g} (eq 2.35 and 2.36)",
-            lambda: MM * rules.double_difference(peak_a, peak_b, factor),
+            lambda a, b: MM * rules.double_difference(a, b, factor),
             applies=factor_holds,
             reason="" if factor_holds else f"the factor {factor:.3g} is no correlation: it leaves -1 to 1",
         ),
