@@ -263,7 +263,38 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
         f"roof stiffness {std['roof']:.0%}, mass {std['mass_kg']:.1f} kg; nuisance parameters inside their priors"
     )
     yield _pooled_table("1. Rigid joints, no P-Delta; the sweep's f1 left out", result["single_pooled"], True)
+    yield _gravity_table(result["gravity"])
+    yield _pooled_table(
+        "3. What acts in the sweep only, beside joints and gravity", result["sweep_pooled"], False
+    )
     yield table(
+        "   Size in the sweep: relative change, N m/rad, times the weight, N m/rad, kg",
+        ["effect", *FRAMES],
+        [
+            [
+                row["effect"],
+                *("–" if row["values"][name] is None else f"{row['values'][name]:.3g}" for name in FRAMES),
+            ]
+            for row in result["sweep_pooled"]
+        ],
+    )
+    yield _law_table(result["amplitude_law"])
+
+
+def _pooled_table(title: str, rows: Sequence[dict[str, Any]], judged: bool) -> Any:
+    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (
+        ["predicted from f1, mean error"] if judged else []
+    )
+    lines = []
+    for row in rows:
+        line = [row["effect"], f"{row['log_evidence']:.1f}", *(f"{row['each'][name]:.1f}" for name in FRAMES)]
+        line.append(f"{row['misfit']:.0f}")
+        lines.append(line + ([f"{row['mean_foretold_error']:.1%}"] if judged else []))
+    return table(title, heads, lines)
+
+
+def _gravity_table(rows: Sequence[dict[str, Any]]) -> Any:
+    return table(
         "2. P-Delta beside flexible joints",
         [
             "frame",
@@ -282,25 +313,13 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
                 f"{row['free_factor_nats']:+.1f}",
                 f"{row['weight_factor']:.1f} ± {row['weight_factor_std']:.1f}",
             ]
-            for row in result["gravity"]
+            for row in rows
         ],
     )
-    yield _pooled_table(
-        "3. What acts in the sweep only, beside joints and gravity", result["sweep_pooled"], False
-    )
-    yield table(
-        "   Size in the sweep: relative change, N m/rad, times the weight, N m/rad, kg",
-        ["effect", *FRAMES],
-        [
-            [
-                row["effect"],
-                *("–" if row["values"][name] is None else f"{row['values'][name]:.3g}" for name in FRAMES),
-            ]
-            for row in result["sweep_pooled"]
-        ],
-    )
-    law = result["amplitude_law"]
-    yield table(
+
+
+def _law_table(law: dict[str, Any]) -> Any:
+    return table(
         "4. One law for all frames: fall of f1 [%] as a power of the storey drift at the sweep's resonance",
         ["law", "ln Bayes factor", *law["frames"]],
         [
@@ -313,18 +332,6 @@ def show(result: dict[str, Any]) -> Iterable[Any]:
             ),
         ],
     )
-
-
-def _pooled_table(title: str, rows: Sequence[dict[str, Any]], judged: bool) -> Any:
-    heads = ["effect", "ln Bayes factor, all", *FRAMES, "chi-square"] + (
-        ["predicted from f1, mean error"] if judged else []
-    )
-    lines = []
-    for row in rows:
-        line = [row["effect"], f"{row['log_evidence']:.1f}", *(f"{row['each'][name]:.1f}" for name in FRAMES)]
-        line.append(f"{row['misfit']:.0f}")
-        lines.append(line + ([f"{row['mean_foretold_error']:.1%}"] if judged else []))
-    return table(title, heads, lines)
 
 
 def picture(result: dict[str, Any], path: Path) -> None:
