@@ -9,14 +9,14 @@ import resource
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from msgspec import to_builtins
 from rich.console import Console
 
 from pounding.diagnosis.benchmark.drawing import Counts, Drawn, draw_set
 from pounding.diagnosis.benchmark.pictures import draw_benchmark
-from pounding.diagnosis.benchmark.scoring import judge
+from pounding.diagnosis.benchmark.scoring import Judged, judge
 from pounding.diagnosis.benchmark.summary import summarise
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden.hide import hide
@@ -30,6 +30,9 @@ from pounding.experiments.sweeps.store import code_version
 from pounding.experiments.sweeps.sweep import sweep
 from pounding.extras import extra_module
 from pounding.frames.files import scratch, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Method = Callable[[Path], Report]
 
@@ -162,11 +165,6 @@ def run_benchmark(
     if first is not None and not 1 <= first <= count:
         raise CaseError(f"the first {first} of {count} cases: give 1 to {count}")
     drawn = draw_set(count, seed, pairs=pairs, engine=engine, counts=counts)[:first]
-    cases = [{"index": one.index} for one in drawn if kind(one) in only]
-    if not cases:
-        raise CaseError(
-            f"no case of the kind {' or '.join(only)} among the {len(drawn)} that are drawn; ask for more cases"
-        )
     settings = {
         "count": count,
         "seed": seed,
@@ -178,38 +176,32 @@ def run_benchmark(
     }
     done = sweep(
         one_case,
-        cases,
+        [{"index": one.index} for one in _of_kinds(only, drawn)],
         settings=settings,
         folder=None if out is None else out / "cases",
         workers=workers,
         version=_version(),
         console=console,
     )
-    if "truth" not in done:
-        raise CaseError(f"no case of the benchmark was finished; the first: {done['failure'].values[0]}")
-    texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
-    source = f"a finished case in {out}"
-    finished = [
-        (json.loads(truth), report_from(report, source), float(s)) for truth, report, s in texts if truth
-    ]
-    judged = [judge(truth, report, seconds) for truth, report, seconds in finished]
     result = {
         **stamp(settings | {"first": first or count, "only": list(only)}),
         "method": way,
         "motion_records": available() if motions != "artificial" else [],
-        **summarise(judged),
-        "failures": [str(reason) for reason in done["failure"].values if reason],
-        "memory_mb": float(done["memory_mb"].max()),
-        "judged": [
-            vars(case)
-            | {"seed": truth["seed"], "hidden": truth["effects"], "found": to_builtins(report.effects)}
-            for case, (truth, report, _) in zip(judged, finished, strict=True)
-        ],
+        **_figures(done, f"a finished case in {out}"),
     }
     if out is not None:
         write_whole(out / "benchmark.json", json.dumps(_finite(result), indent=2).encode())
         draw_benchmark(result, out / "benchmark.png")
     return result
+
+
+def _of_kinds(only: Sequence[str], drawn: Sequence[Drawn]) -> list[Drawn]:
+    chosen = [one for one in drawn if kind(one) in only]
+    if not chosen:
+        raise CaseError(
+            f"no case of the kind {' or '.join(only)} among the {len(drawn)} that are drawn; ask for more cases"
+        )
+    return chosen
 
 
 def _version() -> str:
@@ -219,6 +211,45 @@ def _version() -> str:
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _figures(done: xr.Dataset, source: str) -> dict[str, Any]:
+    """Return what the finished cases say together and, in short, each by itself.
+
+    Args:
+        done: The sweep of `one_case`.
+        source: Where a report is from, for the sentence on one that cannot be read.
+    """
+    if "truth" not in done:
+        raise CaseError(f"no case of the benchmark was finished; the first: {done['failure'].values[0]}")
+    texts = zip(done["truth"].values, done["report"].values, done["seconds"].values, strict=True)
+    finished = [
+        _Finished(json.loads(truth), report_from(report, source), float(seconds))
+        for truth, report, seconds in texts
+        if truth
+    ]
+    judged = [judge(*one) for one in finished]
+    return {
+        **summarise(judged),
+        "failures": [str(reason) for reason in done["failure"].values if reason],
+        "memory_mb": float(done["memory_mb"].max()),
+        "judged": [one.in_short(case) for one, case in zip(finished, judged, strict=True)],
+    }
+
+
+class _Finished(NamedTuple):
+    """A finished case: what was hidden, what was found, and the seconds that it took [s]."""
+
+    truth: dict[str, Any]
+    report: Report
+    seconds: float
+
+    def in_short(self, judged: Judged) -> dict[str, Any]:
+        return vars(judged) | {
+            "seed": self.truth["seed"],
+            "hidden": self.truth["effects"],
+            "found": to_builtins(self.report.effects),
+        }
 
 
 def _finite(value: Any) -> Any:

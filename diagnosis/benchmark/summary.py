@@ -71,41 +71,16 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
     outsiders = [case for case in cases if case.kind == OUTSIDE]
     named = [case for case in cases if case.kind not in ("nothing", OUTSIDE)]
     single = [case for case in named if case.kind == "single"]
-    detected = [case for case in named if case.detected]
-    plain = [case for case in named if case.signal_to_noise > PLAIN]
-    found = [case for case in cases if case.detected and case.kind != "nothing"]
-    explained = [
-        case.misfit_explained for case in named if case.detected and np.isfinite(case.misfit_explained)
-    ]
-    errors = [error for case in named for error in case.parameter_errors]
     return {
         "cases": len(cases),
         **_contacts(single),
-        "exact_of_detected": share(detected, lambda case: case.exact),
-        "exact_of_plain": share(plain, lambda case: case.exact),
-        "class_right_of_detected": share(detected, lambda case: case.in_class),
-        "exact_of_detected_singles": share([c for c in single if c.detected], lambda case: case.exact),
-        "exact_of_plain_singles": share(
-            [c for c in single if c.signal_to_noise > PLAIN], lambda case: case.exact
-        ),
-        "singles_detected": share(single, lambda case: case.detected),
-        "plain_singles_detected": share(
-            [c for c in single if c.signal_to_noise > PLAIN], lambda case: case.detected
-        ),
-        "exact_of_plain_doubles": share([c for c in plain if c.kind == "double"], lambda case: case.exact),
-        "doubles_exact": share([c for c in named if c.kind == "double"], lambda case: case.exact),
+        **_effects(named),
+        **_singles(single),
+        **_doubles([case for case in named if case.kind == "double"]),
         "false_alarms": share(nulls, lambda case: case.detected),
-        "outsiders_caught": share(outsiders, lambda case: case.exact),
-        "outsiders_not_misnamed": share(outsiders, lambda case: case.called in (NOTHING, UNKNOWN)),
-        "outsiders_misnamed": share(outsiders, lambda case: case.called not in (NOTHING, UNKNOWN)),
-        "plain_outsiders_caught": share(
-            [c for c in outsiders if c.signal_to_noise > PLAIN], lambda c: c.exact
-        ),
-        "misfit_explained_median": _median(explained),
-        "misfit_closed_median": _median(
-            [case.misfit_closed for case in found if np.isfinite(case.misfit_closed)]
-        ),
-        "parameter_error_median": _median(errors),
+        **_outsiders(outsiders),
+        **_misfits(cases),
+        "parameter_error_median": _median([error for case in named for error in case.parameter_errors]),
         **_deviations(cases),
         "confidence_off": _confidence_off(cases),
         "seconds_median": _median([case.seconds for case in cases]),
@@ -114,12 +89,7 @@ def summarise(cases: Sequence[Judged]) -> dict[str, Any]:
         "reliability": reliability(cases),
         "confusion": _confusion(cases),
         "misses": misses(cases),
-        "by_effect": {
-            name: share(
-                [case for case in single if case.effects == (name,) and case.detected], lambda c: c.exact
-            )
-            for name in sorted({name for case in single for name in case.effects})
-        },
+        "by_effect": _by_effect(single),
     }
 
 
@@ -131,12 +101,61 @@ def _contacts(single: Sequence[Judged]) -> dict[str, Any]:
     of_frames = [case for case in single if case not in of_contacts]
     return {
         "exact_of_contact_singles": share(of_contacts, lambda case: case.exact),
-        "exact_of_detected_contact_singles": share(
-            [c for c in of_contacts if c.detected], lambda case: case.exact
-        ),
-        "exact_of_plain_frame_singles": share(
-            [c for c in of_frames if c.signal_to_noise > PLAIN], lambda case: case.exact
-        ),
+        "exact_of_detected_contact_singles": share(_detected(of_contacts), lambda case: case.exact),
+        "exact_of_plain_frame_singles": share(_plain(of_frames), lambda case: case.exact),
+    }
+
+
+def _detected(cases: Sequence[Judged]) -> list[Judged]:
+    return [case for case in cases if case.detected]
+
+
+def _plain(cases: Sequence[Judged]) -> list[Judged]:
+    return [case for case in cases if case.signal_to_noise > PLAIN]
+
+
+def _effects(named: Sequence[Judged]) -> dict[str, Any]:
+    """Return the figures over all cases with effects of the catalogue."""
+    return {
+        "exact_of_detected": share(_detected(named), lambda case: case.exact),
+        "exact_of_plain": share(_plain(named), lambda case: case.exact),
+        "class_right_of_detected": share(_detected(named), lambda case: case.in_class),
+    }
+
+
+def _singles(single: Sequence[Judged]) -> dict[str, Any]:
+    return {
+        "exact_of_detected_singles": share(_detected(single), lambda case: case.exact),
+        "exact_of_plain_singles": share(_plain(single), lambda case: case.exact),
+        "singles_detected": share(single, lambda case: case.detected),
+        "plain_singles_detected": share(_plain(single), lambda case: case.detected),
+    }
+
+
+def _doubles(double: Sequence[Judged]) -> dict[str, Any]:
+    return {
+        "exact_of_plain_doubles": share(_plain(double), lambda case: case.exact),
+        "doubles_exact": share(double, lambda case: case.exact),
+    }
+
+
+def _outsiders(outsiders: Sequence[Judged]) -> dict[str, Any]:
+    return {
+        "outsiders_caught": share(outsiders, lambda case: case.exact),
+        "outsiders_not_misnamed": share(outsiders, lambda case: case.called in (NOTHING, UNKNOWN)),
+        "outsiders_misnamed": share(outsiders, lambda case: case.called not in (NOTHING, UNKNOWN)),
+        "plain_outsiders_caught": share(_plain(outsiders), lambda case: case.exact),
+    }
+
+
+def _misfits(cases: Sequence[Judged]) -> dict[str, Any]:
+    """Return how much of the misfit detected effects explain; closed also by those of no catalogue."""
+    found = [case for case in _detected(cases) if case.kind != "nothing"]
+    explained = [case.misfit_explained for case in found if case.kind != OUTSIDE]
+    closed = [case.misfit_closed for case in found]
+    return {
+        "misfit_explained_median": _median([one for one in explained if np.isfinite(one)]),
+        "misfit_closed_median": _median([one for one in closed if np.isfinite(one)]),
     }
 
 
@@ -237,3 +256,11 @@ def _confusion(cases: Sequence[Judged]) -> dict[str, dict[str, int]]:
         row = counts.setdefault(truth, {})
         row[called] = row.get(called, 0) + 1
     return {truth: dict(sorted(row.items())) for truth, row in sorted(counts.items())}
+
+
+def _by_effect(single: Sequence[Judged]) -> dict[str, Any]:
+    """Return how often each effect was named exactly where it was detected."""
+    return {
+        name: share([case for case in _detected(single) if case.effects == (name,)], lambda case: case.exact)
+        for name in sorted({name for case in single for name in case.effects})
+    }
