@@ -15,7 +15,7 @@ from pounding.scale import scale_of
 from pounding.toml_text import shown
 
 if TYPE_CHECKING:
-    from pounding.frames.definition import Matrices, ModeTable, PlateFrame, Slab, StickFrame, Torsion
+    from pounding.frames.definition import Joints, Matrices, ModeTable, PlateFrame, Slab, StickFrame, Torsion
 
 EDGE = 1e-9
 """Round-off allowed when a column stands on the edge of the floor [m]."""
@@ -25,6 +25,20 @@ def plate_frame(frame: PlateFrame) -> None:
     """Raise FrameError for a plate frame that cannot be built."""
     name = _name(frame.name)
     _storeys(name, frame.storeys)
+    _plate_values(name, frame)
+    _poisson(name, "material", frame.material.poissons_ratio)
+    _joints(name, frame.joints)
+    damping(name, [frame.damping_ratio])
+    _scale(name, frame.scale)
+    _masses(name, frame)
+    _storey_factors(name, frame)
+    _mass_eccentricity(name, frame)
+    _places(name, frame)
+    _yielding(name, frame)
+    storey_laws.check(name, frame.storey_law, frame.storeys)
+
+
+def _plate_values(name: str, frame: PlateFrame) -> None:
     material, columns = frame.material, frame.columns
     bounded = {
         "storey_height_m": (bounds.LENGTH, frame.storey_height_m),
@@ -53,27 +67,29 @@ def plate_frame(frame: PlateFrame) -> None:
         bounded["base_rotational_stiffness_n_m_per_rad"] = (bounds.ROTATIONAL_STIFFNESS, base)
     for key, (bound, value) in bounded.items():
         _within(name, key, value, bound)
-    _poisson(name, "material", frame.material.poissons_ratio)
-    if frame.joints.default not in frame.joints.stiffness_n_m_per_rad:
+
+
+def _joints(name: str, joints: Joints) -> None:
+    if joints.default not in joints.stiffness_n_m_per_rad:
         raise FrameError(
-            f"{name}: joints.default is {frame.joints.default!r}, not one of "
-            f"{', '.join(frame.joints.stiffness_n_m_per_rad) or 'none'} in joints.stiffness_n_m_per_rad"
+            f"{name}: joints.default is {joints.default!r}, not one of "
+            f"{', '.join(joints.stiffness_n_m_per_rad) or 'none'} in joints.stiffness_n_m_per_rad"
         )
-    damping(name, [frame.damping_ratio])
-    _scale(name, frame.scale)
-    _masses(name, frame)
+
+
+def _storey_factors(name: str, frame: PlateFrame) -> None:
     _per_storey(name, "storey_stiffness_factor", frame.storey_stiffness_factor, frame.storeys)
     for storey, factor in enumerate(frame.storey_stiffness_factor, 1):
         _within(name, f"storey_stiffness_factor of storey {storey}", factor, bounds.FACTOR)
+
+
+def _mass_eccentricity(name: str, frame: PlateFrame) -> None:
     if abs(frame.mass_eccentricity_m) >= frame.plate.width_m / 6.0:
         # Beyond the kernel of the plate the mass density would turn negative at the far edge.
         raise FrameError(
             f"{name}: mass_eccentricity_m is {frame.mass_eccentricity_m}, must be below a sixth "
             f"of the floor's width ({frame.plate.width_m / 6.0:.4g} m)"
         )
-    _places(name, frame)
-    _yielding(name, frame)
-    storey_laws.check(name, frame.storey_law, frame.storeys)
 
 
 def stick_frame(frame: StickFrame) -> None:
