@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json as json_text
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -15,13 +16,14 @@ from rich.progress import Progress
 
 from pounding import bounds
 from pounding.experiments.console import options
-from pounding.experiments.console.output import emit, plain, progress_console, table
+from pounding.experiments.console.fragility_tables import tables
+from pounding.experiments.console.output import emit, plain, progress_console
 from pounding.experiments.console.street_input import LinearStreet, linear_street
 from pounding.experiments.errors import ExperimentError
-from pounding.experiments.fragility.capacity import Limit, closings, passing, touching_intensity
+from pounding.experiments.fragility.capacity import Limit, passing, touching_intensities
 from pounding.experiments.fragility.intensity import Intensity
-from pounding.experiments.fragility.lognormal import Lognormal, fit_capacities, fit_counts
 from pounding.experiments.fragility.pictures import Curve, Sample, drawn, fragilities
+from pounding.experiments.fragility.samples import of_limit, of_touching
 from pounding.experiments.fragility.sweeping import Motions, passing_by_sweep, street_text
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records.code_spectra import FORMS
@@ -29,12 +31,14 @@ from pounding.experiments.records.code_spectra import target as spectrum
 from pounding.experiments.records.sets import FEMA_SETS
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.street_file import Street
-from pounding.experiments.rig.table_scale import TableScale
 from pounding.frames.files import replacing, write_whole
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from pounding.experiments.records import Record
+    from pounding.experiments.records.code_spectra import Target
     from pounding.experiments.rig.contacts import Contact
 
 BEYOND = 4.0
@@ -119,72 +123,20 @@ def fragility(
         street: Street file (`pounding new-street` writes one).
     """
     limits = _limits(force, drift)
-    if (kept or scheduler) and not limits:
-        raise ExperimentError(
-            "--kept and --scheduler are for the runs of --force or --drift; touching takes one run a record, here"
-        )
+    sweeping = _Sweeping(kept, workers, scheduler)
+    sweeping.refuse_without(limits)
     aim = None if target is None else spectrum(target)
     row = linear_street(street, time_factor, damping)
-    motions = Motions(
-        tuple(map(_place, record or ())),
-        set_ and _place(set_),
-        None if records is None else str(records.resolve()),
-        row.scale.time_factor,
-        record_unit,
-    )
+    motions = _motions(record or (), set_, records, row.scale.time_factor, record_unit)
     shakings = _several(motions.read())
-    streets = [_with_gap(row.street, value) for value in gap] if gap else [row.street]
-    contacts = [row.contacts(one)[0] for one in streets]
-    if not all(contact.gap_m > 0.0 for places in contacts for contact in places):
-        raise ExperimentError("floors that lie against each other touch at any intensity; give gaps above 0")
+    neighbours = _neighbours(row, gap)
     if out is not None:
         keeping.prepare(out)
-    firsts = [1.0 / float(frame.frequencies_hz[0]) for frame in row.frames]
-    longest = max(firsts)
-    factors = (
-        None
-        if aim is None
-        else np.array([aim.factor(one, (min(firsts), longest), row.scale.time_factor) for one in shakings])
-    )
-    intensity = Intensity(longest if period is None else period or None)
-    strengths = np.array([intensity.of(one) for one in shakings])
-    with Progress(console=progress_console(), transient=True) as progress:
-        bar = progress.add_task("records", total=len(shakings) * (1 + levels * bool(limits)))
-
-        def told(done: int) -> None:
-            progress.update(bar, completed=done)
-
-        touching = _touching_g(row, contacts, shakings, strengths, told)
-        shown_g = np.geomspace(touching.min(), BEYOND * touching.max(), levels)
-        passed: Any = ()
-        if limits and not (kept or scheduler):
-            passed = passing(
-                row.frames,
-                contacts[0],
-                shakings,
-                shown_g / strengths[:, None],
-                limits,
-                workers=workers,
-                progress=lambda count: told(len(shakings) + count),
-            )
-    if kept or scheduler:
-        passed = passing_by_sweep(
-            motions,
-            shakings,
-            strengths,
-            shown_g,
-            limits,
-            street_text(streets[0], row.states, row.parameters),
-            folder=kept,
-            workers=workers,
-            scheduler=scheduler,
-        )
-    labels = [_label(value) for value in gap] if gap else ["floors touch"]
-    samples = [
-        *(_touching(label, own) for label, own in zip(labels, touching, strict=True)),
-        *(_counted(limit, one, shown_g) for limit, one in zip(limits, passed, strict=True)),
-    ]
-    axis_g, curves = drawn(samples, len(shakings), seed)
+    factors = None if aim is None else _factors(aim, row, shakings)
+    intensity = Intensity(max(_first_periods_s(row)) if period is None else period or None)
+    shaken = _Shaken(motions, shakings, np.array([intensity.of(one) for one in shakings]))
+    found = _found(row, neighbours, shaken, limits, levels, sweeping)
+    axis_g, curves = drawn(_samples(neighbours, limits, found), len(shakings), seed)
     asked = {
         **row.as_dict(),
         "set": set_,
@@ -194,28 +146,21 @@ def fragility(
         "target": aim and aim.words,
         "force_kn": force,
         "drift_percent": drift,
-        "levels_g": shown_g if limits else None,
+        "levels_g": found.levels_g if limits else None,
         "seed": seed,
     }
     result = stamp(asked, shakings) | {
         "intensity": intensity.words,
         "fragilities": [_as_dict(curve) for curve in curves],
-        "per_record": [
-            {"record": one.name, "intensity_g": strength, "touching_g": own}
-            for one, strength, own in zip(shakings, strengths, touching.T, strict=True)
-        ],
+        "per_record": _per_record(shaken, found),
     }
     if factors is not None:
-        gaps = [min(1e3 * contact.gap_m for contact in places) for places in contacts]
-        result["at_target"] = _at_target(factors, strengths, touching, gaps)
+        smallest_mm = [one.smallest_gap_mm for one in neighbours]
+        result["at_target"] = _at_target(factors, shaken.strengths_g, found.touching_g, smallest_mm)
     if out is not None:
-        smallest = min(1e3 * contact.gap_m for contact in contacts[0])
-        figure = fragilities(curves, axis_g, intensity.words, [(smallest, value) for value in touching[0]])
-        with replacing(out / "fragility.png") as part:
-            figure.savefig(part, dpi=100)
-        write_whole(out / "fragility.json", (json_text.dumps(plain(result), indent=2) + "\n").encode())
-        result["files"] = ["fragility.png", "fragility.json"]
-    emit(result, as_json=json, show=lambda: _show(result, row.scale))
+        touching = [(neighbours[0].smallest_gap_mm, value) for value in found.touching_g[0]]
+        result["files"] = _keep(result, fragilities(curves, axis_g, intensity.words, touching), out)
+    emit(result, as_json=json, show=lambda: tables(result, row.scale))
 
 
 def _limits(force_kn: float | None, drift_percent: float | None) -> list[Limit]:
@@ -227,6 +172,45 @@ def _limits(force_kn: float | None, drift_percent: float | None) -> list[Limit]:
         bounds.DRIFT.check(drift_percent, "--drift", per=0.01, unit="%")
         found.append(Limit("drift", 0.01 * drift_percent))
     return found
+
+
+@dataclass(frozen=True)
+class _Sweeping:
+    """How the runs of limits go as a sweep, where that is asked for.
+
+    Attributes:
+        folder: Where finished runs are kept, or None.
+        workers: Processes; one a core when None.
+        scheduler: Address of a dask.distributed scheduler, or None.
+    """
+
+    folder: Path | None
+    workers: int | None
+    scheduler: str | None
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the runs are to be kept, or to go elsewhere."""
+        return bool(self.folder or self.scheduler)
+
+    def refuse_without(self, limits: Sequence[Limit]) -> None:
+        """Raise ExperimentError where it is asked for and there is no limit."""
+        if self.is_asked and not limits:
+            raise ExperimentError(
+                "--kept and --scheduler are for the runs of --force or --drift; touching takes one run a record, here"
+            )
+
+
+def _motions(
+    names: Sequence[str], set_name: str | None, folder: Path | None, time_factor: float, unit: str | None
+) -> Motions:
+    return Motions(
+        tuple(map(_place, names)),
+        set_name and _place(set_name),
+        None if folder is None else str(folder.resolve()),
+        time_factor,
+        unit,
+    )
 
 
 def _place(name: str) -> str:
@@ -244,43 +228,151 @@ def _several(found: list[Record]) -> list[Record]:
     return found
 
 
+class _Neighbours(NamedTuple):
+    """The street with one set of gaps, and the curve that is drawn of it."""
+
+    label: str
+    street: Street
+    contacts: list[Contact]
+
+    @property
+    def smallest_gap_mm(self) -> float:
+        return min(1e3 * contact.gap_m for contact in self.contacts)
+
+
+def _neighbours(row: LinearStreet, gaps_mm: Sequence[float] | None) -> list[_Neighbours]:
+    """Return the street with each gap that is asked for, or as it is."""
+    asked = [(f"floors touch, gap {value:g} mm", _with_gap(row.street, value)) for value in gaps_mm or ()]
+    found = [
+        _Neighbours(label, street, row.contacts(street)[0])
+        for label, street in asked or [("floors touch", row.street)]
+    ]
+    if not all(contact.gap_m > 0.0 for one in found for contact in one.contacts):
+        raise ExperimentError("floors that lie against each other touch at any intensity; give gaps above 0")
+    return found
+
+
 def _with_gap(street: Street, gap_mm: float) -> Street:
     gaps = tuple(msgspec.structs.replace(one, gap_mm=gap_mm) for one in street.gap)
     return msgspec.structs.replace(street, gap=gaps)
 
 
-def _touching_g(
+def _factors(aim: Target, row: LinearStreet, shakings: Sequence[Record]) -> NDArray[np.float64]:
+    """Return what each record's acceleration is multiplied by to meet the design spectrum [-]."""
+    firsts = _first_periods_s(row)
+    ends = min(firsts), max(firsts)
+    return np.array([aim.factor(one, ends, row.scale.time_factor) for one in shakings])
+
+
+def _first_periods_s(row: LinearStreet) -> list[float]:
+    return [1.0 / float(frame.frequencies_hz[0]) for frame in row.frames]
+
+
+class _Shaken(NamedTuple):
+    """The records, where they come from, and the intensity of each as it is [g]."""
+
+    motions: Motions
+    records: list[Record]
+    strengths_g: NDArray[np.float64]
+
+
+class _Found(NamedTuple):
+    """What the runs say.
+
+    Attributes:
+        touching_g: Intensity at which each record brings floors together, for each set of gaps (sets, records) [g].
+        levels_g: Levels of the intensity (m,) [g].
+        passed: Whether each record at each level passes each limit (limits, records, levels).
+    """
+
+    touching_g: NDArray[np.float64]
+    levels_g: NDArray[np.float64]
+    passed: NDArray[np.bool_]
+
+
+def _found(
     row: LinearStreet,
-    contacts: Sequence[Sequence[Contact]],
-    shakings: Sequence[Record],
-    strengths: NDArray[np.float64],
-    told: Callable[[int], None],
-) -> NDArray[np.float64]:
-    """Return the intensity [g] at which each record brings floors together, for each set of gaps (sets, records)."""
-    found = []
-    for number, (one, strength) in enumerate(zip(shakings, strengths, strict=True), 1):
-        closing = closings(row.frames, contacts[0], one)
-        found.append([touching_intensity(closing, places, one.name, float(strength)) for places in contacts])
-        told(number)
-    return np.array(found).T
+    neighbours: Sequence[_Neighbours],
+    shaken: _Shaken,
+    limits: Sequence[Limit],
+    levels: int,
+    sweeping: _Sweeping,
+) -> _Found:
+    """Run each record once for the floors' touching and, where there are limits, at each level with contact."""
+    count = len(shaken.records)
+    with Progress(console=progress_console(), transient=True) as progress:
+        bar = progress.add_task("records", total=count * (1 + levels * bool(limits)))
+
+        def told(done: int) -> None:
+            progress.update(bar, completed=done)
+
+        touching_g = touching_intensities(
+            row.frames,
+            [one.contacts for one in neighbours],
+            shaken.records,
+            shaken.strengths_g,
+            progress=told,
+        )
+        levels_g = np.geomspace(touching_g.min(), BEYOND * touching_g.max(), levels)
+        passed = np.zeros((0, count, levels), bool)
+        if limits and not sweeping.is_asked:
+            passed = passing(
+                row.frames,
+                neighbours[0].contacts,
+                shaken.records,
+                levels_g / shaken.strengths_g[:, None],
+                limits,
+                workers=sweeping.workers,
+                progress=lambda done: told(count + done),
+            )
+    if sweeping.is_asked:
+        passed = _passed_by_sweep(row, neighbours[0].street, shaken, limits, levels_g, sweeping)
+    return _Found(touching_g, levels_g, passed)
 
 
-def _label(gap_mm: float) -> str:
-    return f"floors touch, gap {gap_mm:g} mm"
-
-
-def _touching(label: str, capacity_g: Any) -> Sample:
-    shares = (np.arange(len(capacity_g)) + 0.5) / len(capacity_g)
-    return Sample(label, lambda chosen: fit_capacities(capacity_g[chosen]), np.sort(capacity_g), shares)
-
-
-def _counted(limit: Limit, passed: Any, levels_g: Any) -> Sample:
-    label = (
-        f"force above {limit.value / 1e3:g} kN"
-        if limit.kind == "force"
-        else f"drift above {100 * limit.value:g} %"
+def _passed_by_sweep(
+    row: LinearStreet,
+    street: Street,
+    shaken: _Shaken,
+    limits: Sequence[Limit],
+    levels_g: NDArray[np.float64],
+    sweeping: _Sweeping,
+) -> NDArray[np.bool_]:
+    return passing_by_sweep(
+        shaken.motions,
+        shaken.records,
+        shaken.strengths_g,
+        levels_g,
+        limits,
+        street_text(street, row.states, row.parameters),
+        folder=sweeping.folder,
+        workers=sweeping.workers,
+        scheduler=sweeping.scheduler,
     )
-    return Sample(label, lambda chosen: fit_counts(levels_g, passed[chosen]), levels_g, passed.mean(axis=0))
+
+
+def _samples(neighbours: Sequence[_Neighbours], limits: Sequence[Limit], found: _Found) -> list[Sample]:
+    return [
+        *(of_touching(one.label, own) for one, own in zip(neighbours, found.touching_g, strict=True)),
+        *(of_limit(limit, one, found.levels_g) for limit, one in zip(limits, found.passed, strict=True)),
+    ]
+
+
+def _as_dict(curve: Curve) -> dict[str, Any]:
+    return {
+        "of": curve.label,
+        "median_g": curve.fit.median_g,
+        "beta": curve.fit.beta,
+        "seen_g": curve.seen_g,
+        "seen": curve.seen,
+    }
+
+
+def _per_record(shaken: _Shaken, found: _Found) -> list[dict[str, Any]]:
+    return [
+        {"record": one.name, "intensity_g": strength, "touching_g": own}
+        for one, strength, own in zip(shaken.records, shaken.strengths_g, found.touching_g.T, strict=True)
+    ]
 
 
 def _at_target(factors: Any, strengths: Any, touching: Any, gaps_mm: Sequence[float]) -> dict[str, Any]:
@@ -299,36 +391,8 @@ def _at_target(factors: Any, strengths: Any, touching: Any, gaps_mm: Sequence[fl
     }
 
 
-def _as_dict(curve: Curve) -> dict[str, Any]:
-    return {
-        "of": curve.label,
-        "median_g": curve.fit.median_g,
-        "beta": curve.fit.beta,
-        "seen_g": curve.seen_g,
-        "seen": curve.seen,
-    }
-
-
-def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
-    yield table(
-        f"{result['parameters']['street']}, {len(result['records'])} records: {result['intensity']}",
-        ["probability of", "median g", "beta", "5 % at g", "95 % at g"],
-        [_row(one) for one in result["fragilities"]],
-    )
-    if "at_target" in result:
-        found, count = result["at_target"], len(result["records"])
-        yield (
-            f"Brought to {result['parameters']['target']} by factors of {min(found['factors']):.2f} to "
-            f"{max(found['factors']):.2f}, the records ask for a smallest gap of {found['median_mm']:.0f} mm in the median, "
-            f"{found['of_84_percent_mm']:.0f} mm for 84 % of them and {found['largest_mm']:.0f} mm at most."
-        )
-        for one in found["touching"]:
-            yield f"With {one['gap_mm']:g} mm the floors touch in {one['records']} of {count}."
-    yield str(scale)
-    yield from keeping.written(result)
-
-
-def _row(one: dict[str, Any]) -> list[str]:
-    curve = Lognormal(one["median_g"], one["beta"])
-    low, high = (curve.median_g * float(np.exp(sign * 1.6449 * curve.beta)) for sign in (-1.0, 1.0))
-    return [one["of"], f"{curve.median_g:.3f}", f"{curve.beta:.2f}", f"{low:.3f}", f"{high:.3f}"]
+def _keep(result: dict[str, Any], figure: Figure, out: Path) -> list[str]:
+    with replacing(out / "fragility.png") as part:
+        figure.savefig(part, dpi=100)
+    write_whole(out / "fragility.json", (json_text.dumps(plain(result), indent=2) + "\n").encode())
+    return ["fragility.png", "fragility.json"]

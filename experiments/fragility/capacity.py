@@ -90,6 +90,34 @@ def touching_intensity(
     return float(intensity_g * np.min(gaps[near] / closing_m[near]))
 
 
+def touching_intensities(
+    frames: Sequence[ReducedFrame],
+    contacts: Sequence[Sequence[Contact]],
+    records: Sequence[Record],
+    strengths_g: Real,
+    *,
+    progress: Callable[[int], None],
+) -> NDArray[np.float64]:
+    """Return the intensity at which each record brings floors together, for each set of gaps (sets, records) [g].
+
+    Args:
+        frames: Frames in a row.
+        contacts: Contacts between neighbours, once for each set of gaps; they differ in these alone.
+        records: The shakings at their scale.
+        strengths_g: The intensity of each record as it is (n,) [g].
+        progress: Called with the number of records that are done.
+
+    Raises:
+        ExperimentError: A frame yields, or floors never approach each other.
+    """
+    found = []
+    for number, (one, strength) in enumerate(zip(records, strengths_g, strict=True), 1):
+        closing = closings(frames, contacts[0], one)
+        found.append([touching_intensity(closing, places, one.name, float(strength)) for places in contacts])
+        progress(number)
+    return np.array(found).T
+
+
 def passing(
     frames: Sequence[ReducedFrame],
     contacts: Sequence[Contact],
