@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import msgspec
 from cyclopts import Parameter
@@ -38,11 +38,12 @@ from pounding.experiments.rig.street_file import (
     is_street_file,
     load_street,
 )
-from pounding.experiments.rig.table_scale import table_scale
+from pounding.experiments.rig.table_scale import TableScale, table_scale
 from pounding.frames import load
 from pounding.units import LENGTH
 
 if TYPE_CHECKING:
+    from pounding.experiments.records import Record
     from pounding.frames.reduction.reduced_frame import ReducedFrame
 
 
@@ -139,25 +140,14 @@ def pound(
     estimates.announce(*map(estimates.of_frame, definitions))
     row = named(streets[0], built_row(streets[0], states, joints, p_delta))
     # The contacts refuse what cannot be before anything is shown.
-    contacts = [street_contacts(street, row, chosen) for street, chosen in zip(streets, sets, strict=True)]
-    rigs = [Rig(row, places) for places, _ in contacts]
+    standing = _standing(streets, sets, row)
+    rigs = [Rig(row, one.contacts) for one in standing]
     estimates.announce(estimates.of_run(row, shaken.duration_s, len(rigs)))
-    if film and out is None:
-        warn("--film needs a folder: nothing is written without --out")
-    elif film:
-        films.require()
-    if out is not None:
-        keeping.prepare(out)
-    runs = []
-    with _progress() as progress:
-        for street, rig in zip(streets, rigs, strict=True):
-            bar = progress.add_task(", ".join({gap.law for gap in street.gap}), total=shaken.duration_s)
-            told = partial(_tell, progress, bar)
-            motion = rig.run(shaken, progress=told, solver=solver)
-            runs.append(Pounding(shaken, motion, all_impacts(motion, merging_s=merging_s(scale.scale))))
+    _prepare(out, film)
+    runs = _run(rigs, standing, shaken, scale, solver)
     asked = {
-        **_asked(left, right, streets, contacts, sets),
-        "contact_basis": _bases([basis for _, bases in contacts for basis in bases], row),
+        **_asked(left, right, standing),
+        "contact_basis": _bases([basis for one in standing for basis in one.bases], row),
         "flip": flip,
         "pga_g": pga,
         "record_unit": record_unit,
@@ -169,16 +159,11 @@ def pound(
         "impact_sample_rate_hz": SAMPLE_RATE_HZ,
     }
     result = stamp(asked | scale.as_dict(), [shaken]) | {
-        "runs": [_as_dict(run, *places) for run, places in zip(runs, contacts, strict=True)]
+        "runs": [_as_dict(run, one) for run, one in zip(runs, standing, strict=True)]
     }
     if out is not None:
-        kept = _keep(runs, result, out, film)
-        result |= {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
-        for note in kept.notes:
-            warn(note)
-    for run in result["runs"]:
-        for sentence in run["warnings"]:
-            warn(f"{run['law']}: {sentence}" if len(runs) > 1 else sentence)
+        result |= _kept(runs, result, out, film)
+    _warn(result)
     emit(result, as_json=json, show=lambda: tables(result, states, scale))
 
 
@@ -203,55 +188,56 @@ def _streets(left: str, right: str | None, contact: Gap, law: str | None) -> lis
     return [Street(pair, (msgspec.structs.replace(contact, law=name),)) for name in laws]
 
 
-def _asked(
-    left: str,
-    right: str | None,
-    streets: Sequence[Street],
-    contacts: Sequence[tuple[list[Contact], list[Basis]]],
-    sets: Sequence[list[Parameters | None]],
-) -> dict[str, Any]:
-    """Return the parameters of a result that say what stands on the table."""
-    laws = [[vars(contact.law) for contact in places] for places, _ in contacts]
-    floors = [basis.floor for basis in contacts[0][1]]
-    if right is None:
-        return {
-            "street": left,
-            **msgspec.to_builtins(streets[0]),
-            "floors": floors,
-            "parameters": sets[0],
-            "contact": laws[0],
-        }
-    gap = streets[0].gap[0]
-    return {
-        "left": left,
-        "right": right,
-        "gap_mm": gap.gaps_mm,
-        "floors": floors,
-        "law": "all" if len(streets) > 1 else gap.law,
-        "parameters": sets[0][0],
-        "contact": {
-            street.gap[0].law: own[0] if len(own) == 1 else own
-            for street, own in zip(streets, laws, strict=True)
-        },
-    }
+class _Standing(NamedTuple):
+    """What stands on the table for one run.
+
+    Attributes:
+        street: The buildings with their gaps.
+        parameters: The parameter set of each gap.
+        contacts: The contacts.
+        bases: What the numbers of each contact rest on.
+    """
+
+    street: Street
+    parameters: list[Parameters | None]
+    contacts: list[Contact]
+    bases: list[Basis]
 
 
-def _as_dict(run: Pounding, places: Sequence[Contact], bases: Sequence[Basis]) -> dict[str, Any]:
-    """Return what is told of a run, with what columns that are hit have borne."""
-    columns = [
-        borne(run.motion, contact, *basis.hit, number)
-        for number, (contact, basis) in enumerate(zip(places, bases, strict=True))
-        if basis.hit is not None
+def _standing(
+    streets: Sequence[Street], sets: Sequence[list[Parameters | None]], row: Sequence[ReducedFrame]
+) -> list[_Standing]:
+    return [
+        _Standing(street, chosen, *street_contacts(street, row, chosen))
+        for street, chosen in zip(streets, sets, strict=True)
     ]
-    found = run.result() | run.validity()
-    if columns:
-        found["columns"] = columns
-        found["warnings"] += [sentence for one in columns for sentence in beyond(one)]
-    return found
 
 
-def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
-    progress.update(bar, completed=time_s)
+def _prepare(out: Path | None, film: bool) -> None:
+    """See before the runs that they can be kept and filmed."""
+    if film and out is None:
+        warn("--film needs a folder: nothing is written without --out")
+    elif film:
+        films.require()
+    if out is not None:
+        keeping.prepare(out)
+
+
+def _run(
+    rigs: Sequence[Rig],
+    standing: Sequence[_Standing],
+    shaken: Record,
+    scale: TableScale,
+    solver: options.Solver,
+) -> list[Pounding]:
+    runs = []
+    with _progress() as progress:
+        for rig, one in zip(rigs, standing, strict=True):
+            laws = ", ".join({gap.law for gap in one.street.gap})
+            told = partial(_tell, progress, progress.add_task(laws, total=shaken.duration_s))
+            motion = rig.run(shaken, progress=told, solver=solver)
+            runs.append(Pounding(shaken, motion, all_impacts(motion, merging_s=merging_s(scale.scale))))
+    return runs
 
 
 def _progress() -> Progress:
@@ -260,14 +246,36 @@ def _progress() -> Progress:
     return Progress(console=console, transient=True, disable=not console.is_terminal)
 
 
-def _keep(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> keeping.Kept:
-    with _progress() as progress:
-        bar = progress.add_task("film" if film else "writing", total=1.0)
+def _tell(progress: Progress, bar: TaskID, time_s: float) -> None:
+    progress.update(bar, completed=time_s)
 
-        def told(share: float) -> None:
-            progress.update(bar, completed=share)
 
-        return collision_files.keep(runs, plain(result), out, film=film, progress=told)
+def _asked(left: str, right: str | None, standing: Sequence[_Standing]) -> dict[str, Any]:
+    """Return the parameters of a result that say what stands on the table."""
+    first = standing[0]
+    laws = [[vars(contact.law) for contact in one.contacts] for one in standing]
+    floors = [basis.floor for basis in first.bases]
+    if right is None:
+        return {
+            "street": left,
+            **msgspec.to_builtins(first.street),
+            "floors": floors,
+            "parameters": first.parameters,
+            "contact": laws[0],
+        }
+    gap = first.street.gap[0]
+    return {
+        "left": left,
+        "right": right,
+        "gap_mm": gap.gaps_mm,
+        "floors": floors,
+        "law": "all" if len(standing) > 1 else gap.law,
+        "parameters": first.parameters[0],
+        "contact": {
+            one.street.gap[0].law: own[0] if len(own) == 1 else own
+            for one, own in zip(standing, laws, strict=True)
+        },
+    }
 
 
 def _bases(bases: Sequence[Basis], row: Sequence[ReducedFrame]) -> list[str]:
@@ -282,3 +290,37 @@ def _bases(bases: Sequence[Basis], row: Sequence[ReducedFrame]) -> list[str]:
 def _place(basis: Basis, row: Sequence[ReducedFrame]) -> str:
     place = f"floor {basis.floor}" + (f", y = {basis.y_m:g} m" if basis.y_m else "")
     return place if len(row) == 2 else f"{row[basis.pair].name} and {row[basis.pair + 1].name}, {place}"
+
+
+def _as_dict(run: Pounding, standing: _Standing) -> dict[str, Any]:
+    """Return what is told of a run, with what columns that are hit have borne."""
+    columns = [
+        borne(run.motion, contact, *basis.hit, number)
+        for number, (contact, basis) in enumerate(zip(standing.contacts, standing.bases, strict=True))
+        if basis.hit is not None
+    ]
+    found = run.result() | run.validity()
+    if columns:
+        found["columns"] = columns
+        found["warnings"] += [sentence for one in columns for sentence in beyond(one)]
+    return found
+
+
+def _kept(runs: Sequence[Pounding], result: dict[str, Any], out: Path, film: bool) -> dict[str, Any]:
+    """Write the runs, and return what a result says of the files."""
+    with _progress() as progress:
+        bar = progress.add_task("film" if film else "writing", total=1.0)
+
+        def told(share: float) -> None:
+            progress.update(bar, completed=share)
+
+        kept = collision_files.keep(runs, plain(result), out, film=film, progress=told)
+    for note in kept.notes:
+        warn(note)
+    return {"files": kept.files, "film": kept.film and dataclasses.asdict(kept.film)}
+
+
+def _warn(result: dict[str, Any]) -> None:
+    for run in result["runs"]:
+        for sentence in run["warnings"]:
+            warn(f"{run['law']}: {sentence}" if len(result["runs"]) > 1 else sentence)
