@@ -84,16 +84,7 @@ def gap(
     row = named(street, built_row(street, states, joints, p_delta))
     step_s = motion.step_s / fine_step(motion.step_s)
     estimates.announce(*(estimates.of_gap(pair, motion.duration_s, step_s) for pair in pairwise(row)))
-    places = [
-        _Place(
-            one,
-            other,
-            None if present is None else between.free_mm(present),
-            Where(number, y_m, between.columns is not None),
-        )
-        for (one, other), between in zip(pairwise(row), street.gap, strict=True)
-        for (number, present), y_m in product(between.by_floor(), between.places_m)
-    ]
+    places = _places(street, row)
     own_peak = pga is None and scale.is_laboratory
     length = scale.scale.buildings_length
     answers = [place.answer(motion, own_peak=own_peak, length_scale=length) for place in places]
@@ -115,15 +106,7 @@ def gap(
     result = stamp(asked, [motion]) | (_of_street(answers) if right is None else answers[0])
     if report is not None:
         pictures = [place.picture(motion, answer) for place, answer in zip(places, answers, strict=True)]
-        write_report(
-            "gap" if right is not None else "street",
-            result,
-            report,
-            pictures,
-            _sketch(row, answers),
-            lengths=f"The {scale}.",
-            short=[_sentence(answer) for answer in answers if _is_short(answer)],
-        )
+        _write(report, result, answers, pictures, row, scale)
     show = _tables if right is not None else _street_tables
     emit(result, as_json=json, show=lambda: show(result, states, scale))
     for sentence in map(str, result["warnings"]):
@@ -145,6 +128,19 @@ def _street(left: str, right: str | None, floor: int | None) -> Street:
             f"{left} is one frame; give a second one beside it, or a street file (pounding new-street writes one)"
         )
     return Street((Building(left), Building(right)), (Gap((), () if floor is None else (floor,)),))
+
+
+def _places(street: Street, row: Sequence[frames.ReducedFrame]) -> list[_Place]:
+    return [
+        _Place(
+            one,
+            other,
+            None if present is None else between.free_mm(present),
+            Where(number, y_m, between.columns is not None),
+        )
+        for (one, other), between in zip(pairwise(row), street.gap, strict=True)
+        for (number, present), y_m in product(between.by_floor(), between.places_m)
+    ]
 
 
 class _Place(NamedTuple):
@@ -172,6 +168,25 @@ def _of_street(answers: list[dict[str, Any]]) -> dict[str, Any]:
     ]
     # Several places of one pair say the same of its ends.
     return {"pairs": answers, "warnings": [*short, *dict.fromkeys(other)]}
+
+
+def _write(
+    path: Path,
+    result: dict[str, Any],
+    answers: Sequence[dict[str, Any]],
+    pictures: Sequence[Figure],
+    row: Sequence[frames.ReducedFrame],
+    scale: TableScale,
+) -> None:
+    write_report(
+        "street" if "pairs" in result else "gap",
+        result,
+        path,
+        pictures,
+        _sketch(row, answers),
+        lengths=f"The {scale}.",
+        short=[_sentence(answer) for answer in answers if _is_short(answer)],
+    )
 
 
 def _sketch(row: Sequence[frames.ReducedFrame], answers: Sequence[dict[str, Any]]) -> str:
