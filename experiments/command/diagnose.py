@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -131,6 +132,7 @@ def diagnose(
     The exit status is 0 whatever the verdict, and 2 with one sentence for a case that cannot be read.
     How to make a case: docs/diagnosis/how-to.md and docs/diagnosis/case-format.md.
     """
+    judging = _Judging(seed, first, only, pairs, way, engine)
     if benchmark is not None:
         given = case is not None or candidates is not None or false_alarms is not None
         if given or calibrate or trust or film or export_model is not None:
@@ -138,35 +140,15 @@ def diagnose(
                 "--benchmark draws its own cases; leave out the case, --candidates, --trust, --calibrate, --film, "
                 "--export-model and --false-alarms"
             )
-        estimates.announce(estimates.of_benchmark(first or benchmark))
-        _benchmark(benchmark, seed or 0, first, only, pairs, way or "diagnosis", engine or "own", out, json)
+        _benchmark(benchmark, judging, out, json)
         return
-    asked = {
-        "--seed": seed,
-        "--first": first,
-        "--only": only,
-        "--pairs": pairs or None,
-        "--engine": engine,
-        "--way": way,
-    }
-    for name, value in asked.items():
-        if value is not None:
-            raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
+    judging.refuse()
     if case is None:
         raise CaseError("no case was given; name the folder that holds case.toml, or ask for --benchmark N")
-    if trust and candidates is None:
-        raise CaseError("--trust belongs to --candidates; leave it out or name the file that you trust")
-    if export_model is not None and export_model.suffix != ".toml":
-        raise CaseError(f"--export-model {export_model}: a frame file ends in .toml; name it so")
+    _refuse(candidates, trust, export_model)
     if film and out is None:
         warn("--film needs a folder: nothing is written without --out")
-    # Said before the diagnosis, which takes minutes.
-    if film and out is not None:
-        films.require()
-    if calibrate:
-        extra_module("joblib")
-    if candidates is not None:
-        extra_module("pint")
+    _require(film=film and out is not None, calibrate=calibrate, candidates=candidates is not None)
     from msgspec import to_builtins
 
     from pounding.diagnosis import workflow
@@ -178,7 +160,6 @@ def diagnose(
         _ask_to_execute(candidates)
     estimates.announce(*_works(read, calibrate))
     with _bar() as told:
-        rate = SETTINGS.decision.false_alarms if false_alarms is None else false_alarms
         report = workflow.diagnose(
             read,
             out,
@@ -186,7 +167,7 @@ def diagnose(
             candidates_file=candidates,
             calibrate=calibrate,
             film=film,
-            false_alarms=rate,
+            false_alarms=SETTINGS.decision.false_alarms if false_alarms is None else false_alarms,
             export_model=export_model,
         )
     emit(
@@ -194,6 +175,68 @@ def diagnose(
     )
     if report.model and report.model.refused is not None:
         raise CaseError(f"no corrected model was written to {export_model}: {report.model.refused}")
+
+
+@dataclass(frozen=True)
+class _Judging:
+    """The options that belong to --benchmark, as they were given."""
+
+    seed: int | None
+    first: int | None
+    only: Sequence[str] | None
+    pairs: bool
+    way: str | None
+    engine: str | None
+
+    def refuse(self) -> None:
+        """Raise CaseError if one was given, as there is no benchmark."""
+        given = {
+            "--seed": self.seed,
+            "--first": self.first,
+            "--only": self.only,
+            "--pairs": self.pairs or None,
+            "--engine": self.engine,
+            "--way": self.way,
+        }
+        for name, value in given.items():
+            if value is not None:
+                raise CaseError(f"{name} belongs to --benchmark; leave it out or say how many cases to judge")
+
+
+def _benchmark(cases: int, judging: _Judging, out: Path | None, json: bool) -> None:
+    estimates.announce(estimates.of_benchmark(judging.first or cases))
+    from pounding.diagnosis.benchmark.run import KINDS, run_benchmark
+    from pounding.diagnosis.benchmark.tables import tables
+
+    result = run_benchmark(
+        cases,
+        seed=judging.seed or 0,
+        pairs=judging.pairs,
+        way=judging.way or "diagnosis",
+        engine=judging.engine or "own",
+        out=out,
+        console=progress_console(),
+        first=judging.first,
+        only=judging.only or KINDS,
+    )
+    emit(result, as_json=json, show=lambda: tables(result))
+
+
+def _refuse(candidates: Path | None, trust: bool, export_model: Path | None) -> None:
+    if trust and candidates is None:
+        raise CaseError("--trust belongs to --candidates; leave it out or name the file that you trust")
+    if export_model is not None and export_model.suffix != ".toml":
+        raise CaseError(f"--export-model {export_model}: a frame file ends in .toml; name it so")
+
+
+def _require(*, film: bool, calibrate: bool, candidates: bool) -> None:
+    """See that the libraries are there, before the diagnosis, which takes minutes."""
+    if film:
+        films.require()
+    if calibrate:
+        extra_module("joblib")
+    if candidates:
+        extra_module("pint")
 
 
 def _ask_to_execute(candidates: Path) -> None:
@@ -221,55 +264,6 @@ def _works(case: Case, calibrate: bool) -> list[estimates.Work]:
     return works
 
 
-def _exported(report: Report) -> list[str]:
-    if not report.model or report.model.refused is not None:
-        return []
-    frames = [file for file in report.model.files if file not in report.model.motions]
-    kind = "corrected" if report.named else "calibrated"
-    said = [f"the {kind} model is {' and '.join(frames)}, the table's motion in each run beside it"]
-    if report.model.beside:
-        said.append(
-            f"not in it, because it is not on a frame or no file can state it: {'; '.join(report.model.beside)}"
-        )
-    if report.model.case is not None:
-        said.append(f"the measurements without that are the case {report.model.case}")
-    return said
-
-
-def _written(out: Path | None) -> list[str]:
-    if out is None:
-        return ["nothing was written; --out DIR keeps the report with its pictures"]
-    return [f"the report is {out / 'report.html'}"]
-
-
-def _benchmark(
-    cases: int,
-    seed: int,
-    first: int | None,
-    only: Sequence[str] | None,
-    pairs: bool,
-    way: str,
-    engine: str,
-    out: Path | None,
-    json: bool,
-) -> None:
-    from pounding.diagnosis.benchmark.run import KINDS, run_benchmark
-    from pounding.diagnosis.benchmark.tables import tables
-
-    result = run_benchmark(
-        cases,
-        seed=seed,
-        pairs=pairs,
-        way=way,
-        engine=engine,
-        out=out,
-        console=progress_console(),
-        first=first,
-        only=only or KINDS,
-    )
-    emit(result, as_json=json, show=lambda: tables(result))
-
-
 class _bar:
     """A progress bar on standard error, shown where that is a terminal."""
 
@@ -289,3 +283,24 @@ class _bar:
 
     def __exit__(self, *error: object) -> None:
         self.progress.stop()
+
+
+def _exported(report: Report) -> list[str]:
+    if not report.model or report.model.refused is not None:
+        return []
+    frames = [file for file in report.model.files if file not in report.model.motions]
+    kind = "corrected" if report.named else "calibrated"
+    said = [f"the {kind} model is {' and '.join(frames)}, the table's motion in each run beside it"]
+    if report.model.beside:
+        said.append(
+            f"not in it, because it is not on a frame or no file can state it: {'; '.join(report.model.beside)}"
+        )
+    if report.model.case is not None:
+        said.append(f"the measurements without that are the case {report.model.case}")
+    return said
+
+
+def _written(out: Path | None) -> list[str]:
+    if out is None:
+        return ["nothing was written; --out DIR keeps the report with its pictures"]
+    return [f"the report is {out / 'report.html'}"]
