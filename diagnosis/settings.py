@@ -116,6 +116,8 @@ class Search:
     """[stiffness found] A base that turns is refined again from here: a soft one has several maxima. Origin: chosen."""
     faded: tuple[float, ...] = (0.3, 1.0)
     """[usual drift rate] Rates at which a friction that fades starts with half of itself lost. Origin: chosen."""
+    creeps: float = 0.05
+    """[usual drift rate] Rate at which friction that creeps starts to slide. Origin: chosen."""
     restarts: int = 2
     """[times] At most so often the null model is calibrated again from where the likeliest effect led. Origin:
     chosen."""

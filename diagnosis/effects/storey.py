@@ -39,6 +39,8 @@ LARGEST_LOSS = 0.95
 STIFFEST = 60.0
 STICKING = 15.0
 """Stiffness of a stuck friction joint as a multiple of the storey's: stiff, yet within the simulator's step."""
+LOOSE = 0.01
+"""The same of a joint that creeps instead of sticking: hardly any."""
 STICKING_RATIO = 0.3
 STICKING_RATIO_SPREAD = 0.5
 """Damping ratio of a floor on a stuck joint of that stiffness, and the prior standard deviation of its logarithm."""
@@ -216,10 +218,25 @@ class CoulombFriction(StoreyEffect):
 
         A joint twice as stiff is damped twice as much: on the way to a rigid one both grow, along one coordinate.
         """
-        storey, times = self.stiffness(model), float(values[1])
-        critical = 2 * np.sqrt(STICKING * storey * floor_mass(model.structure, self.index) / 2)
-        damping = float(values[3] * critical * times / STICKING)
-        return (abs(float(values[0])), times * storey, damping, np.inf, float(values[2]))
+        times = float(values[1])
+        damping = float(values[3] * self._critical(model) * times / STICKING)
+        return (abs(float(values[0])), times * self.stiffness(model), damping, np.inf, float(values[2]))
+
+    def creeping(self, model: Model, force: float, rate: float) -> np.ndarray:
+        """Return the parameters of friction that never sticks: below its force it creeps, in proportion to what pulls.
+
+        Args:
+            model: The baseline model.
+            force: Friction force [N].
+            rate: Rate of the drift from which it slides [m/s].
+        """
+        ratio = force / rate * STICKING / (self._critical(model) * LOOSE)
+        return np.array([force, LOOSE, 0.0, ratio])
+
+    def _critical(self, model: Model) -> float:
+        """Return the damping [N s/m] that is critical for a floor on a stuck joint."""
+        mass = floor_mass(model.structure, self.index)
+        return float(2 * np.sqrt(STICKING * self.stiffness(model) * mass / 2))
 
 
 @CATALOGUE.add

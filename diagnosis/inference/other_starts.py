@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.effects.every_storey import EveryStorey
+from pounding.diagnosis.effects.every_storey import AllCoulombFriction, EveryStorey
 from pounding.diagnosis.effects.rivals import FadingFriction
-from pounding.diagnosis.effects.storey import CoulombFriction
+from pounding.diagnosis.effects.storey import CoulombFriction, DampingChange, StoreyEffect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.discrepancy import SCALES
@@ -34,7 +34,7 @@ def other_starts(found: Findings) -> list[Start]:
     leading = best(found)
     if not leading.effects:
         return []
-    kinds = (_everywhere, _ticked, _weighed, _faded)
+    kinds = (_everywhere, _ticked, _weighed, _faded, _creeping)
     near = [
         one
         for one in found.judged
@@ -152,3 +152,31 @@ def _faded(found: Findings, leading: Judged) -> Iterator[Start]:
         return faded if faded.values[0][2] < usual else None
 
     yield from (partial(fading, share) for share in SETTINGS.search.faded)
+
+
+def _creeping(found: Findings, leading: Judged) -> Iterator[Start]:
+    """Yield friction that creeps instead of sticking, from where friction that sticks, or a damper, led.
+
+    What slips a little all the time, as friction that goes with the hyperbolic tangent of the rate, is far from both: a
+    damper takes hardly any power of the rate there, and a joint that sticks is too stiff at each turn.
+    """
+    if len(leading.effects) != 1:
+        return
+    led, values, model = leading.effects[0], leading.fit.values[0], found.model
+    if isinstance(led, AllCoulombFriction):
+        one = CoulombFriction(index=led.leading(found.sizes).index, frame=led.frame)
+        rate = SETTINGS.search.creeps * float(found.sizes.drift_rate[one.index])
+        crept = one.creeping(model, led.weight(model, one) * values[0], rate)
+        yield partial(from_baseline, found, (led,), (np.array([values[0], *crept[1:], values[-1]]),))
+    elif type(led) in (CoulombFriction, DampingChange):
+        assert isinstance(led, StoreyEffect)
+        joint = CoulombFriction(index=led.index, frame=led.frame, storey=led.storey)
+        usual = float(found.sizes.drift_rate[led.index])
+        force = values[0] if type(led) is CoulombFriction else values[0] * usual
+        if force > 0.0:
+            yield partial(
+                from_baseline,
+                found,
+                (joint,),
+                (joint.creeping(model, force, SETTINGS.search.creeps * usual),),
+            )
