@@ -47,8 +47,17 @@ class Screening:
     hum_steady: float = 0.5
     """[amplitude] Hum differs less than this from its mean in every part of a run. Origin: chosen; what shaking excites
     comes and goes."""
-    hum_of_table: float = 0.1
-    """[rms of the table] A table with a larger line at a mains frequency is shaken so: it is no hum. Origin: chosen."""
+    hum_of_table: float = 0.7
+    """[rms of the table] A table with a larger line at a mains frequency is shaken so: it is no hum. Origin: theory: the
+    line is then half of what the table does, and no shaking that begins at rest is as steady."""
+    noise_alone: float = 0.5
+    """[rms of the channel] Noise, by what the channel shows above the modes, that leaves no room for a motion. Origin:
+    chosen."""
+    moving: float = 0.3
+    """[rms of the channel] A floor's acceleration that is further from its mean in the first samples is no frame at rest.
+    Origin: chosen."""
+    moving_noise: float = 8.0
+    """[noise of the channel] And further than this. Origin: chosen."""
     answers: float = 0.5
     """[table acceleration] A channel shows a first frequency only if a floor answers with more acceleration there.
     Origin: theory: a mode answers with the inverse of twice its damping ratio, a dead sensor with nothing."""

@@ -251,13 +251,15 @@ def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], pro
     return Model(model.structure, observed, model.prior, tuple(zip(fit.effects, fit.values, strict=True)))
 
 
-def _find(
-    case: Case,
-    progress: Progress,
-    own: Sequence[type[Effect]],
-    false_alarms: float,
-    against_motion: bool = True,
-) -> tuple[Findings, Decision]:
+def prepared(case: Case) -> Model:
+    """Return the baseline model of a case with its measurements, screened for what sensors did not measure.
+
+    Args:
+        case: The case.
+
+    Raises:
+        CaseError: The frames cannot be modelled, or the runs show nothing that a diagnosis could start from.
+    """
     structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
     if not case.contacts:
@@ -267,6 +269,18 @@ def _find(
     if not case.contacts:
         # Impacts fill the spectrum and change its first peak.
         observed.warnings.extend(frequency_warnings(model))
+    return model
+
+
+def _find(
+    case: Case,
+    progress: Progress,
+    own: Sequence[type[Effect]],
+    false_alarms: float,
+    against_motion: bool = True,
+) -> tuple[Findings, Decision]:
+    model = prepared(case)
+    structure, observed = model.structure, model.observed
     pair = prepare(case, model, against_motion) if case.contacts else None
     training, held_out = case.split()
     numbers = {run.file: i for i, run in enumerate(case.runs)}

@@ -70,6 +70,11 @@ def grid(name: str, lines: list[int], time: np.ndarray, words: list[str]) -> Gri
     backwards = np.flatnonzero(np.diff(time) <= 0)
     if backwards.size:
         line = lines[backwards[0] + 1]
+        if not np.any(np.diff(time) < 0):
+            raise CaseError(
+                f"{name} line {line}: {TIME} {time[backwards[0] + 1]:g} s stands in more than one row; write it with as "
+                "many digits as the sampling rate needs"
+            )
         raise CaseError(
             f"{name} line {line}: time does not go on ({time[backwards[0] + 1]:g} s); sort or mend it"
         )

@@ -99,9 +99,14 @@ class Parameter(Struct, frozen=True, kw_only=True):
         name = self.name.replace("_", " ")
         if self.value is None or isinstance(self.value, str):
             return f"{name} {self.value or 'unknown'}"
-        unit = "" if self.unit in ("", "1", "-") else f" {self.unit}"
         known = isinstance(self.std, float)
-        return f"{name} {self.value:.{digits}g}" + (f" ± {self.std:.2g}" if known else "") + unit
+        said = f"{name} {self.value:.{digits}g}" + (f" ± {self.std:.2g}" if known else "")
+        return f"{said} {self.shown_unit}".rstrip()
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit as it is read: none for a pure number, and µm for um."""
+        return "" if self.unit in ("1", "-") else self.unit.replace("um", "µm")
 
 
 def parameter(name: str, value: float | str, std: float | None, unit: str) -> Parameter:

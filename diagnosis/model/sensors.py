@@ -12,9 +12,13 @@ import numpy as np
 
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.model.hum import hum_of
+from pounding.diagnosis.model.noise import spectral_floor
 from pounding.diagnosis.model.observations import Observations, RunData, root_mean_square
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.settings import SETTINGS
+
+FIRST = 3
+"""Samples at the beginning of a run by which a frame is at rest or not."""
 
 
 def screened(observed: Observations) -> Observations:
@@ -41,9 +45,11 @@ def screened(observed: Observations) -> Observations:
                     series[bad] = np.nan
                     observed.warnings.append(_sentence(observed, run, channel, name, fault, bad))
         runs.append(replace(run, measured=measured))
+        observed.warnings.extend(_moving_from_the_start(observed, runs[-1]))
     if not any(_shaken(observed, run) for run in runs):
         still = [_still(run) for run in runs if _moved(run)] or [
-            f"{', '.join(run.name for run in runs)}: nothing moves in any run; check that the files hold the measurements"
+            f"{', '.join(run.name for run in runs)}: nothing moves in any run, or no more than noise; check that the files "
+            "hold the shaking, and which channel is which"
         ]
         raise CaseError(still[0])
     return replace(observed, runs=tuple(runs))
@@ -54,7 +60,7 @@ def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
     found = [number for number in runs if _shaken(observed, observed.runs[number])]
     for number in set(runs) - set(found):
         run = observed.runs[number]
-        said = _still(run) if _moved(run) else f"{run.name}: nothing moves in this run"
+        said = _still(run) if _moved(run) else f"{run.name}: nothing moves in this run, or no more than noise"
         observed.warnings.append(f"{said}; it was left out")
     return found
 
@@ -74,6 +80,10 @@ def _without_hum(run: RunData, observed: Observations) -> RunData:
     """Return a run without hum of the mains, with a warning; a table that is shaken at a mains frequency is no hum."""
     of_table, lines = hum_of(run.table, run.step_s)
     if lines and of_table.std() > SETTINGS.screening.hum_of_table * run.table.std():
+        observed.warnings.append(
+            f"{run.name}: the table swings steadily at {lines[0]:.4g} Hz, as the mains do, and hardly otherwise; that was "
+            "taken for its motion"
+        )
         return run
     measured, names = run.measured.copy(), ["the table"] if lines else []
     for channel, name in enumerate(observed.names):
@@ -101,7 +111,14 @@ def _still_beside_floors(observed: Observations, run: RunData) -> bool:
 
 
 def _moved(run: RunData) -> bool:
-    return bool(np.any(root_mean_square(run.measured) > 0))
+    return bool(np.any(root_mean_square(run.measured) > 0)) and not _noise_alone(run)
+
+
+def _noise_alone(run: RunData) -> bool:
+    """Return whether every channel shows as much above the modes as all over: noise, and nothing that moves."""
+    both = ((spectral_floor(column, run.step_s), float(np.nanstd(column))) for column in run.measured.T)
+    known = [floor / size for floor, size in both if np.isfinite(floor) and size > 0]
+    return bool(known) and min(known) > SETTINGS.screening.noise_alone
 
 
 def _still(run: RunData) -> str:
@@ -113,6 +130,25 @@ def _still(run: RunData) -> str:
         f"{run.name}: the table's channel reads {reads} while floors move: its sensor is dead, or "
         "the table was at rest; give its motion by another channel, or a run in which it shakes"
     )
+
+
+def _moving_from_the_start(observed: Observations, run: RunData) -> list[str]:
+    """Return a sentence where most floors have an acceleration in the first samples already, as a frame at rest has not."""
+    ours, moving, known = SETTINGS.screening, 0, 0
+    for column in run.measured.T[observed.quantity == ACCELERATION]:
+        first = column[:FIRST]
+        noise = spectral_floor(column, run.step_s)
+        if not (np.isfinite(first).all() and np.isfinite(noise)):
+            continue
+        known += 1
+        away, size = abs(float(first.mean()) - float(np.nanmean(column))), float(np.nanstd(column))
+        moving += away > max(ours.moving * size, ours.moving_noise * noise)
+    if 2 * moving <= known:
+        return []
+    return [
+        f"{run.name}: {moving} of {known} floors are moving at the first sample already, and the model starts at rest; give "
+        "the recording from before the shaking begins"
+    ]
 
 
 def _sentence(

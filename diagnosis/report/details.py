@@ -8,7 +8,6 @@ from msgspec import UNSET
 
 from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.decision.claims import finite
-from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.false_alarms import alarms_of, thresholds
 from pounding.diagnosis.design.advice import advice
@@ -21,7 +20,7 @@ from pounding.diagnosis.report.calibration import calibration, remainder
 from pounding.diagnosis.report.loops import Loops
 from pounding.diagnosis.report.making import Made, Outputs
 from pounding.diagnosis.report.origin import origin
-from pounding.diagnosis.report.report import ChannelMisfit, Misfit, Misfits, Report, Threshold, Thresholds
+from pounding.diagnosis.report.report import ChannelMisfit, Report, Threshold, Thresholds
 from pounding.diagnosis.report.shape import shape
 
 
@@ -41,7 +40,6 @@ def detailed(diagnosis: Diagnosis, made: Made, loop: Loops | None = None) -> Rep
         report,
         remainder=remainder(found, judged, sight),
         calibration=calibration(found, judged, _contact(diagnosis)),
-        misfit=with_shares(report.misfit, report.verdict),
         advice=tuple(one.sentence for one in further),
         advice_evidence=tuple(one.ln_bayes for one in further),
         shape=shape(diagnosis, loop) or UNSET,
@@ -57,25 +55,6 @@ def _contact(diagnosis: Diagnosis) -> Fitted | None:
     """Return the contact of the baseline model as its impacts have it, None without any or where another one is named."""
     named = any(one.contact is not None for one in diagnosis.conclusion.effects)
     return None if diagnosis.contact is None or named else diagnosis.contact.null
-
-
-def with_shares(misfits: Misfits, verdict: Verdict) -> Misfits:
-    """Return the misfits with the share that the effects explain; None where nothing is missing: there is no effect.
-
-    Args:
-        misfits: The misfits before and after.
-        verdict: The verdict of the report.
-    """
-    training, held_out = (
-        None if one is None else msgspec.structs.replace(one, explained=_share(one, verdict))
-        for one in (misfits.training, misfits.held_out)
-    )
-    return msgspec.structs.replace(misfits, training=training, held_out=held_out)
-
-
-def _share(misfit: Misfit, verdict: Verdict) -> float | None:
-    # What is simulated after is then the likeliest candidate, which explains nothing and may well make it worse.
-    return None if verdict == "nothing_missing" else misfit.share()
 
 
 def _thresholds(found: Findings) -> Thresholds:

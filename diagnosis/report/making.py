@@ -6,12 +6,13 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
+import msgspec
 import numpy as np
 from msgspec import UNSET
 
 from pounding.diagnosis.decision.claims import finite
 from pounding.diagnosis.decision.conclusion import Conclusion
-from pounding.diagnosis.decision.decision import NAMED
+from pounding.diagnosis.decision.decision import NAMED, Verdict
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.false_alarms import remains
 from pounding.diagnosis.decision.measures import before
@@ -71,7 +72,7 @@ def report_on(diagnosis: Diagnosis) -> Made:
         [*found.training, *found.held_out],
     )
     contact = UNSET if conclusion.contact_misfit is None else conclusion.contact_misfit
-    misfits = Misfits(training=training, held_out=held_out, contact=contact)
+    misfits = with_shares(Misfits(training=training, held_out=held_out, contact=contact), conclusion.verdict)
     warnings = lacked(found, diagnosis.decision.judged)
     if found.pair is not None:
         left = training.after if diagnosis.decision.named else training.before
@@ -106,6 +107,25 @@ def assembled(
         warnings=said_once([*conclusion.warnings, *warnings]),
         modal=tuple(modal) or UNSET,
     )
+
+
+def with_shares(misfits: Misfits, verdict: Verdict) -> Misfits:
+    """Return the misfits with the share that the effects explain; None where nothing is missing: there is no effect.
+
+    Args:
+        misfits: The misfits before and after.
+        verdict: The verdict of the report.
+    """
+    training, held_out = (
+        None if one is None else msgspec.structs.replace(one, explained=_share(one, verdict))
+        for one in (misfits.training, misfits.held_out)
+    )
+    return msgspec.structs.replace(misfits, training=training, held_out=held_out)
+
+
+def _share(misfit: Misfit, verdict: Verdict) -> float | None:
+    # What is simulated after is then the likeliest candidate, which explains nothing and may well make it worse.
+    return None if verdict == "nothing_missing" else misfit.share()
 
 
 def said_once(warnings: Sequence[str]) -> tuple[str, ...]:

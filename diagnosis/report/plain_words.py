@@ -8,7 +8,7 @@ from pounding.diagnosis.decision.claims import Claim, Parameter
 from pounding.diagnosis.effects.candidates import kinds
 from pounding.diagnosis.effects.describing import Description
 from pounding.diagnosis.report.report import Report
-from pounding.diagnosis.report.report_text import together
+from pounding.diagnosis.report.report_text import together, turned_round
 
 
 def headline(report: Report) -> str:
@@ -34,6 +34,8 @@ def finding(effect: Claim) -> str:
         return effect.sized()
     said = described.plain[-1] if first.value >= 0.0 else described.plain[0]
     where = effect.where()
+    if turned_round(effect):
+        return f"{where} reads minus the truth: its polarity is wrong"
     # Channels of one logger are said together.
     said = said.replace("{where} reads", "{where} read") if where.startswith("channels ") else said
     return said.format(where=where, size=size(first))
@@ -48,7 +50,7 @@ def size(parameter: Parameter) -> str:
     """Return a parameter without its sign, as many digits as its standard error leaves: `0.53 ± 0.04 N`, `30 ± 2 %`."""
     assert isinstance(parameter.value, float)
     share = "relative_change" in parameter.name
-    factor, unit = (100.0, "%") if share else (1.0, "" if parameter.unit == "1" else parameter.unit)
+    factor, unit = (100.0, "%") if share else (1.0, parameter.shown_unit)
     std = factor * parameter.std if isinstance(parameter.std, float) else 0.0
     return f"{_rounded(factor * abs(parameter.value), std)} {unit.translate(RAISED)}".replace(
         "^", ""

@@ -284,6 +284,12 @@ def next_steps(case: Case, report: Report, *, figures: bool = False) -> list[str
     return said
 
 
+def turned_round(effect: Claim) -> bool:
+    """Return whether a sensor's gain looks like the wrong polarity."""
+    change = effect.parameters[0].value if effect.effect == "sensor_gain" else None
+    return isinstance(change, float) and abs(change + 2) < SETTINGS.report.like
+
+
 def misread(case: Case, effect: Claim) -> str | None:
     """Return what a sensor's gain looks like: another unit than the case says, or the wrong polarity."""
     if effect.effect != "sensor_gain" or effect.channel is None:
@@ -292,7 +298,7 @@ def misread(case: Case, effect: Claim) -> str | None:
     if not isinstance(change, float):
         return None
     reads = 1 + change
-    if abs(reads + 1) < SETTINGS.report.like:
+    if turned_round(effect):
         return f"Channel {channel.name} reads minus the truth: its polarity is wrong."
     for unit, factor in UNITS[channel.quantity].items():
         if unit != channel.unit and abs(reads * factor / channel.to_si - 1) < SETTINGS.report.like:

@@ -50,7 +50,7 @@ def shape(diagnosis: Diagnosis, loop: Loops | None) -> Shape | None:
         if one.apart
     ]
     told = ", and ".join(
-        [*said, *(from_law or ["the measured loop has the law's shape within its uncertainty"])]
+        [*said, *(from_law or ["area and bend of the measured loop are the law's within their uncertainty"])]
     )
     frame, number = diagnosis.found.model.structure.place(loop.storey)
     return Shape(

@@ -97,7 +97,7 @@ def _size(one: Parameter) -> str:
     words = number(one.value)
     if (error := number(one.std)) != "–":
         words += f" ± {error}"
-    return f"{words} {one.unit}".rstrip()
+    return f"{words} {one.shown_unit}".rstrip()
 
 
 def _misfits(report: Report) -> Table:

@@ -71,11 +71,13 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
         name = claimed if after is not None and after.effects else "with errors"
         series[name] = [outputs[run] for run in runs]
     shown = (_highest(model, number) for number in range(len(model.structure.frames)))
-    return [
+    drawn = [
         _answers(diagnosis, number, channel, series)
         for number, channel in enumerate(shown)
         if channel is not None
     ]
+    # Runs that are too short, or shaken where no mode is, have no spectrum there.
+    return [one for one in drawn if np.isfinite(one.sizes["measured"]).any()]
 
 
 def _alike(model: Model, runs: Sequence[int]) -> list[int]:

@@ -15,9 +15,8 @@ from rich.console import Console
 from pounding.diagnosis import CaseError, Report, read_report
 from pounding.diagnosis.decision.claims import Place, candidate
 from pounding.diagnosis.decision.decision import Verdict
-from pounding.diagnosis.report.details import with_shares
 from pounding.diagnosis.report.figures import evidence_figure
-from pounding.diagnosis.report.making import said_once
+from pounding.diagnosis.report.making import said_once, with_shares
 from pounding.diagnosis.report.report import (
     HeldOutMisfit,
     Misfit,

@@ -88,7 +88,9 @@ def test_a_rounder_loop_than_the_catalogues_is_called_so_with_its_figure() -> No
         "hysteresis in storey 2 of bench; the loop is rounder than the catalogue's (sharpness"
     )
     # The law that was refined is that of the runs: the loops themselves are alike.
-    assert said.statement.endswith("the measured loop has the law's shape within its uncertainty")
+    assert said.statement.endswith(
+        "area and bend of the measured loop are the law's within their uncertainty"
+    )
 
 
 def test_a_candidate_that_was_refined_has_the_size_that_is_claimed_of_it() -> None:
