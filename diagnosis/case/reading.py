@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.case.checks import check_each_once
 from pounding.diagnosis.case.csv import read_run
 from pounding.diagnosis.case.toml import read_description
 
@@ -26,5 +25,4 @@ def read_case(folder: Path | str) -> Case:
         run, odd = read_run(case.folder / file, case.channels, role=role)
         runs.append(run)
         warnings += odd
-    check_each_once(case.folder, runs)
     return replace(case, runs=tuple(runs), warnings=(*case.warnings, *warnings))

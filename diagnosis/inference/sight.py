@@ -64,7 +64,7 @@ class Sight:
         acting = [*self.filtered.effects, (effect, values)]
         with np.errstate(over="ignore", invalid="ignore"):
             changed = simulate(self.model, self.filtered.values, acting, [self.run])[0]
-        change = ((changed - self.output) / self.noise).ravel()
+            change = ((changed - self.output) / self.noise).ravel()
         if not np.isfinite(change).all():
             return 0.0
         scale = self.filtered.discrepancy

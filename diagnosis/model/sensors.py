@@ -116,8 +116,9 @@ def _moved(run: RunData) -> bool:
 
 def _noise_alone(run: RunData) -> bool:
     """Return whether every channel shows as much above the modes as all over: noise, and nothing that moves."""
-    both = ((spectral_floor(column, run.step_s), float(np.nanstd(column))) for column in run.measured.T)
-    known = [floor / size for floor, size in both if np.isfinite(floor) and size > 0]
+    each = [column for column in run.measured.T if np.isfinite(column).any() and np.nanstd(column) > 0]
+    both = ((spectral_floor(column, run.step_s), float(np.nanstd(column))) for column in each)
+    known = [floor / size for floor, size in both if np.isfinite(floor)]
     return bool(known) and min(known) > SETTINGS.screening.noise_alone
 
 

@@ -21,7 +21,7 @@ from pounding.diagnosis.report.making import report_on
 from pounding.diagnosis.report.reading import read_report
 from pounding.diagnosis.report.tables import tables
 from pounding.diagnosis.report.writing import write_report
-from pounding.diagnosis.workflow import find
+from pounding.diagnosis.workflow import find, prepared
 from tests.diagnosis.models import STEP_S, measured
 
 FRAME = CaseFrame("bench", 3, storey_height_m=0.2, floor_mass_kg=(6.5, 6.5, 6.5),
@@ -257,6 +257,34 @@ def test_a_run_with_a_dead_table_is_left_out(plain: Case) -> None:
 def test_nothing_but_zeros_is_refused_in_one_sentence(plain: Case) -> None:
     with pytest.raises(CaseError, match="nothing moves in any run"):
         diagnosed(with_values(plain, lambda n, v: np.zeros_like(v)))
+
+
+def test_noise_alone_is_refused_in_one_sentence(plain: Case) -> None:
+    rng = np.random.default_rng(3)
+    with pytest.raises(CaseError, match="nothing moves in any run, or no more than noise"):
+        prepared(with_values(plain, lambda n, v: 0.003 * rng.standard_normal(v.shape)))
+
+
+def test_runs_of_noise_that_are_too_short_for_a_spectrum_are_reported_on(plain: Case, tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    few = with_values(plain, lambda n, v: 0.003 * rng.standard_normal((33, v.shape[1])))
+    few = replace(few, runs=tuple(replace(run, time_s=STEP_S * np.arange(33)) for run in few.runs))
+    found = diagnosis(few)
+    write_report(found, report_on(found), tmp_path)
+    assert (tmp_path / "report.json").is_file()
+
+
+def test_a_run_that_begins_in_motion_is_said(plain: Case) -> None:
+    assert not [one for one in prepared(plain).observed.warnings if "at the first sample" in one]
+    strong = int(np.argmax(np.abs(plain.runs[0].values[:, 3])))
+    cut = with_values(plain, lambda n, v: v[strong:])
+    cut = replace(
+        cut, runs=tuple(replace(run, time_s=STEP_S * np.arange(len(run.values))) for run in cut.runs)
+    )
+    said = [one for one in prepared(cut).observed.warnings if "at the first sample" in one]
+    assert said
+    assert said[0].startswith("run1.csv: ")
+    assert "floors are moving at the first sample already, and the model starts at rest" in said[0]
 
 
 def test_another_frame_than_believed_is_a_softer_or_a_heavier_one(plain: Case) -> None:

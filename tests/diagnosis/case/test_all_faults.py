@@ -84,12 +84,16 @@ def test_a_case_that_can_be_read_has_none(folder: Path, capsys: pytest.CaptureFi
     (folder / "case.toml").write_text(text)
     time = 0.002 * np.arange(64)
     for number in (1, 2):
-        rows = np.column_stack([time, *[np.sin(time)] * 5])
+        # As long as the first mode of 5A takes to go to and fro, or longer.
+        rows = np.column_stack([time, *[number * np.sin(20 * time)] * 5])
         header = "time_s,table,a3,a4,a5,d5"
         np.savetxt(folder / f"run{number}.csv", rows, delimiter=",", header=header, comments="", fmt="%.6f")
     assert all_faults(folder) == []
     check_case(folder)
     assert "can be read" in capsys.readouterr().out
+    (folder / "run2.csv").write_bytes((folder / "run1.csv").read_bytes())
+    with pytest.raises(CaseError, match=r"run2\.csv: has the same samples as run1\.csv"):
+        check_case(folder)
 
 
 @pytest.mark.parametrize(

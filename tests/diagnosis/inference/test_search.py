@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference import search as search_module
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import run_filter
@@ -171,6 +172,30 @@ def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     assert best(found).effects == (whole,)
     assert best(found).fit.log_posterior > led.log_posterior + 30.0
     assert not [one for one in other_starts(found) if getattr(one, "func", None) is refined]
+
+
+@pytest.mark.parametrize("name", ["damping_change", "coulomb_friction"])
+def test_friction_that_creeps_is_found_from_where_a_damper_or_sticking_friction_led(name: str) -> None:
+    """A damper takes hardly any power of its rate, and a joint that sticks is too stiff at each turn."""
+    seen = {one.name: one for one in candidates(measured()) if one.storey == 2}
+    friction = seen["coulomb_friction"]
+    assert isinstance(friction, CoulombFriction)
+    rate = 0.03 * float(scales(measured(), calibrated(measured(), [0])).drift_rate[friction.index])
+    model = measured([(friction, friction.creeping(measured(), 2.0, rate))], noise=0.005, runs=2)
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    starts = {"damping_change": (20.0, -0.5), "coulomb_friction": (2.0, 15.0, 0.0, 0.3)}
+    led = refine(model, null.filtered, (seen[name],), (np.array(starts[name]),))
+    found = Findings(
+        model, judge(model, null, null, (0,), (1,)), score(model, null.filtered, [], sizes), sizes, (0,), (1,)
+    )
+    keep(found, led)
+    for fit in [start() for start in other_starts(found)]:
+        if fit is not None:
+            keep(found, fit)
+    assert best(found).effects == (friction,)
+    assert best(found).fit.log_posterior > led.log_posterior + 100.0
+    assert best(found).fit.values[0][0] == pytest.approx(2.0, rel=0.05)
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]

@@ -67,8 +67,13 @@ def with_hum(of_table: float) -> Observations:
 def test_a_table_that_is_shaken_at_a_mains_frequency_keeps_its_motion() -> None:
     shaken = with_hum(2.0)
     assert screened(shaken).runs[0].table is shaken.runs[0].table
-    assert shaken.warnings == []
-    in_cables = with_hum(0.05)
+    assert [one for one in shaken.warnings if "swings steadily at 50 Hz" in one] == shaken.warnings
+    assert len(shaken.warnings) == 1
+
+
+@pytest.mark.parametrize("of_table", [0.05, 0.5])
+def test_hum_of_the_cables_is_subtracted_from_the_table_too(of_table: float) -> None:
+    in_cables = with_hum(of_table)
     clean = screened(in_cables).runs[0]
     assert in_cables.warnings == [
         "run1.csv: hum of the mains (50 Hz) in the table, a1, a2, a3, d1, d3; subtracted"

@@ -116,7 +116,7 @@ def test_the_published_peaks_stand_beside_ours(capsys, test_records):
     ("change", "words"),
     [
         (["--pga", "0"], "--pga: the value is 0 g; it must be 1e-06 to 100 g"),
-        (["--damping", "5"], "not a fraction"),
+        (["--damping", "5"], "give a fraction from 0"),
         (["--measured", "no.csv"], "cannot be read"),
         (["--out", "shop.toml"], "--out: folder shop.toml: cannot be written (Not a directory)"),
     ],

@@ -244,7 +244,7 @@ def test_a_frame_that_buckles_is_refused():
     [
         (lambda f: frames.build(f, keep_hz=100.0, modes=3), "either keep_hz or modes"),
         (lambda f: frames.build(f, joints="loose"), "use one of calibrated, rigid"),
-        (lambda f: frames.build(f, damping=-0.1), "not a fraction"),
+        (lambda f: frames.build(f, damping=-0.1), "give a fraction from 0"),
         (lambda f: frames.build(f, density=COARSE).point_row(6), "no floor 6"),
         (lambda f: frames.build(f, density=COARSE).point_row(5, 0.1), "planar=False"),
         (lambda f: frames.build(f, density=COARSE).point_row(5, 0.3), "off its floors, which are 0.4 m wide"),
