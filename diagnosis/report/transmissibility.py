@@ -77,7 +77,7 @@ def answers(diagnosis: Diagnosis, outputs: Outputs) -> list[Answers]:
         if channel is not None
     ]
     # Runs that are too short, or shaken where no mode is, have no spectrum there.
-    return [one for one in drawn if np.isfinite(one.sizes["measured"]).any()]
+    return [one for one in drawn if np.isfinite(one.sizes["measured"]).sum() > 1]
 
 
 def _alike(model: Model, runs: Sequence[int]) -> list[int]:
