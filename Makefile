@@ -33,7 +33,7 @@ guard: $(VENV)/installed
 second-world: $(VENV)/installed
 	$(BIN)/python -m tests.second_world
 
-# Nor this: thirteen cases of half a minute and more. Some of them: make shear-world SHEAR="friction stop".
+# Nor this: fourteen cases of half a minute and more. Some of them: make shear-world SHEAR="friction stop".
 shear-world: $(VENV)/installed
 	$(BIN)/python -m tests.shear_world $(SHEAR)
 

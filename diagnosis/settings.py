@@ -127,6 +127,8 @@ class Search:
     """[usual drift rate] Rates at which a friction that fades starts with half of itself lost. Origin: chosen."""
     creeps: float = 0.05
     """[usual drift rate] Rate at which friction that creeps starts to slide. Origin: chosen."""
+    slides: float = 0.3
+    """[usual drift or rate] What creeps is friction only if it slides from there on. Origin: chosen."""
     restarts: int = 2
     """[times] At most so often the null model is calibrated again from where the likeliest effect led. Origin:
     chosen."""

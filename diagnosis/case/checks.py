@@ -237,7 +237,12 @@ def _placed(
         return Channel(table.name, table.quantity, table.unit)
     if table.quantity in OF_A_CONTACT:
         if table.contact is None or not 1 <= table.contact <= contacts:
-            what = f"contact {table.contact} is not there; the case lists {contacts}, counted from 1"
+            lists = f"the case lists {contacts} [[contact]]" + (", counted from 1" if contacts else "")
+            what = (
+                f"a {table.quantity} needs the number of its contact, contact = 1; {lists}"
+                if table.contact is None
+                else f"contact {table.contact} is not there; {lists}"
+            )
             raise error(what, "contact")
         return Channel(table.name, table.quantity, table.unit, contact=table.contact)
     return _floor_channel(table, known, error)

@@ -138,7 +138,8 @@ def cells_of(path: Path) -> tuple[list[str], csv_table.Cells, bool]:
     if not cells.rows:
         raise CaseError(f"{path.name} is empty; it needs a header row and one row a sample")
     if len(cells.rows[0]) == 1 and any(mark in cells.rows[0][0] for mark in ";\t"):
-        raise CaseError(f"{path.name} line 1: the columns are not separated by commas; export with commas")
+        what = "the columns are not separated by commas; export with commas between columns, and with points in numbers"
+        raise CaseError(f"{path.name} line 1: {what}")
     return cells.rows[0], csv_table.Cells(cells.lines[1:], cells.rows[1:]), is_ended(text)
 
 

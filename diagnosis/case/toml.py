@@ -113,6 +113,9 @@ def _convert(raw: dict[str, Any], places: Places) -> Description:
         steps = re.match(r"\.?(\w+)?(?:\[(\d+)\])?(?:\.(\w+))?", path.rstrip("`"))
         found = steps.groups() if steps else ()
         table, number, key = (found[0] or "", int(found[1] or 0), found[2] or "") if found else ("", 0, "")
+        if table and not key and table not in TABLES:
+            # A key of the whole file.
+            table, key = "", table
         unknown = re.search(r"unknown field `(.+?)`", message)
         missing = re.search(r"missing required field `(.+?)`", message)
         name = _name(raw, table, number)

@@ -163,20 +163,32 @@ def _creeping(found: Findings, leading: Judged) -> Iterator[Start]:
     if len(leading.effects) != 1:
         return
     led, values, model = leading.effects[0], leading.fit.values[0], found.model
+    one = led.leading(found.sizes) if isinstance(led, AllCoulombFriction) else led
+    if type(one) not in (CoulombFriction, DampingChange) or not isinstance(one, StoreyEffect):
+        return
+    joint = CoulombFriction(index=one.index, frame=one.frame, storey=one.storey)
+    usual = float(found.sizes.drift_rate[one.index])
+    weight = led.weight(model, one) if isinstance(led, AllCoulombFriction) else 1.0
+    force = weight * values[0] * (usual if isinstance(one, DampingChange) else 1.0)
+    if force <= 0.0:
+        return
+    start = joint.creeping(model, force, SETTINGS.search.creeps * usual)
+    start = np.array([start[0] / weight, *start[1:]])
+    effect: Effect = joint
     if isinstance(led, AllCoulombFriction):
-        one = CoulombFriction(index=led.leading(found.sizes).index, frame=led.frame)
-        rate = SETTINGS.search.creeps * float(found.sizes.drift_rate[one.index])
-        crept = one.creeping(model, led.weight(model, one) * values[0], rate)
-        yield partial(from_baseline, found, (led,), (np.array([values[0], *crept[1:], values[-1]]),))
-    elif type(led) in (CoulombFriction, DampingChange):
-        assert isinstance(led, StoreyEffect)
-        joint = CoulombFriction(index=led.index, frame=led.frame, storey=led.storey)
-        usual = float(found.sizes.drift_rate[led.index])
-        force = values[0] if type(led) is CoulombFriction else values[0] * usual
-        if force > 0.0:
-            yield partial(
-                from_baseline,
-                found,
-                (joint,),
-                (joint.creeping(model, force, SETTINGS.search.creeps * usual),),
-            )
+        effect, start = led, np.append(start, values[-1])
+
+    def crept() -> Fit | None:
+        fit = from_baseline(found, (effect,), (start,))
+        there = np.array([weight * fit.values[0][0], *fit.values[0][1:4]])
+        return fit if _slides(found, joint, there) else None
+
+    yield crept
+
+
+def _slides(found: Findings, joint: CoulombFriction, values: np.ndarray) -> bool:
+    """Return whether friction slides in usual shaking; what does not is the damper, or the spring, of a joint that holds."""
+    force, stiffness, damping, *_ = joint.numbers(found.model, values)
+    share = SETTINGS.search.slides
+    drift, rate = (share * float(one[joint.index]) for one in (found.sizes.drift, found.sizes.drift_rate))
+    return bool(force < stiffness * drift or force < damping * rate)

@@ -167,6 +167,10 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
         p_value=chance,
         linear=linear,
         size=finite(size),
-        statement=f"{said}; {left:.2g} noise floors are left, and {kind}{allowed if within else ''}",
+        statement=f"{said}; {_floors(left)}, and {kind}{allowed if within else ''}",
         within=within,
     )
+
+
+def _floors(left: float) -> str:
+    return f"{left:.2g} noise floors are left" if left >= 1.05 else "a little more than noise is left"

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 from tests.shear_world.building import Building, stated
-from tests.shear_world.laws import Cubic, Damper, Elastoplastic, Law, ProgressiveStop
+from tests.shear_world.laws import CreepingFriction, Cubic, Damper, Elastoplastic, Law, ProgressiveStop
 
 THREE = stated([6.0, 6.0, 5.0], [16e3, 15e3, 14e3])
 FIVE = stated([6.0, 6.0, 6.0, 6.0, 5.0], [26e3, 25e3, 24e3, 22e3, 20e3])
@@ -102,6 +102,19 @@ def friction(storey: int, newtons: float) -> Callable[[Building], Hidden]:
     return hide
 
 
+def creeping(storey: int, newtons: float, rate: float) -> Callable[[Building], Hidden]:
+    """Hide friction [N] in a storey that creeps below a rate [m/s]."""
+
+    def hide(frame: Building) -> Hidden:
+        law = CreepingFriction(newtons, rate)
+        words = f"{newtons:g} tanh(v / {1e3 * rate:g} mm/s)"
+        return Hidden(
+            "coulomb_friction", storey, frame, ((storey, law),), {"friction_force": (newtons,)}, words
+        )
+
+    return hide
+
+
 def damper(storey: int, usual: float, power: float = 1.0) -> Callable[[Building], Hidden]:
     """Hide a damper of a power in a storey, of a size [N s/m] at the usual rate."""
 
@@ -168,6 +181,7 @@ CASES: dict[str, Case] = {
     "loss-6": Case(SIX, loss(4, 0.25)),
     "mass": Case(FIVE, mass(4, 1.5)),
     "friction": Case(FIVE, friction(3, 2.0)),
+    "creeping-friction": Case(FIVE, creeping(3, 2.0, 1e-3)),
     "damper": Case(FIVE, damper(2, 30.0)),
     "power-damper": Case(FIVE, damper(2, 30.0, 1.5)),
     "hysteresis": Case(THREE, yielding({1: 6.0}, "hysteresis")),

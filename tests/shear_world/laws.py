@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -40,6 +41,18 @@ class Elastoplastic(Law):
         """Return the rate of the spring's force [N/s]; none while it slips."""
         slips = abs(state) >= self.limit and state * rate > 0
         return 0.0 if slips else self.stiffness * rate
+
+
+@dataclass(frozen=True)
+class CreepingFriction(Law):
+    """F tanh(v / v0), with F in N and v0 in m/s: friction that never sticks."""
+
+    limit: float
+    rate: float
+
+    def force(self, drift: float, rate: float, state: float) -> float:
+        """Return the friction force [N]."""
+        return self.limit * math.tanh(rate / self.rate)
 
 
 @dataclass(frozen=True)
