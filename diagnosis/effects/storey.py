@@ -223,7 +223,7 @@ class CoulombFriction(StoreyEffect):
         return (abs(float(values[0])), times * self.stiffness(model), damping, np.inf, float(values[2]))
 
     def creeping(self, model: Model, force: float, rate: float) -> np.ndarray:
-        """Return the parameters of friction that never sticks: below its force it creeps, in proportion to what pulls.
+        """Return parameters (4,) of friction that never sticks: below its force it creeps, in proportion to what pulls.
 
         Args:
             model: The baseline model.
