@@ -280,7 +280,7 @@ def test_a_contact_that_no_step_can_follow_is_said(pair: Any, shaking: Record) -
 
 
 def test_what_only_the_engine_can_is_refused(pair: Any, shaking: Record) -> None:
-    with pytest.raises(ExperimentError, match="run additions with exudyn"):
+    with pytest.raises(ExperimentError, match="takes no additions; run them with exudyn"):
         Rig(pair, additions=[lambda _: None]).run(shaking, solver="exact")
     with pytest.raises(ExperimentError, match="tolerances are exudyn's"):
         Rig(pair).run(shaking, solver="exact", accuracy=TIGHT)
