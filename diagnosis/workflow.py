@@ -12,7 +12,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pounding.diagnosis.case.case import Case
-from pounding.diagnosis.case.checks import check_each_once
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
@@ -263,7 +262,6 @@ def prepared(case: Case) -> Model:
     """
     structure = Structure(baseline_frames(case))
     observed = screened(observe(case, structure))
-    check_each_once(case.folder, case.runs)
     if not case.contacts:
         observed = slowed_if_long(observed, structure)
     model = Model(structure, observed, case.prior)

@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
-import numpy as np
 
 from pounding import bounds
 from pounding.bounds import Bound
-from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Channel, Contact, Run
+from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Channel, Contact
 from pounding.diagnosis.case.number_tables import check_modal, check_peaks
 from pounding.diagnosis.case.place import in_words
 from pounding.diagnosis.case.quantities import (
@@ -384,19 +383,3 @@ def suggest(word: str, known: list[str]) -> str:
     question = did_you_mean(key_meant(word, known), repr)
     near = f"{question} Allowed are" if question else "use one of"
     return f"; {near} {', '.join(known)}"
-
-
-def check_each_once(folder: Path, runs: Sequence[Run]) -> None:
-    """Raise CaseError where two runs have the same samples: no two shakings do, and one would judge what it was fitted to.
-
-    Args:
-        folder: The folder of the case.
-        runs: The runs.
-    """
-    for number, run in enumerate(runs):
-        for other in runs[:number]:
-            if np.array_equal(run.values, other.values, equal_nan=True):
-                raise CaseError(
-                    f"{folder / run.file}: has the same samples as {other.file}; leave one of the two out, or give the file "
-                    "of the other shaking"
-                )

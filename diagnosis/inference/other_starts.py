@@ -163,20 +163,19 @@ def _creeping(found: Findings, leading: Judged) -> Iterator[Start]:
     if len(leading.effects) != 1:
         return
     led, values, model = leading.effects[0], leading.fit.values[0], found.model
-    one = led.leading(found.sizes) if isinstance(led, AllCoulombFriction) else led
+    whole = led if isinstance(led, AllCoulombFriction) else None
+    one = led if whole is None else whole.leading(found.sizes)
     if type(one) not in (CoulombFriction, DampingChange) or not isinstance(one, StoreyEffect):
         return
     joint = CoulombFriction(index=one.index, frame=one.frame, storey=one.storey)
+    weight = 1.0 if whole is None else whole.weight(model, joint)
     usual = float(found.sizes.drift_rate[one.index])
-    weight = led.weight(model, one) if isinstance(led, AllCoulombFriction) else 1.0
     force = weight * values[0] * (usual if isinstance(one, DampingChange) else 1.0)
     if force <= 0.0:
         return
-    start = joint.creeping(model, force, SETTINGS.search.creeps * usual)
-    start = np.array([start[0] / weight, *start[1:]])
-    effect: Effect = joint
-    if isinstance(led, AllCoulombFriction):
-        effect, start = led, np.append(start, values[-1])
+    start = joint.creeping(model, force, SETTINGS.search.creeps * usual) / (weight, 1.0, 1.0, 1.0)
+    effect = joint if whole is None else whole
+    start = start if whole is None else np.append(start, values[-1])
 
     def crept() -> Fit | None:
         fit = from_baseline(found, (effect,), (start,))

@@ -1,4 +1,5 @@
-"""Sensor faults that are told from the data before any effect is looked for: clipped, dead, swapped channels.
+"""Faults that are told from the data before any effect is looked for: of sensors, such as clipped and dead channels and hum,
+and of runs, such as one that is given twice, begins in motion or is noise alone.
 
 A channel of the wrong gain, polarity or time is an effect of the catalogue and is left to the search.
 """
@@ -7,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from pounding.diagnosis.model.observations import Observations, RunData, root_me
 from pounding.diagnosis.model.predictor import ACCELERATION
 from pounding.diagnosis.settings import SETTINGS
 
-FIRST = 3
+FIRST_SAMPLES = 3
 """Samples at the beginning of a run by which a frame is at rest or not."""
 
 
@@ -25,7 +27,7 @@ def screened(observed: Observations) -> Observations:
     """Return the observations without samples that a sensor did not measure, and with a warning for each fault.
 
     Raises:
-        CaseError: No run is left in which the table moves and something else is measured.
+        CaseError: No run is left in which the table moves and something else is measured, or one is there twice.
     """
     runs = []
     for recorded in observed.runs:
@@ -52,7 +54,20 @@ def screened(observed: Observations) -> Observations:
             "hold the shaking, and which channel is which"
         ]
         raise CaseError(still[0])
+    _check_each_once(observed.runs)
     return replace(observed, runs=tuple(runs))
+
+
+def _check_each_once(runs: Sequence[RunData]) -> None:
+    """Raise CaseError where two runs have the same samples: no two shakings do, and one would judge the fit to itself."""
+    for one, other in combinations(runs, 2):
+        if np.array_equal(one.table, other.table) and np.array_equal(
+            one.measured, other.measured, equal_nan=True
+        ):
+            raise CaseError(
+                f"{other.name}: has the same samples as {one.name}; leave one of the two out, or give the file of the other "
+                "shaking"
+            )
 
 
 def usable(observed: Observations, runs: Sequence[int]) -> list[int]:
@@ -137,7 +152,7 @@ def _moving_from_the_start(observed: Observations, run: RunData) -> list[str]:
     """Return a sentence where most floors have an acceleration in the first samples already, as a frame at rest has not."""
     ours, moving, known = SETTINGS.screening, 0, 0
     for column in run.measured.T[observed.quantity == ACCELERATION]:
-        first = column[:FIRST]
+        first = column[:FIRST_SAMPLES]
         noise = spectral_floor(column, run.step_s)
         if not (np.isfinite(first).all() and np.isfinite(noise)):
             continue

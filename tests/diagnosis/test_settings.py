@@ -28,7 +28,7 @@ NO_THRESHOLDS = {
     "steps and limits of a numerical method": {
         "first_frequencies.SEGMENT_CYCLES",
         "first_frequencies.SPIKE",
-        "sensors.FIRST",
+        "sensors.FIRST_SAMPLES",
         "coordinates.REACH",
         "filtering.LARGEST_SLOPE",
         "evidence.AT_THE_END",

@@ -10,16 +10,18 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.effects.candidates import candidates
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.storey import CoulombFriction
 from pounding.diagnosis.inference import search as search_module
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, best, judge
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
-from pounding.diagnosis.inference.refine import refine
+from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import keep, refined
 from pounding.diagnosis.inference.search import search, silent, to_the_end
 from pounding.diagnosis.inference.starting import calibrated
+from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.inference.problems import NOTHING, PROBLEMS, Problem, catalogue
 from tests.diagnosis.models import measured
@@ -174,28 +176,61 @@ def test_a_law_that_leads_in_one_storey_is_refined_in_all_storeys_too() -> None:
     assert not [one for one in other_starts(found) if getattr(one, "func", None) is refined]
 
 
-@pytest.mark.parametrize("name", ["damping_change", "coulomb_friction"])
-def test_friction_that_creeps_is_found_from_where_a_damper_or_sticking_friction_led(name: str) -> None:
+def led_on(model: Model, led: Effect, start: tuple[float, ...]) -> tuple[Findings, Fit]:
+    """Return the findings after the other starts of an effect that leads, and its fit before."""
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    fit = refine(model, null.filtered, (led,), (np.array(start),))
+    scores = score(model, null.filtered, [], sizes)
+    found = Findings(model, judge(model, null, null, (0,), (1,)), scores, sizes, (0,), (1,))
+    keep(found, fit)
+    for other in [start() for start in other_starts(found)]:
+        if other is not None:
+            keep(found, other)
+    return found, fit
+
+
+def usual_rate(index: int) -> float:
+    return float(scales(measured(), calibrated(measured(), [0])).drift_rate[index])
+
+
+@pytest.mark.parametrize(
+    ("name", "start"), [("damping_change", (20.0, -0.5)), ("coulomb_friction", (2.0, 15.0, 0.0, 0.3))]
+)
+def test_friction_that_creeps_is_found_from_where_a_damper_or_sticking_friction_led(
+    name: str, start: tuple[float, ...]
+) -> None:
     """A damper takes hardly any power of its rate, and a joint that sticks is too stiff at each turn."""
     seen = {one.name: one for one in candidates(measured()) if one.storey == 2}
     friction = seen["coulomb_friction"]
     assert isinstance(friction, CoulombFriction)
-    rate = 0.03 * float(scales(measured(), calibrated(measured(), [0])).drift_rate[friction.index])
-    model = measured([(friction, friction.creeping(measured(), 2.0, rate))], noise=0.005, runs=2)
-    null = refine(model, calibrated(model, [0]))
-    sizes = scales(model, null.filtered)
-    starts = {"damping_change": (20.0, -0.5), "coulomb_friction": (2.0, 15.0, 0.0, 0.3)}
-    led = refine(model, null.filtered, (seen[name],), (np.array(starts[name]),))
-    found = Findings(
-        model, judge(model, null, null, (0,), (1,)), score(model, null.filtered, [], sizes), sizes, (0,), (1,)
-    )
-    keep(found, led)
-    for fit in [start() for start in other_starts(found)]:
-        if fit is not None:
-            keep(found, fit)
+    truth = friction.creeping(measured(), 2.0, 0.03 * usual_rate(friction.index))
+    found, led = led_on(measured([(friction, truth)], noise=0.005), seen[name], start)
     assert best(found).effects == (friction,)
     assert best(found).fit.log_posterior > led.log_posterior + 100.0
     assert best(found).fit.values[0][0] == pytest.approx(2.0, rel=0.05)
+
+
+def test_friction_of_all_storeys_that_creeps_is_found_from_where_it_sticks() -> None:
+    seen = {one.name: one for one in candidates(measured())}
+    whole, drift = seen["all_coulomb_friction"], 4e-5
+    joint = CoulombFriction(index=0, frame="bench")
+    force = drift * joint.stiffness(measured())
+    truth = np.append(joint.creeping(measured(), force, 0.03 * usual_rate(0)) / (force / drift, 1, 1, 1), 0.0)
+    found, led = led_on(measured([(whole, truth)], noise=0.005), whole, (drift, 15.0, 0.0, 0.3, 0.0))
+    assert best(found).effects == (whole,)
+    assert best(found).fit.log_posterior > led.log_posterior + 100.0
+    assert best(found).fit.values[0][0] == pytest.approx(drift, rel=0.05)
+
+
+def test_a_damper_is_no_friction_that_creeps() -> None:
+    """Below its force such friction is a damper, and where it never slides nothing else."""
+    seen = {one.name: one for one in candidates(measured()) if one.storey == 2}
+    damper = seen["damping_change"]
+    found, _ = led_on(measured([(damper, np.array([20.0, 0.0]))], noise=0.005), damper, (20.0, 0.0))
+    likeliest, *others = found.judged
+    assert likeliest.effects == (damper,)
+    assert all(one.ln_bayes < likeliest.ln_bayes - SETTINGS.decision.alike for one in others)
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]
