@@ -12,6 +12,7 @@ import pytest
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.storey import CoulombFriction
+from pounding.diagnosis.inference import other_starts as other_starts_module
 from pounding.diagnosis.inference import search as search_module
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import run_filter
@@ -223,14 +224,25 @@ def test_friction_of_all_storeys_that_creeps_is_found_from_where_it_sticks() -> 
     assert best(found).fit.values[0][0] == pytest.approx(drift, rel=0.05)
 
 
-def test_a_damper_is_no_friction_that_creeps() -> None:
-    """Below its force such friction is a damper, and where it never slides nothing else."""
-    seen = {one.name: one for one in candidates(measured()) if one.storey == 2}
-    damper = seen["damping_change"]
-    found, _ = led_on(measured([(damper, np.array([20.0, 0.0]))], noise=0.005), damper, (20.0, 0.0))
-    likeliest, *others = found.judged
-    assert likeliest.effects == (damper,)
-    assert all(one.ln_bayes < likeliest.ln_bayes - SETTINGS.decision.alike for one in others)
+@pytest.mark.parametrize(
+    ("force", "stiffness", "rate", "slides"),
+    [(1.0, 0.01, 0.03, True), (1.0, 0.01, 3.0, False), (1.0, 15.0, 3.0, True), (1e4, 15.0, 3.0, False)],
+)
+def test_friction_slides_from_a_part_of_the_usual_drift_or_rate_on(
+    force: float, stiffness: float, rate: float, slides: bool
+) -> None:
+    """Below its force a joint is the damper or the spring that it holds by; `rate` is that from which it would creep on."""
+    model = measured()
+    joint = CoulombFriction(index=1, frame="bench", storey=2)
+    null = refine(model, calibrated(model, [0]), iterations=0, thorough=False)
+    sizes = scales(model, null.filtered)
+    found = Findings(
+        model, judge(model, null, null, (0,), ()), score(model, null.filtered, [], sizes), sizes, (0,), ()
+    )
+    crept = joint.creeping(model, force, rate * float(sizes.drift_rate[1]))
+    # A stiffer joint is damped more, and creeps as before.
+    values = np.array([force, stiffness, 0.0, crept[3] * crept[1] / stiffness])
+    assert other_starts_module._slides(found, joint, values) is slides
 
 
 SEARCHED = [problem for problem in PROBLEMS if problem.name != "hysteresis"]
