@@ -158,19 +158,31 @@ def header_of(path: Path) -> list[str]:
         path: The file.
 
     Raises:
-        CaseError: It cannot be read, or its first column is not the time in seconds.
+        CaseError: It cannot be read, or its first column is not the time.
     """
     if not path.is_file():
         raise CaseError(f"{path} is not there; name the CSV files of the runs")
     header, _, _ = cells_of(path)
     if all(csv_table.is_number(cell) for cell in header):
         raise CaseError(f"{path.name} line 1: there is no header; name the columns, the first one {TIME}")
-    words, unit = _parted(header[0])
-    if header[0] != TIME and not (_TIME.fullmatch(words.strip()) and unit in (None, "s")):
+    if time_unit(header[0]) is None:
+        known = " or ".join(units.TIME)
         raise CaseError(
-            f"{path.name} line 1: the first column is {header[0]!r}; it must be the time in seconds, {TIME!r}"
+            f"{path.name} line 1: the first column is {header[0]!r}; it must be the time in {known}, such as {TIME!r}"
         )
     return header
+
+
+def time_unit(name: str) -> str | None:
+    """Return the unit of a column of times, seconds where its name has none; None where it is no such column.
+
+    Args:
+        name: Its name in the header.
+    """
+    words, unit = _parted(name)
+    if unit is None and _TIME.fullmatch(name.strip()):
+        return units.si(units.TIME)
+    return unit if _TIME.fullmatch(words.strip()) and unit in units.TIME else None
 
 
 def draft(frames: Sequence[Standing], files: Sequence[str], columns: Sequence[str]) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from pounding.diagnosis.case.drafting import Standing, draft, header_of
+from pounding import units
+from pounding.diagnosis.case.drafting import Standing, draft, header_of, time_unit
 from pounding.diagnosis.case.places import FILE
 from pounding.diagnosis.case.time_stamps import TIME
 from pounding.diagnosis.errors import CaseError
@@ -39,7 +41,7 @@ def new_case(
     The CSV files are copied into the folder beside case.toml. Nothing is overwritten.
 
     Args:
-        files: CSV files of the runs, of one header: the time in seconds first, then one column for each sensor.
+        files: CSV files of the runs, of one header: the time in s or ms first, then one column for each sensor.
     """
     if not files:
         raise CaseError("no CSV file was given; name the file of each run")
@@ -103,9 +105,23 @@ def _missing(out: Path, copies: dict[str, bytes]) -> list[str]:
 
 
 def _with_time(file: Path, header: list[str]) -> bytes:
-    """Return the file's bytes with the first column called as a case calls it."""
+    """Return the file's bytes with the first column called as a case calls it, and in its unit."""
     content = file.read_bytes()
-    return content if header[0] == TIME else TIME.encode() + content[content.index(b",") :]
+    factor = units.TIME[time_unit(header[0]) or units.si(units.TIME)]
+    if factor == 1.0:
+        return content if header[0] == TIME else TIME.encode() + content[content.index(b",") :]
+    first, *rows = content.splitlines(keepends=True)
+    return b"".join([TIME.encode() + first[first.index(b",") :], *(_in_seconds(row, factor) for row in rows)])
+
+
+def _in_seconds(row: bytes, factor: float) -> bytes:
+    """Return a row with its time multiplied, all digits kept: to how many of them a logger writes says how exact it is."""
+    time, comma, others = row.partition(b",")
+    try:
+        seconds = Decimal(time.decode().strip()) * Decimal(str(factor))
+    except (InvalidOperation, UnicodeDecodeError):
+        return row  # An empty line, or a fault that is told where the case is read.
+    return f"{seconds:f}".encode() + comma + others
 
 
 def _next_step(out: Path) -> str:

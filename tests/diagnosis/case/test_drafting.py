@@ -107,11 +107,23 @@ def test_a_logger_s_files_become_a_case_that_can_be_read(tmp_path, capsys):
     assert "can be read" in capsys.readouterr().out
 
 
+def test_milliseconds_become_seconds_with_the_digits_that_were_written(tmp_path):
+    file = tmp_path / "run1.csv"
+    rows = [f"{2.5 * row:.1f},{np.sin(row):.4f},{np.cos(row):.4f}" for row in range(400)]
+    file.write_text("Time (ms),Table acc [g],acc floor 5 [g]\n" + "\n".join(rows) + "\n")
+    new_case(file, frame=["5A"], out=tmp_path / "case")
+    written = (tmp_path / "case" / "run1.csv").read_text().splitlines()
+    assert written[0] == "time_s,Table acc [g],acc floor 5 [g]"
+    assert written[2] == f"0.0025,{np.sin(1):.4f},{np.cos(1):.4f}"
+    (run,) = read_case(tmp_path / "case").runs
+    assert run.step_s == pytest.approx(0.0025)
+
+
 @pytest.mark.parametrize(
     ("header", "said"),
     [
-        ("Sample,Table acc [g],acc 5 [g]", "the first column is 'Sample'; it must be the time in seconds"),
-        ("Time (ms),Table acc [g],acc 5 [g]", "it must be the time in seconds"),
+        ("Sample,Table acc [g],acc 5 [g]", "the first column is 'Sample'; it must be the time in s or ms"),
+        ("Time (min),Table acc [g],acc 5 [g]", "it must be the time in s or ms"),
         ("time_s;table;a5", "not separated by commas"),
     ],
 )
