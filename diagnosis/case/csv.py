@@ -40,6 +40,7 @@ def read_run(path: Path, channels: Sequence[Channel], *, role: str | None = None
     _check_header(path, header)
     found, values = _values(path, header, cells, channels)
     warnings = [_oddity(path, channel, values[:, i]) for i, channel in enumerate(channels)]
+    warnings.append(_dropouts(path, channels, values))
     unused = [name for name in header[1:] if name not in {channel.name for channel in channels}]
     if unused:
         names = ", ".join(repr(name) for name in unused)
@@ -179,13 +180,21 @@ def _oddity(path: Path, channel: Channel, values: np.ndarray) -> str:
     seen = values[~np.isnan(values)]
     if not seen.size:
         return f"{here}: no sample was recorded"
-    if seen.size < values.size:
-        return f"{here}: {values.size - seen.size} of {values.size} samples dropped out"
     if not seen.any() and channel.quantity == "contact_force":
         return f"{here}: reads 0 throughout; the contact never closed, or the sensor is dead"
     if np.ptp(seen) == 0:
         return f"{here}: reads {seen[0] / channel.to_si:g} {channel.unit} throughout; the sensor may be dead"
     return ""
+
+
+def _dropouts(path: Path, channels: Sequence[Channel], values: np.ndarray) -> str:
+    """Return one sentence on all samples of a run that dropped out, whatever the number of channels."""
+    lost = np.isnan(values).sum(axis=0)
+    counts = {
+        channel.name: count for channel, count in zip(channels, lost, strict=True) if 0 < count < len(values)
+    }
+    each = ", ".join(f"{count} of {name!r}" for name, count in counts.items())
+    return f"{path.name}: of each channel's {len(values)} samples these dropped out: {each}" if counts else ""
 
 
 def write_run(path: Path, run: Run, channels: Sequence[Channel]) -> None:

@@ -39,7 +39,7 @@ def test_dropouts_are_nan_and_said(folder: Path) -> None:
     (folder / "run1.csv").write_text("\n".join(lines))
     case = read_case(folder)
     assert np.flatnonzero(np.isnan(case.runs[0].values[:, 2])).tolist() == [2, 3]
-    assert case.warnings == ("run1.csv, channel 'force': 2 of 50 samples dropped out",)
+    assert case.warnings == ("run1.csv: of each channel's 50 samples these dropped out: 2 of 'force'",)
 
 
 def test_a_channel_without_samples_and_a_dead_one_are_said(folder: Path) -> None:
