@@ -83,9 +83,25 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
             *case.warnings,
             *found.model.observed.warnings,
             *decision.model_checks,
+            *_errors_of_the_frame(case, found, decision),
             *_likeliest_size(case, found, decision),
         ),
     )
+
+
+def _errors_of_the_frame(case: Case, found: Findings, decision: Decision) -> list[str]:
+    """Return a sentence on the error of a frame that is in the model beside an effect, with its size, or nothing."""
+    error = decision.judged.beside
+    if found.pair is not None or error is None:
+        return []
+    each = zip(error.fit.effects, stated_sizes(found, error), strict=True)
+    errors = " and a little ".join(
+        f"{effect.label()} ({', '.join(one.words() for one in parameters(case, found, effect, *sizes))})"
+        for effect, sizes in each
+    )
+    return [
+        f"the model also has a little {errors}: no larger than an error of the model may be, and no effect"
+    ]
 
 
 def _likeliest_size(case: Case, found: Findings, decision: Decision) -> list[str]:

@@ -41,11 +41,6 @@ def decide(found: Findings) -> Decision:
 
     To be called once for each set of findings: the decision is what everything after it is given.
     """
-    decision = _decided(found)
-    return replace(decision, model_checks=(*decision.model_checks, *_beside(found, decision.judged)))
-
-
-def _decided(found: Findings) -> Decision:
     judged = found.claimable()
     single = _heard(found, [one for one in judged if len(one.effects) == 1])
     if not single or not _detected(found, single[0]):
@@ -168,16 +163,6 @@ def _alike(found: Findings, chosen: Judged, single: list[Judged]) -> tuple[Judge
         and other.beside is chosen.beside
         and not other.effects[0].rival
         and (other.ln_bayes > chosen.ln_bayes - SETTINGS.decision.alike or _one_motion(found, chosen, other))
-    )
-
-
-def _beside(found: Findings, judged: Judged) -> tuple[str, ...]:
-    """Return a sentence on the error of a frame that is in the model beside an effect, nothing without one."""
-    if found.pair is not None or judged.beside is None:
-        return ()
-    errors = " and a little ".join(effect.label() for effect in judged.beside.fit.effects)
-    return (
-        f"the model also has a little {errors}: no larger than an error of the model may be, and no effect",
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -91,8 +92,14 @@ def test_an_effect_that_alone_has_little_evidence_is_named_beside_the_error_that
     assert decision.judged.ln_bayes == pytest.approx(
         decision.judged.fit.log_posterior - error.fit.log_posterior
     )
-    (said,) = decision.model_checks
-    assert said.startswith("the model also has a little appendage, floor 3 of bench")
+
+
+def test_the_error_beside_which_an_effect_is_named_is_said_with_its_size() -> None:
+    (said,) = [one for one in shown().conclusion.warnings if "the model also has" in one]
+    assert said.startswith("the model also has a little appendage, floor 3 of bench (")
+    mass = re.search(r"mass ([0-9.]+) ± [0-9.]+ kg", said)
+    assert mass is not None
+    assert float(mass[1]) == pytest.approx(SWAYING[0], rel=0.3)
 
 
 def test_an_error_of_the_frame_leads_where_the_likeliest_single_effect_is_one() -> None:

@@ -106,7 +106,8 @@ def test_an_effect_beside_an_error_of_the_frame_that_leads_is_judged_with_that_i
     assert [effect.name for effect in decision.judged.effects] == ["added_mass"]
     assert decision.judged.ln_bayes == pytest.approx(5000.0)
     assert decision.judged.fit.effects == found.judged[0].fit.effects
-    assert "the model also has a little all cubic stiffness" in decision.model_checks[-1]
+    assert decision.judged.beside is not None
+    assert [effect.name for effect in decision.judged.beside.fit.effects] == ["all_cubic_stiffness"]
 
 
 @pytest.mark.parametrize(
