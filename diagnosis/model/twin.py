@@ -36,13 +36,12 @@ from pounding.experiments.rig.exact import ExactRig
 from pounding.experiments.rig.law_connector import LawConnector, Series, partly, resting
 from pounding.experiments.rig.laws import filled
 from pounding.experiments.rig.motion import FrameMotion
-from pounding.experiments.rig.rig import COLLIDING, Accuracy, Rig
+from pounding.experiments.rig.rig import COLLIDING, Rig
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw
 
 FINER, FINEST_S = 4, 2.5e-4
 """The table's samples are interpolated smoothly to at least so many steps, and to steps of at most this [s], because the rig
 connects samples by lines: on a grid of a millisecond impacts put the motion up to half a per cent off."""
-ACCURACY = Accuracy(1e-6, 1e-8, 2.5e-4)
 FORCE_HZ = 5e4
 """Rate at which a contact's force is taken before it is averaged over the logger's samples."""
 
@@ -216,7 +215,7 @@ def _shaken(
     ]
     if between is not None:
         additions.append(partial(_touching, between))
-    accuracy = ACCURACY if between is None else COLLIDING
+    accuracy = None if between is None else COLLIDING
     try:
         return Rig([reduced], additions=additions).run(table, step, accuracy=accuracy).frames[0]
     except ExperimentError as error:
