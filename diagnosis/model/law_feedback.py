@@ -34,14 +34,14 @@ class Added(NamedTuple):
 
 
 class _Step(NamedTuple):
-    """What a step makes of the drifts and rates that laws meet in the middle of each substep.
+    """What a step makes of the drifts and rates that laws answer, in the middle of each substep.
 
     Attributes:
-        middles: Of a unit of each state after the filter's correction, shape (2 laws substeps, states).
-        held: Of a unit of each modal force, and of the table's acceleration, that is held from then on, shape (2 laws
+        middles: Of a unit of each state after the filter's correction, shape (answered substeps, states).
+        held: Of a unit of each modal force, and of the table's acceleration, that is held from then on, shape (answered
             substeps, modes + 1).
-        onwards: Of the force of each law in the last substep of the step before, and in each substep, shape (substeps, 2
-            laws, (1 + substeps) laws).
+        onwards: Of the force of each law in the last substep of the step before, and in each substep, shape (substeps,
+            answered, (1 + substeps) laws).
         pushed: What the same forces add to the states at the end of the step, shape (states, (1 + substeps) laws).
     """
 
@@ -52,7 +52,7 @@ class _Step(NamedTuple):
 
     @classmethod
     def of(cls, laws: Tangents, seen: np.ndarray) -> _Step:
-        """Return it from the drifts and rates of a unit of each state, shape (2 laws, states)."""
+        """Return it from the drifts and rates of a unit of each state, shape (answered, states)."""
         (half, pushed), (count, _), substeps = laws.half, laws.rows.shape, laws.within.shape[1]
         whole, by_law = half @ half, np.vstack([laws.rows.T, np.zeros(count)])
         # What a force that is held makes of the states until the middle of the substep in which it begins, and its end.
@@ -82,24 +82,27 @@ class LawFeedback(NamedTuple):
     """The feedback of laws about a motion to each term: tangent stiffness, damping and memory in the closed loop.
 
     As the predictor does, it asks each law at the samples, which accelerations show at once, and in the middle of each
-    substep, over which its force is held there.
+    substep, over which its force is held there. Of drifts and rates only those count that some law answers: a damper
+    answers no drift.
 
     Attributes:
-        loop: The loop without it. Below the channels, its `output` and `direct` have drifts and rates of the laws at a
-            sample as predicted, and then in the middle of each substep.
+        loop: The loop without it. Below the channels, its `output` and `direct` have the drifts and rates that laws answer
+            at a sample as predicted, and then in the middle of each substep.
+        place: Number of each law's drift and rate among those that are answered, -1 where it answers none, shape (laws, 2).
         at_sample, within: Slopes, of `Tangents`.
-        held: What each term's series adds to the latter until the middle of each substep, shape (2 laws substeps, terms).
-        onwards: What forces before it add to drifts and rates in the middle of each substep, shape (substeps, 2 laws, (2 +
-            substeps) laws): those of each law at the sample, by what the filter makes of them, in the last substep of the
-            step before, and in each substep.
+        held: What each term's series adds to the latter until the middle of each substep, shape (answered substeps, terms).
+        onwards: What forces before it add to drifts and rates in the middle of each substep, shape (substeps, answered, (2
+            + substeps) laws): those of each law at the sample, by what the filter makes of them, in the last substep of
+            the step before, and in each substep.
         pushed: What the same forces add to the states in a step, shape (states, (2 + substeps) laws).
         direct: What the force of each law at a sample adds to what is shown, shape (channels, laws).
-        seen: Drifts and rates in the middle of each substep for each of the filter's states, (2 laws substeps, states).
+        seen: Drifts and rates in the middle of each substep for each of the filter's states, (answered substeps, states).
         memory: Change of what each law remembers, for each term, shape (laws, remembered, terms).
         last: Change of the force of each law in the last substep before, for each term, shape (laws, terms).
     """
 
     loop: Loop
+    place: np.ndarray
     at_sample: np.ndarray
     within: np.ndarray
     held: np.ndarray
@@ -134,10 +137,13 @@ class LawFeedback(NamedTuple):
         """
         count, modes = laws.rows.shape
         states, substeps = len(steady.step), laws.within.shape[1]
-        seen = np.zeros((2 * count, states))
-        seen[:count, :modes] = laws.rows
-        seen[count:, modes : 2 * modes] = laws.rows
-        seen[count:, -1] = laws.room
+        seen = np.zeros((2, count, states))
+        seen[0, :, :modes] = laws.rows
+        seen[1, :, modes : 2 * modes] = laws.rows
+        seen[1, :, -1] = laws.room
+        answers = laws.answers
+        place = np.where(answers, np.cumsum(answers).reshape(answers.shape) - 1, -1).T
+        seen = seen[answers]
         force, direct, lacking = pushes
         at_once = steady.direct @ laws.rows.T
         step = _Step.of(laws, seen)
@@ -149,11 +155,12 @@ class LawFeedback(NamedTuple):
             output=np.vstack([loop.output, seen @ back, corrected @ back]),
             direct=np.vstack([loop.direct, -seen @ lacking, -step.middles @ lacking + answered @ direct]),
         )
-        by_sample = (answered @ at_once).reshape(substeps, 2 * count, count)
+        by_sample = (answered @ at_once).reshape(substeps, len(seen), count)
         inputs = np.hstack([-steady.step @ steady.gain @ at_once, step.pushed])
         terms, remembered = lacking.shape[1], laws.within.shape[3] - 1
         return cls(
             loop=below,
+            place=np.ascontiguousarray(place),
             at_sample=laws.at_sample,
             within=laws.within,
             held=step.held @ force,
@@ -167,8 +174,9 @@ class LawFeedback(NamedTuple):
 
     def rounded(self, precision: type[np.floating[Any]]) -> LawFeedback:
         """Return the feedback with numbers of a precision."""
+        loop, place, *numbers = self
         return LawFeedback(
-            self.loop.rounded(precision), *(one.astype(precision, order="C") for one in self[1:])
+            loop.rounded(precision), place, *(one.astype(precision, order="C") for one in numbers)
         )
 
 
@@ -192,19 +200,19 @@ def filter_with_laws(
         first: Number of the first sample.
         series, at_end: Size of each term at the samples, shape (samples, terms).
         jumps: What else each adds to the states after each sample, shape (samples, states, terms), or none.
-        jumped: What that adds to drifts and rates in the middle of each substep, shape (samples, 2 laws substeps, terms).
+        jumped: What that adds to drifts and rates in the middle of each substep, shape (samples, answered substeps, terms).
         state: States before the first sample, which become those after the last one, shape (states, terms).
         result: Filled with what is shown, shape (samples, channels, groups).
     """
     transition, output, inputs, direct, column, turning = feedback.loop
-    _, at_sample, within, held, onwards, own_pushed, own_direct, _, memory, last = feedback
+    _, place, at_sample, within, held, onwards, own_pushed, own_direct, _, memory, last = feedback
     samples, terms = series.shape
     channels, laws = own_direct.shape
-    substeps, groups = within.shape[1], result.shape[2]
-    middles = channels + 2 * laws
+    substeps, answered, groups = within.shape[1], onwards.shape[1], result.shape[2]
+    middles = channels + answered
     jumping = jumps.size > 0
-    shown = np.zeros((middles + 2 * laws * substeps, terms), state.dtype)
-    motion = np.zeros((2 * laws, terms), state.dtype)
+    shown = np.zeros((middles + answered * substeps, terms), state.dtype)
+    motion = np.zeros((answered, terms), state.dtype)
     # Those at the sample, of the last substep before, and of each substep.
     forces = np.zeros(((2 + substeps) * laws, terms), state.dtype)
     here = forces[:laws]
@@ -219,10 +227,10 @@ def filter_with_laws(
         for c in range(len(shown)):
             for t in range(terms):
                 shown[c, t] += direct[c, t] * at_end[k, t]
-        for i in range(2 * laws):
+        for i in range(answered):
             for t in range(terms):
                 motion[i, t] = shown[channels + i, t]
-        _answer(at_sample[first + k], motion, memory, here)
+        _answer(place, at_sample[first + k], motion, memory, here)
         for a in range(added.law.size):
             here[added.law[a], added.term[a]] += added.forces[k, 0, a]
         for c in range(channels):
@@ -231,18 +239,18 @@ def filter_with_laws(
                     shown[c, t] += own_direct[c, j] * here[j, t]
         for j in range(substeps):
             _weighed(onwards[j], forces, motion)
-            for i in range(2 * laws):
-                row = 2 * laws * j + i
+            for i in range(answered):
+                row = answered * j + i
                 for t in range(terms):
                     motion[i, t] += shown[middles + row, t] + held[row, t] * series[k, t]
                 if jumping:
                     for t in range(terms):
                         motion[i, t] += jumped[k, row, t]
             there = forces[(2 + j) * laws : (3 + j) * laws]
-            _answer(within[first + k, j, :, 0], motion, memory, there)
+            _answer(place, within[first + k, j, :, 0], motion, memory, there)
             for a in range(added.law.size):
                 there[added.law[a], added.term[a]] += added.forces[k, 1 + j, a]
-            _remember(within[first + k, j], motion, memory, new)
+            _remember(place, within[first + k, j], motion, memory, new)
         for c in range(channels):
             for t in range(groups, terms):
                 shown[c, column[t]] += shown[c, t]
@@ -303,16 +311,22 @@ def _weighed(weights: np.ndarray, rows: np.ndarray, found: np.ndarray) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
-def _answer(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, forces: np.ndarray) -> None:
-    """Fill in the forces, (laws, terms), that answer changes of drifts and rates, (2 laws, terms), and of memories.
+def _answer(
+    place: np.ndarray, slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, forces: np.ndarray
+) -> None:
+    """Fill in the forces, (laws, terms), that answer changes of drifts and rates, (answered, terms), and of memories.
 
-    `slopes` are those of the forces, shape (laws, 2 + remembered).
+    `place` is that of `LawFeedback`; `slopes` are those of the forces, shape (laws, 2 + remembered).
     """
     laws, terms = forces.shape
     for i in range(laws):
-        by_drift, by_rate = slopes[i, 0], slopes[i, 1]
         for t in range(terms):
-            forces[i, t] = -(by_drift * motion[i, t] + by_rate * motion[laws + i, t])
+            forces[i, t] = 0.0
+        for n in range(2):
+            row, slope = place[i, n], slopes[i, n]
+            if row >= 0:
+                for t in range(terms):
+                    forces[i, t] -= slope * motion[row, t]
         for r in range(memory.shape[1]):
             kept = slopes[i, 2 + r]
             for t in range(terms):
@@ -320,19 +334,26 @@ def _answer(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, forces: 
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
-def _remember(slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, new: np.ndarray) -> None:
-    """Change what laws remember, (laws, remembered, terms), by changes of drifts and rates, (2 laws, terms).
+def _remember(
+    place: np.ndarray, slopes: np.ndarray, motion: np.ndarray, memory: np.ndarray, new: np.ndarray
+) -> None:
+    """Change what laws remember, (laws, remembered, terms), by changes of drifts and rates, (answered, terms).
 
-    `slopes` are those of `Tangents.within` of one substep, shape (laws, 1 + remembered, 2 + remembered).
+    `place` is that of `LawFeedback`; `slopes` are those of `Tangents.within` of one substep, shape (laws, 1 + remembered,
+    2 + remembered).
     """
     laws, remembered, terms = memory.shape
     if remembered == 0:
         return
     for i in range(laws):
         for r in range(remembered):
-            by_drift, by_rate = slopes[i, 1 + r, 0], slopes[i, 1 + r, 1]
             for t in range(terms):
-                new[i, r, t] = by_drift * motion[i, t] + by_rate * motion[laws + i, t]
+                new[i, r, t] = 0.0
+            for n in range(2):
+                row, slope = place[i, n], slopes[i, 1 + r, n]
+                if row >= 0:
+                    for t in range(terms):
+                        new[i, r, t] += slope * motion[row, t]
             for q in range(remembered):
                 kept = slopes[i, 1 + r, 2 + q]
                 if kept != 0.0:

@@ -42,6 +42,12 @@ class Tangents:
     within: np.ndarray
     half: tuple[np.ndarray, np.ndarray]
 
+    @property
+    def answers(self) -> np.ndarray:
+        """Whether any slope of a law is by its drift, and by its rate, shape (2, laws)."""
+        by_sample = self.at_sample[..., :2].any(axis=0)
+        return np.asarray((by_sample | self.within[..., :2].any(axis=(0, 1, 3))).T)
+
     def unanswering(self) -> Tangents:
         """Return the laws as if a change of the motion changed none of their forces."""
         return replace(self, at_sample=0.0 * self.at_sample, within=0.0 * self.within)
