@@ -45,6 +45,20 @@ LAWS: dict[str, list[tuple[Effect, np.ndarray]]] = {
 }
 
 
+@pytest.mark.parametrize(
+    ("law", "by_drift", "by_rate"),
+    [("cubic spring", True, False), ("damper", False, True), ("hysteresis", True, False)],
+)
+def test_a_law_answers_what_its_force_depends_on(law: str, by_drift: bool, by_rate: bool) -> None:
+    """A damper answers no drift, and the drifts of none are worked out."""
+    model = measured(LAWS[law])
+    still = np.zeros(len(model.std))
+    laws = tangents_of(model, run_filter(model, still, starting_noise(model, (0,), 0.1), (0,), LAWS[law]), 0)
+    assert laws is not None
+    assert laws.answers.tolist() == [[by_drift], [by_rate]]
+    assert not laws.unanswering().answers.any()
+
+
 @pytest.mark.parametrize("level", [0.1, 0.003])
 @pytest.mark.parametrize("law", LAWS)
 def test_signatures_are_slopes_of_the_innovations(
