@@ -102,11 +102,11 @@ def fit(
     freedom = int(sum(np.any(impact.whiten != 0, axis=1).sum() for impact in bodies.impacts))
     inverse = np.linalg.inv(gram)
     scale = (hypothesis.gap, hypothesis.stiffness, hypothesis.loss)
-    std = tuple(float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
+    gap, stiffness, loss = (float(scale[j] * np.sqrt(inverse[FILTER + j, FILTER + j])) for j in range(3))
     return Fitted(
         hypothesis,
         at(hypothesis, x[FILTER:COMMON]),
-        (std[0], std[1], std[2]),
+        (float(np.hypot(gap, bodies.common_m)), stiffness, loss),
         -cost - 0.5 * float(np.linalg.slogdet(gram)[1]),
         cost,
         freedom,

@@ -10,7 +10,8 @@ from pounding.diagnosis.contact_force import contacts
 from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.hypotheses import baseline_law
 from pounding.diagnosis.contact_force.impacts import Bodies, Law, sharper
-from pounding.diagnosis.contact_force.pair import ContactFindings, frames, met_in
+from pounding.diagnosis.contact_force.pair import ContactFindings, met_in
+from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.settings import SETTINGS
 
@@ -46,7 +47,7 @@ class HeldOutImpacts:
 
 
 def predicted_impacts(
-    case: Case, found: Findings, verdict: str, contact_findings: ContactFindings
+    case: Case, found: Findings, filtered: Filtered, contact_findings: ContactFindings
 ) -> HeldOutImpacts | None:
     """Return how well the contact of the baseline model and the likeliest one predict held-out impacts; None without any.
 
@@ -56,12 +57,11 @@ def predicted_impacts(
     Args:
         case: The case.
         found: What the search found.
-        verdict: The verdict on the frames.
+        filtered: The frames as the decision on them has them.
         contact_findings: What the impacts of the training runs say of the contact.
     """
     if found.pair is None or contact_findings.null is None or not found.held_out:
         return None
-    filtered = frames(found, verdict)
     _, _, met = met_in(found.pair, filtered.values, filtered.effects, found.held_out)
     if len(met.impacts) < SETTINGS.impacts.least:
         return None

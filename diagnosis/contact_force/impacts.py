@@ -97,7 +97,8 @@ class Packed(NamedTuple):
 class Bodies:
     """The two floors that meet: what a step of force does to their distance, and the impacts between them.
 
-    `sharpness` is the share of the errors expected of the impacts' spectra that they have here.
+    `sharpness` is the share of the errors expected of the impacts' spectra that they have here, `common_m` the standard
+    deviation of the error that all distances before impacts have in common [m].
     """
 
     held: np.ndarray
@@ -105,6 +106,7 @@ class Bodies:
     mass: float
     impacts: tuple[Impact, ...]
     sharpness: float = 1.0
+    common_m: float = 0.0
 
     @cached_property
     def packed(self) -> Packed:
@@ -229,6 +231,30 @@ def bodies(
     found.sort(key=lambda one: -one.impulse)
     held, held_rate = response(modes, row, longest)
     return Bodies(held, held_rate, known_mass, tuple(found[: SETTINGS.impacts.used]))
+
+
+def common_error(model: Model, filtered: Filtered, column: int, errors: np.ndarray) -> float:
+    """Return the standard deviation of the error that all distances before the impacts of a contact have in common [m].
+
+    Where a floor is when it is hit follows from the motion of its frame, of which the model is wrong by the same share
+    every time: impacts that repeat say nothing of it.
+
+    Args:
+        model: The baseline model at the rate of the logger.
+        filtered: The filtered model.
+        column: Which of the contact forces.
+        errors: Share of its motion by which the model of each frame is wrong, shape (frames,).
+    """
+    floors, structure = list(model.observed.contact_floors[column]), model.structure
+    shapes, modes = filtered.modes.floors[floors], len(filtered.modes.omega)
+    force = np.concatenate([model.observed.runs[run].contact[:, column] for run in filtered.runs])
+    moved = np.concatenate([states[:, :modes] @ shapes.T for states in filtered.prediction.after])
+    pushed = float(force.sum())
+    if pushed <= 0.0:
+        return 0.0
+    there = force @ moved / pushed  # The noise of a cell that reads on between impacts cancels.
+    own = errors[[structure.index(structure.place(floor)[0]) for floor in floors]]
+    return float(np.hypot(*(own * there)))
 
 
 def sharper(met: Bodies, share: float) -> Bodies:

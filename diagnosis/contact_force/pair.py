@@ -20,11 +20,13 @@ from pounding.diagnosis.contact_force.hypotheses import GAP_M, baseline_law, hyp
 from pounding.diagnosis.contact_force.impacts import Bodies, Law
 from pounding.diagnosis.contact_force.second_contact import second_contact, second_fit
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
-from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.misfit import median
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import ContactEvent, Observations
 from pounding.diagnosis.model.pair import Pair
+from pounding.diagnosis.model.predictor import ABSOLUTE_DISPLACEMENT, DISPLACEMENT
 from pounding.diagnosis.model.slowing import slowed
 from pounding.diagnosis.settings import SETTINGS
 
@@ -207,28 +209,32 @@ def _merged(groups: Sequence[tuple[int, int]], step_s: float) -> list[tuple[int,
     return merged
 
 
-def judge_contact(case: Case, found: Findings, verdict: str) -> ContactFindings:
-    """Return what the training runs' impacts say of the contact, the frames being as a verdict on them has them.
+def judge_contact(case: Case, found: Findings, judged: Judged) -> ContactFindings:
+    """Return what the training runs' impacts say of the contact, the frames being as a decision on them has them.
 
     Args:
         case: The case.
         found: What the search found.
-        verdict: The verdict on the frames.
+        judged: What the decision on the frames rests on.
     """
     assert found.pair is not None
-    filtered = frames(found, verdict)
-    return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training)
+    filtered, errors = judged.fit.filtered, _errors(found, judged)
+    return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training, errors)
 
 
-def frames(found: Findings, verdict: str) -> Filtered:
-    """Return the frames as a verdict has them.
+def _errors(found: Findings, judged: Judged) -> np.ndarray:
+    """Return the share of its motion by which the model of each frame is wrong beyond the noise, shape (frames,).
 
-    Args:
-        found: What the search found.
-        verdict: The verdict on the frames.
+    Of displacements where the frame has channels of them, which higher modes hardly move.
     """
-    named = verdict != "nothing_missing" and bool(found.judged)
-    return (found.judged[0] if named else found.null).fit.filtered
+    model, misfit, floor = found.model, judged.channel_misfit[0], np.asarray(found.floor)[0]
+    beyond = np.sqrt(np.maximum(misfit**2 - floor**2, 0.0))
+    moved = np.isin(model.observed.quantity, (DISPLACEMENT, ABSOLUTE_DISPLACEMENT)) & np.isfinite(beyond)
+    errors = []
+    for frame in range(len(model.structure.frames)):
+        own = model.at_frame(frame)
+        errors.append(float(median(beyond[own & moved if np.any(own & moved) else own])))
+    return np.asarray(np.nan_to_num(errors))
 
 
 def contact_findings(
@@ -237,6 +243,7 @@ def contact_findings(
     values: np.ndarray,
     effects: Sequence[tuple[Acting, np.ndarray]],
     runs: Sequence[int],
+    errors: np.ndarray,
 ) -> ContactFindings:
     """Return what the impacts of some runs say of the contact.
 
@@ -246,13 +253,15 @@ def contact_findings(
         values: Nuisance parameters in their own units, shape (nuisance,).
         effects: Effects that act, each with its SI parameters, shape (parameters,).
         runs: Numbers of the runs.
+        errors: Share of its motion by which the model of each frame is wrong, shape (frames,).
     """
     full, start, met = met_in(pair, values, effects, runs)
+    met = replace(met, common_m=impacts.common_error(full, start, pair.column, errors))
     left, right = full.observed.contact_floors[pair.column]
     nearest, spread = _nearest(full, start, left, right, case.contacts[0].gap_m)
     second = None
     if pair.second is not None:
-        second = second_fit(full, start, pair.second[2], met.mass)
+        second = second_fit(full, start, pair.second[2], met.mass, errors)
     if len(met.impacts) < SETTINGS.impacts.least:
         return ContactFindings(None, (), second, len(met.impacts), nearest, spread)
     law = baseline_law(case.contacts[0], met.mass)

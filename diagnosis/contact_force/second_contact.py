@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -120,7 +121,9 @@ def _opposed(
     return float(np.mean(beyond)) if beyond else 0.0
 
 
-def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fitted | None:
+def second_fit(
+    full: Model, filtered: Filtered, column: int, mass: float, errors: np.ndarray
+) -> Fitted | None:
     """Return the fit of a contact that the case does not list, all its numbers free; None without impacts.
 
     Args:
@@ -128,6 +131,7 @@ def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fit
         filtered: The filtered model.
         column: Column of its force.
         mass: Reduced mass of the two floors [kg].
+        errors: Share of its motion by which the model of each frame is wrong, shape (frames,).
     """
     noise = [impacts.found_noise(full.observed.runs[run].contact[:, column]) for run in filtered.runs]
     met = impacts.bodies(full, filtered, column, noise, mass)
@@ -138,4 +142,5 @@ def second_fit(full: Model, filtered: Filtered, column: int, mass: float) -> Fit
         "linear_viscoelastic", onset, UNLISTED_STIFFNESS, float("nan"), UNLISTED_RESTITUTION, mass
     )
     free = Hypothesis("second_contact", law, UNLISTED_GAP_M, WIDE_STIFFNESS, UNLISTED_SPREAD)
+    met = replace(met, common_m=impacts.common_error(full, filtered, column, errors))
     return contacts.fit(met, free)

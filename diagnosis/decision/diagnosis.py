@@ -47,14 +47,14 @@ def conclude(case: Case, found: Findings, decision: Decision) -> Diagnosis:
     pair = found.pair
     if pair is None:
         return Diagnosis(case, found, decision, of_frames(case, found, decision))
-    contact = judge_contact(case, found, decision.verdict)
-    held_out = predicted_impacts(case, found, decision.verdict, contact)
+    contact = judge_contact(case, found, decision.judged)
+    held_out = predicted_impacts(case, found, decision.judged.fit.filtered, contact)
     if decision.named and claims_of(case, pair, contact, decision.verdict, held_out):
         found = replace(found, pair=replace(pair, contact_claimed=True))
         before, decision = decision, decide(found)
-        if decision.verdict != before.verdict:
-            contact = judge_contact(case, found, decision.verdict)
-            held_out = predicted_impacts(case, found, decision.verdict, contact)
+        if decision.judged is not before.judged:
+            contact = judge_contact(case, found, decision.judged)
+            held_out = predicted_impacts(case, found, decision.judged.fit.filtered, contact)
     frames = of_frames(case, found, decision)
     conclusion = joined(case, pair, contact, frames, held_out, bool(decision.model_checks))
     return Diagnosis(case, found, decision, conclusion, contact)

@@ -174,7 +174,7 @@ def judged(case: Case) -> tuple[Pair, ContactFindings, Conclusion]:
     """Return a pair, what its impacts say, and what is concluded, its frames being as believed."""
     model = model_of(case)
     pair = prepare(case, model)
-    found = contact_findings(case, pair, np.zeros(len(model.std)), (), (0, 1))
+    found = contact_findings(case, pair, np.zeros(len(model.std)), (), (0, 1), np.zeros(2))
     return pair, found, joined(case, pair, found, NOTHING)
 
 

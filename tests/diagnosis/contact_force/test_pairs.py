@@ -12,10 +12,11 @@ import pytest
 from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force import contacts, impacts, pairs, second_contact
+from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, predicted_impacts
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law
-from pounding.diagnosis.contact_force.pair import ContactFindings, found_again, prepare
+from pounding.diagnosis.contact_force.pair import ContactFindings, contact_findings, found_again, prepare
 from pounding.diagnosis.contact_force.striking import STEP_S as FINE_S
 from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.claims import Candidate
@@ -23,7 +24,7 @@ from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
-from pounding.diagnosis.inference.filtering import run_signatures, whitened
+from pounding.diagnosis.inference.filtering import Filtered, run_signatures, whitened
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.misfit import contact_response, simulate
 from pounding.diagnosis.inference.motions import motion_of
@@ -131,14 +132,13 @@ def test_what_is_different_in_a_contact_is_named(
 
 def predicted_by(case: Case, pair: Pair, found: ContactFindings) -> HeldOutImpacts | None:
     """Return what the third run says of what the first two did, the frames being as believed."""
-    return predicted_impacts(case, cast(Findings, still_frames(pair)), NOTHING.verdict, found)
+    return predicted_impacts(case, *still_frames(pair), found)
 
 
-def still_frames(pair: Pair) -> SimpleNamespace:
-    """Return findings on a pair whose frames are as believed, the third run being held out."""
+def still_frames(pair: Pair) -> tuple[Findings, Filtered]:
+    """Return findings on a pair and its frames as believed, the third run being held out."""
     filtered = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
-    fit = SimpleNamespace(fit=SimpleNamespace(filtered=filtered))
-    return SimpleNamespace(pair=pair, held_out=(2,), judged=[], null=fit)
+    return cast(Findings, SimpleNamespace(pair=pair, held_out=(2,))), cast(Filtered, filtered)
 
 
 def test_laws_share_what_is_believed_of_another_law() -> None:
@@ -263,6 +263,26 @@ def test_a_touch_too_weak_to_judge_the_contact_by_moves_the_frames_all_the_same(
     assert begun == pytest.approx(4 * weak * STEP_S, rel=0.3)
 
 
+def test_what_all_distances_have_in_common_no_number_of_impacts_makes_certain() -> None:
+    """Where a floor is when it is hit is as wrong as the model of its frame, every time."""
+    case = colliding(CONTACT)
+    pair = prepare(case, model_of(case))
+    still = np.zeros(len(model_of(case).std))
+
+    def found(*errors: float) -> Fitted:
+        null = contact_findings(case, pair, still, (), (0, 1), np.array(errors)).null
+        assert null is not None
+        return null
+
+    plain, one, other, both = found(0.0, 0.0), found(0.02, 0.0), found(0.0, 0.02), found(0.02, 0.02)
+    left, right = (np.sqrt(each.std[0] ** 2 - plain.std[0] ** 2) / 0.02 for each in (one, other))
+    # When they touch, the floors have come nearer by the gap.
+    assert min(abs(left + right - CONTACT.gap_m), abs(left - right - CONTACT.gap_m)) < 0.3 * CONTACT.gap_m
+    assert both.std[0] ** 2 - plain.std[0] ** 2 == pytest.approx(0.02**2 * (left**2 + right**2))
+    assert both.std[1:] == plain.std[1:]
+    assert both.log_evidence == plain.log_evidence
+
+
 def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
     _, found, _ = found_of(CONTACT)
     assert found.bodies is not None
@@ -360,7 +380,7 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     case = colliding(replace(CONTACT, restitution=0.45), runs=3)
     pair, found, _ = judged(case)
     findings = still_frames(pair)
-    told = predicted_impacts(case, cast(Findings, findings), NOTHING, found)
+    told = predicted_impacts(case, *findings, found)
     assert told is not None
     assert told.impacts >= 5
     assert told.model > 1.25 * told.likeliest
@@ -385,8 +405,8 @@ def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_doe
     # A single one that says nothing either way is no veto.
     few = replace(told, gained=-0.5, impacts=1, expected=0.3)
     assert claimed(joined(case, pair, found, NOTHING, few)) == ["contact_damping"]
-    findings.held_out = ()
-    assert predicted_impacts(case, cast(Findings, findings), NOTHING, found) is None
+    nothing = cast(Findings, SimpleNamespace(pair=pair, held_out=()))
+    assert predicted_impacts(case, nothing, findings[1], found) is None
 
 
 def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
