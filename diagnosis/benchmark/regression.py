@@ -181,8 +181,7 @@ def _claim(storey: Storey, term: int, factor: float, gain: float) -> Claim:
 
 def _storeys(case: Case, frame: CaseFrame) -> list[Storey]:
     """Return the library of every storey of a frame, over the training runs."""
-    definition = case.folder / frame.file if frame.file else frame.name
-    reduced = frames.build(frames.load(definition))
+    reduced = frames.build(frames.load(frame.file or frame.name))
     masses, stiffness, dampers = reduced.storey_model()
     band_hz = LOWEST * float(reduced.frequencies_hz[0]), HIGHEST_HZ
     parts = [_motion(case, frame, run, band_hz) for run in case.split()[0]]
@@ -198,8 +197,8 @@ def _storeys(case: Case, frame: CaseFrame) -> list[Storey]:
             rate = velocity[index] - (velocity[index - 1] if index else below)
             blocks.append(_terms(drift, rate, absolute[index]))
         columns = np.concatenate(blocks)
-        columns[:, 0] *= -stiffness[index, index - 1] if index else stiffness[0, 0] + stiffness[0, 1]
-        columns[:, 5] *= -stiffness[index, index - 1] if index else stiffness[0, 0] + stiffness[0, 1]
+        columns[:, 0] *= -stiffness[index, index - 1] if index else stiffness[0, :2].sum()
+        columns[:, 5] *= -stiffness[index, index - 1] if index else stiffness[0, :2].sum()
         storeys.append(Storey(frame.name, index + 1, columns, np.concatenate(forces), _NAMES))
     return storeys
 

@@ -23,6 +23,6 @@ def read_case(folder: Path | str) -> Case:
     runs, warnings = [], []
     for file, role in files:
         run, odd = read_run(case.folder / file, case.channels, role=role)
-        runs.append(run)
+        runs.append(replace(run, file=file))
         warnings += odd
     return replace(case, runs=tuple(runs), warnings=(*case.warnings, *warnings))

@@ -27,21 +27,34 @@ def write_case(case: Case, folder: Path | str) -> Path:
     Returns:
         The path of `case.toml`.
     """
-    folder = Path(folder)
+    folder, files = Path(folder), _files(case)
     for run in case.runs:
-        write_run(folder / run.file, run, case.channels)
-    write_whole(folder / FILE, _toml(case).encode())
+        write_run(folder / files[run.file], run, case.channels)
+    write_whole(folder / FILE, _toml(case, files).encode())
     return folder / FILE
 
 
-def _toml(case: Case) -> str:
+def _files(case: Case) -> dict[str, str]:
+    """Return where each run is written in the folder, by the file that the case states, which may be outside of its own."""
+    found: dict[str, str] = {}
+    for number, run in enumerate(case.runs, 1):
+        path = Path(run.file)
+        inside = not path.is_absolute() and ".." not in path.parts
+        name = run.file if inside else path.name
+        found[run.file] = name if name not in found.values() else f"{number}-{path.name}"
+    return found
+
+
+def _toml(case: Case, files: dict[str, str]) -> str:
     blocks = [_block("", {"title": case.title})]
     blocks += [_block("[[frame]]", _frame_keys(frame)) for frame in case.frames]
-    blocks += [_block("[[run]]", {"file": run.file, "role": run.role}) for run in case.runs]
+    blocks += [_block("[[run]]", {"file": files[run.file], "role": run.role}) for run in case.runs]
     blocks += [_block("[[channel]]", _channel_keys(channel)) for channel in case.channels]
     blocks += [_block("[[contact]]", _contact_keys(contact)) for contact in case.contacts]
     blocks += [_block("[[modal]]", _modal_keys(datum)) for datum in case.modal]
-    blocks += [_block("[[peak]]", asdict(peak) | {"unit": "m"}) for peak in case.peaks]
+    blocks += [
+        _block("[[peak]]", asdict(peak) | {"run": files[peak.run], "unit": "m"}) for peak in case.peaks
+    ]
     changed = {
         name: value
         for name, value in msgspec.structs.asdict(case.prior).items()
@@ -55,7 +68,8 @@ def _toml(case: Case) -> str:
 def _frame_keys(frame: CaseFrame) -> dict[str, Any]:
     keys: dict[str, Any] = {"name": frame.name}
     if frame.kind == "file":
-        keys["file"] = str(frame.file)
+        # The copy lies in another folder, from which a relative path would lead elsewhere.
+        keys["file"] = str(Path(frame.file or "").resolve())
     if frame.joints != "calibrated":
         keys["joints"] = frame.joints
     if not frame.p_delta:

@@ -28,11 +28,7 @@ def corrected_case(case: Case, observed: Observations, faults: Assembly) -> Case
     if not channels and not (faults.table_gain or faults.table_delay_s or faults.table_clock):
         return None
     runs = tuple(_corrected(case, run, channels, faults) for run in case.runs)
-    # The case lies in another folder, from which a relative path would lead elsewhere.
-    frames = tuple(
-        frame if frame.file is None else replace(frame, file=frame.file.resolve()) for frame in case.frames
-    )
-    return replace(case, title=f"{case.title}, sensors and table corrected", runs=runs, frames=frames)
+    return replace(case, title=f"{case.title}, sensors and table corrected", runs=runs)
 
 
 def _faulty(faults: Assembly, channel: int) -> bool:

@@ -279,7 +279,8 @@ def _chosen(diagnosis: Diagnosis) -> tuple[Model, Filtered]:
 
 
 def _table_file(file: Path, model: Model, run: int) -> Path:
-    name = Path(model.observed.runs[run].name).stem
+    stated = Path(model.observed.runs[run].name).with_suffix("")
+    name = "-".join(part for part in stated.parts if part not in (stated.anchor, ".."))
     return file.with_name(f"{file.stem}-table-{name}.csv")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -225,6 +226,35 @@ def test_not_a_case(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(CaseError, match="not a text file"):
         read_case(tmp_path)
+
+
+def test_runs_of_one_name_in_two_folders_stay_two_runs(folder: Path, tmp_path: Path) -> None:
+    for number in (1, 2):
+        place = folder / f"day{number}" / "run.csv"
+        place.parent.mkdir()
+        (folder / f"run{number}.csv").rename(place)
+        edit(folder / "case.toml", f"run{number}.csv", f"day{number}/run.csv")
+    case = read_case(folder)
+    assert [run.file for run in case.runs] == ["day1/run.csv", "day2/run.csv"]
+    again = read_case(write_case(case, tmp_path / "copy").parent)
+    assert [run.file for run in again.runs] == ["day1/run.csv", "day2/run.csv"]
+    for one, other in zip(case.runs, again.runs, strict=True):
+        assert other.values == pytest.approx(one.values, rel=1e-5, abs=1e-12)
+
+
+def test_a_copy_is_written_into_its_own_folder_wherever_the_runs_come_from(
+    folder: Path, tmp_path: Path
+) -> None:
+    """Measurements that lie elsewhere are not written over."""
+    case = read_case(folder)
+    outside = [str(tmp_path / "elsewhere" / "run.csv"), "../run.csv"]
+    moved = replace(
+        case, runs=tuple(replace(run, file=file) for run, file in zip(case.runs, outside, strict=True))
+    )
+    copy = read_case(write_case(moved, tmp_path / "new" / "copy").parent)
+    assert [run.file for run in copy.runs] == ["run.csv", "2-run.csv"]
+    assert not (tmp_path / "elsewhere").exists()
+    assert not (tmp_path / "new" / "run.csv").exists()
 
 
 def test_written_and_read_again(folder: Path, tmp_path: Path) -> None:
