@@ -36,7 +36,7 @@ def of_modal_data(case: Case, found: Sequence[ModalFindings]) -> Conclusion:
     tried = (one for frame in found for one in _candidates(frame))
     return Conclusion(
         verdict=verdict,
-        confidence=float(np.prod([_probability(one, verdict) for one in found])),
+        confidence=float(np.prod([probability(one, verdict) for one in found])),
         basis=Basis(calibration=CALIBRATION),
         effects=tuple(claimed for one in missing for claimed in _claims(one)),
         candidates=tuple(sorted(tried, key=lambda one: -one.log_evidence)),
@@ -45,17 +45,22 @@ def of_modal_data(case: Case, found: Sequence[ModalFindings]) -> Conclusion:
 
 
 def _verdict(found: Sequence[ModalFindings], missing: Sequence[ModalFindings]) -> Verdict:
-    if not missing:
-        return "nothing_missing"
     if not all(one.fits for one in found):
         return "unknown_effect"
+    if not missing:
+        return "nothing_missing"
     if any(one.alike or _several(one.best) for one in missing):
         return "effect_class"
     return "effect_named"
 
 
-def _probability(found: ModalFindings, verdict: Verdict) -> float:
-    """Return the posterior probability of what is claimed among everything that was tried."""
+def probability(found: ModalFindings, verdict: Verdict) -> float:
+    """Return the posterior probability of what is claimed among everything that was tried.
+
+    Args:
+        found: What was found of a frame.
+        verdict: The verdict; of an unknown effect it is that of a misfit below the one that is left.
+    """
     claimed = [found.best, *found.alike]
     if verdict == "unknown_effect":
         freedom = max(len(found.data) - len(found.best.acting), 1)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.linalg import eigh
 
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.model.nuisance import Assembly
-from pounding.diagnosis.model.storeys import Structure
+from pounding.diagnosis.model.storeys import Structure, squared
 
 
 def modal_numbers(structure: Structure, assembly: Assembly, data: Sequence[ModalDatum]) -> np.ndarray:
@@ -27,7 +26,7 @@ def modal_numbers(structure: Structure, assembly: Assembly, data: Sequence[Modal
     for name in {datum.frame for datum in data}:
         span = structure.span(structure.index(name))
         stiffness, mass = assembly.stiffness[span, span], assembly.mass[span, span]
-        squares = eigh(stiffness, mass, eigvals_only=True)
+        squares, _ = squared(mass, stiffness)
         if squares[0] <= 0:
             continue
         for i, datum in enumerate(data):

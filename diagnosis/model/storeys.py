@@ -296,12 +296,30 @@ class Structure:
 
 LIGHTEST = 1e-3
 """Share of the heaviest floor that any keeps in a trial that would leave it nothing."""
+SLOWEST = 1e-3
+"""Share of the highest frequency that any mode keeps in a trial that would leave it no stiffness."""
 
 
 def solve_modes(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return angular frequencies [rad/s] and mass-normalised shapes; a mass or stiffness that is not positive is made so.
 
-    A trial may take more from a floor than it has, when an effect and the calibration both do.
+    Args:
+        mass, stiffness: Matrices of a frame, or of a trial of it, each (floors, floors) [kg] and [N/m].
+    """
+    squares, shapes = squared(mass, stiffness)
+    signs = np.sign(shapes.sum(axis=0))
+    omega = np.sqrt(np.maximum(squares, SLOWEST**2 * squares.max()))
+    return omega, shapes * np.where(signs == 0, 1.0, signs)
+
+
+def squared(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return squared angular frequencies [rad^2/s^2], which may be negative, and mass-normalised shapes.
+
+    A trial may take more from a floor than it has, when an effect and the calibration both do: a mass that is not positive
+    is made so.
+
+    Args:
+        mass, stiffness: Matrices of a frame, or of a trial of it, each (floors, floors) [kg] and [N/m].
     """
     try:
         squares, shapes = eigh(stiffness, mass)
@@ -309,5 +327,4 @@ def solve_modes(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np
         own, floors = np.linalg.eigh(mass)
         lightest = LIGHTEST * float(np.abs(own).max())
         squares, shapes = eigh(stiffness, floors * np.maximum(own, lightest) @ floors.T)
-    signs = np.sign(shapes.sum(axis=0))
-    return np.sqrt(np.maximum(squares, 1.0)), shapes * np.where(signs == 0, 1.0, signs)
+    return squares, shapes

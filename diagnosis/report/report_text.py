@@ -163,9 +163,14 @@ def _of_modal_data(report: Report) -> str:
     before, after = (percent(getattr(misfit, key, None)) for key in ("before", "after"))
     change = f"a number predicted from the others is off by {after} in the median instead of {before}{sure}"
     names = " and ".join(effect.sized() for effect in report.effects)
+    unknown = f"Something is missing that nothing tried explains; nearest is {names}; {change}."
+    if not names:
+        unknown = (
+            f"These numbers contradict the model or each other, and nothing tried brings them nearer{sure}."
+        )
     return {
         "nothing_missing": f"Nothing is missing that these numbers could show{sure}.",
-        "unknown_effect": f"Something is missing that nothing tried explains; nearest is {names}; {change}.",
+        "unknown_effect": unknown,
         "effect_class": f"Missing is {names}, or another that these numbers cannot tell from it; {change}.",
         "effect_named": f"Missing is {names}; {change}.",
     }[report.verdict]

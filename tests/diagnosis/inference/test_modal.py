@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.case.numbers import ModalDatum
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.case.writing import write_case
+from pounding.diagnosis.decision.modal_decision import probability
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.inference.modal import examine
@@ -25,6 +28,8 @@ from pounding.diagnosis.inference.modal_evidence import (
 from pounding.diagnosis.inference.modal_model import alone
 from pounding.diagnosis.inference.numbers import Numbers
 from pounding.diagnosis.model.model import Model
+from pounding.diagnosis.report.report_text import sentence
+from pounding.diagnosis.settings import SETTINGS
 from pounding.diagnosis.studies.modal_diagnosis import amplitude_law, best_single, pooled
 from pounding.diagnosis.studies.thesis_modal import thesis_belief, thesis_data, twin_scatter
 from tests.diagnosis.models import three_storeys
@@ -177,6 +182,34 @@ def test_a_modal_case_is_diagnosed_from_its_folder(tmp_path: Path) -> None:
     assert "predicted" in (tmp_path / "out" / "report.html").read_text()
     again = write_case(read_case(tmp_path), tmp_path / "copy").parent
     assert read_case(again).modal == read_case(tmp_path).modal
+
+
+def test_numbers_that_contradict_each_other_are_not_called_nothing_missing(tmp_path: Path) -> None:
+    twice = modal(value=5.0, std=0.05, more="mode = 1") + modal(value=7.0, std=0.05, more="mode = 1")
+    (tmp_path / "case.toml").write_text(BENCH + twice)
+    report = diagnose(tmp_path)
+    assert report.verdict == "unknown_effect"
+    assert report.effects == ()
+    assert report.confidence is not None
+    assert report.confidence > 0.999
+    assert sentence(report).startswith("These numbers contradict the model or each other")
+
+
+def test_the_probability_of_what_is_claimed_is_its_share_of_what_was_tried() -> None:
+    """Two effects at once are less likely beforehand, by as much as a second one must bring."""
+    tried = {
+        name: SimpleNamespace(log_evidence=value, acting=(name,))
+        for name, value in (("one", 4.0), ("other", 2.0))
+    }
+    null = SimpleNamespace(log_evidence=0.0, acting=())
+    both = SimpleNamespace(log_evidence=5.0 + SETTINGS.modal.evidence, acting=("one", "other"))
+    found: Any = SimpleNamespace(
+        best=tried["one"], alike=(), null=null, singles=tuple(tried.values()), pairs=(both,)
+    )
+    whole = np.exp([0.0, 4.0, 2.0, 5.0]).sum()
+    assert probability(found, "effect_named") == pytest.approx(np.exp(4.0) / whole)
+    found.best = both
+    assert probability(found, "effect_named") == pytest.approx(np.exp(5.0) / whole)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,17 @@ def test_modes_are_those_of_the_frame() -> None:
     assert shapes.T @ STIFFNESS @ shapes == pytest.approx(np.diag(omega**2), abs=1e-6)
 
 
+def test_a_tall_building_sways_as_slowly_as_it_does() -> None:
+    slow = STIFFNESS * 1e-6
+    omega, _ = solve_modes(np.diag([2.0, 1.0]), slow)
+    assert omega == pytest.approx(1e-3 * solve_modes(np.diag([2.0, 1.0]), STIFFNESS)[0])
+
+
+def test_a_trial_that_leaves_no_stiffness_has_modes_as_well() -> None:
+    omega, _ = solve_modes(np.diag([2.0, 1.0]), np.diag([-1.0, 4e4]))
+    assert omega == pytest.approx([0.2, 200.0])
+
+
 def test_a_trial_that_leaves_a_floor_no_mass_has_modes_as_well() -> None:
     """Else a fit in which effect and calibration both take from a floor would end the whole diagnosis."""
     omega, shapes = solve_modes(np.diag([2.0, -0.1]), STIFFNESS)
