@@ -110,9 +110,9 @@ def scratch(folder: str | Path | None = None, name: str = "pounding") -> Iterato
 
 
 def part_of(path: Path) -> Path:
-    """Return the hidden name of a file that this process is writing."""
+    """Return the hidden name of a file that this thread of this process is writing."""
     # The suffix stays, because writers choose the format by it.
-    return path.with_name(f".{path.stem}.{_host()}.{os.getpid()}.part{path.suffix}")
+    return path.with_name(f".{path.stem}.{threading.get_ident()}.{_host()}.{os.getpid()}.part{path.suffix}")
 
 
 def clear_stale(folder: str | Path) -> None:

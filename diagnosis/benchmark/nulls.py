@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import os
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -19,6 +18,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.stats import binomtest
 
+from pounding.cores import cores
 from pounding.diagnosis.case.case import Case, CaseFrame
 from pounding.diagnosis.decision.beyond_errors import search_beyond_errors
 from pounding.diagnosis.decision.false_alarms import FILE, of_rows, read_nulls
@@ -229,7 +229,7 @@ def main() -> None:
     parser.add_argument(
         "--out", type=Path, required=True, help="CSV file; nulls that it has are not made again"
     )
-    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1), help="nulls at a time")
+    parser.add_argument("--workers", type=int, default=min(2, cores()), help="nulls at a time")
     asked = parser.parse_args()
     if asked.judge:
         print("\n".join(judged(asked.out)))

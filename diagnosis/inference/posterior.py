@@ -324,7 +324,7 @@ def _log_inside(lower: float, upper: float) -> float:
     if lower > 0:
         lower, upper = -upper, -lower
     high, low = float(log_ndtr(upper)), float(log_ndtr(lower))
-    return high + float(np.log1p(-np.exp(min(low - high, -1e-300))))
+    return high + float(np.log1p(-np.exp(low - high)))
 
 
 def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

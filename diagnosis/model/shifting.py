@@ -25,7 +25,7 @@ def shift(series: np.ndarray, step_s: float, delay_s: float, clock: float = 0.0)
     """
     good = np.isfinite(series)
     if good.sum() < 4:
-        return series
+        return series.copy()
     index = np.arange(len(series))
     filled = np.interp(index, index[good], series[good])
     pad = min(256, len(series) - 1)

@@ -7,13 +7,14 @@ is ever added up in the order in which threads happen to finish.
 from __future__ import annotations
 
 import multiprocessing
-import os
 import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
 from functools import cache
 from typing import TypeVar
+
+from pounding.cores import cores as own_cores
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -25,7 +26,7 @@ def cores() -> int:
     """Return how many threads work side by side: one a core of this process, one in a worker process or within a piece."""
     if multiprocessing.parent_process() is not None or getattr(_mine, "busy", False):
         return 1
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return own_cores()
 
 
 def side_by_side(

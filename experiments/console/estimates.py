@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from pounding import bounds
+from pounding.cores import cores
 from pounding.errors import InputError
 from pounding.experiments.rig.rig import APART
 from pounding.frames import Frame, PlateFrame, ReducedFrame
@@ -124,7 +125,7 @@ def of_diagnosis(samples: int, floors: int) -> Work:
 
 def of_benchmark(cases: int) -> Work:
     """Return the work of judging a diagnosis on hidden cases, finished ones not counted."""
-    return Work(f"judging {cases} cases", 40.0 * cases / (os.cpu_count() or 1))
+    return Work(f"judging {cases} cases", 40.0 * cases / cores())
 
 
 def announce(*works: Work) -> None:

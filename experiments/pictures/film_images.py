@@ -27,11 +27,6 @@ PIPE = 1 << 20
 """Size of the pipe from a process [bytes], where the system lets it be chosen."""
 
 
-def cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def images(
     setting: Setting, instants: Sequence[Instant], size: tuple[int, int], processes: int
 ) -> Generator[bytes]:

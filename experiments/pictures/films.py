@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from pounding.cores import cores
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.pictures import film_images
 from pounding.experiments.pictures.scenes import instants, largest_moment, setting, size_of
@@ -131,7 +132,7 @@ def film(
     width, height = size or size_of(motion)
     drawn = round(OVERSIZE * width), round(OVERSIZE * height)
     shown = instants(motion, times, exposure_s=step, behind=behind)
-    images = film_images.images(setting(motion, title=title), shown, drawn, processes or film_images.cores())
+    images = film_images.images(setting(motion, title=title), shown, drawn, processes or cores())
     with replacing(path) as part, closing(images):
         first = next(images)
         # Closed in any case, or ffmpeg would still be writing when the half-made film is removed.

@@ -36,7 +36,7 @@ def contact_warnings(motion: Motion) -> list[str]:
         if touch.peak_force_n >= THRESHOLD_N
     ]
     if not touches:
-        return list(filter(None, flat))
+        return [*filter(None, flat), *_in_the_middle(motion)]
     period = min(1.0 / float(frame.reduced.frequencies_hz[0]) for frame in motion.frames)
     fastest = max(touch.approach_m_s for touch in touches)
     return [

@@ -6,7 +6,6 @@ read from the rows of the loop itself, for a run of the whole motion would cost 
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pounding.cores import cores
 from pounding.experiments.rig.contacts import Contact, check
 from pounding.experiments.rig.exact import ExactRig, Solution
 from pounding.experiments.rig.exact_peaks import largest
@@ -90,7 +90,7 @@ def many(
         ExperimentError: A contact that the frames cannot have, or a run that grows without bound.
         ContactError: A law that cannot be recorded.
     """
-    threads = workers or len(os.sched_getaffinity(0))
+    threads = workers or cores()
     waiting: deque[Future[Outcome]] = deque()
     done = 0
     with ThreadPoolExecutor(threads) as pool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import msgspec
 
@@ -19,9 +19,6 @@ from pounding.experiments.rig.contact_choice import ContactWish, Parameters
 from pounding.experiments.rig.pounding import one_each
 from pounding.toml_text import meant, plainly, shown, tree_of
 from pounding.units import LENGTH
-
-if TYPE_CHECKING:
-    pass
 
 A_NAME = re.compile(r"\w[\w. -]*")
 

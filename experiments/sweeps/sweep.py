@@ -8,7 +8,6 @@ sweep at a time may use a folder.
 from __future__ import annotations
 
 import itertools
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -19,6 +18,7 @@ import xarray as xr
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
+from pounding.cores import cores
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.results.provenance import software_version
 from pounding.experiments.sweeps.cluster import run_distributed
@@ -110,7 +110,7 @@ def _runner(tasks: list[Task], workers: int | None, scheduler: str | None, timeo
         return run_here([])
     if scheduler:
         return run_distributed(tasks, scheduler, timeout_s)
-    count = os.cpu_count() or 1 if workers is None else workers
+    count = cores() if workers is None else workers
     return run_processes(tasks, min(count, len(tasks))) if count else run_here(tasks)
 
 

@@ -20,7 +20,7 @@ from rich.console import Console
 
 from pounding import frames
 from pounding.contact import thesis_law
-from pounding.experiments.pictures.film_images import cores
+from pounding.cores import cores
 from pounding.experiments.pictures.films import LONGEST_S, film
 from pounding.experiments.rig.pounding import pound, shaking
 

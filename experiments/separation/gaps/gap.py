@@ -164,7 +164,7 @@ def rules_beside(
         right: The other frame.
         gap: Their required gap and peaks.
         pga_g: Peak acceleration of the record [g].
-        length_scale: Length of the model over that of the building [-].
+        length_scale: Length of the building over that of the model [-].
     """
     buildings = [
         Building(
