@@ -79,7 +79,7 @@ class _Recorder:
         return Program(rows, registers, start[force.kind] + force.place)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Symbol:
     """A number of a law that is not known yet."""
 
@@ -138,6 +138,12 @@ class _Symbol:
     def __le__(self, other: Any) -> _Symbol:
         return self.recorder.do(Operation.GREATER_EQUAL, other, self)
 
+    def __eq__(self, other: object) -> bool:
+        raise TypeError("it asks whether numbers are equal, one of which is not known yet; ask by >= and <=")
+
+    __ne__ = __eq__
+    __hash__ = object.__hash__
+
     def __bool__(self) -> bool:
         raise TypeError("it asks whether a number that is not known yet is true; use xp.where")
 
@@ -185,6 +191,6 @@ def recorded(law: Law) -> Program:
     except (TypeError, AttributeError) as error:
         raise ContactError(
             f"{law.name}: the formula cannot be recorded for the exact solver ({error}); write it with +, -, *, /, "
-            "comparisons and xp.power, xp.sqrt, xp.where and xp.maximum, or run it with --solver exudyn"
+            "<, <=, >, >= and xp.power, xp.sqrt, xp.where and xp.maximum, or run it with --solver exudyn"
         ) from None
     return recorder.program(force)

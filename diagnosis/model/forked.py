@@ -139,7 +139,7 @@ class _Worker:
 
 def _work(
     answers: Connection,
-    parent_s: Connection,
+    parents: Connection,
     function: Callable[[Any], Any],
     pieces: Sequence[Any],
     shared: Sequence[object],
@@ -148,14 +148,23 @@ def _work(
     # them to end gets one answer, from the process that waits.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    parent_s.close()
+    parents.close()
     with suppress(EOFError, BrokenPipeError):
         while (number := answers.recv()) is not None:
             try:
                 answer = _pickled((number, True, function(pieces[number])), shared)
             except Exception as error:
-                answer = _pickled((number, False, error), shared)
+                answer = _pickled((number, False, _sendable(error)), shared)
             answers.send_bytes(answer)
+
+
+def _sendable(error: Exception) -> Exception:
+    """Return an error as it can be sent, which not every library's can: then another one that says the same."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:  # whatever its own constructor raises
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
 
 
 def _pickled(thing: object, shared: Sequence[object]) -> bytes:

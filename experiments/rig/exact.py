@@ -26,7 +26,7 @@ from pounding.experiments.rig.energy import balance
 from pounding.experiments.rig.exact_arrays import Contacts, Modes, Shaking, State, Storeys
 from pounding.experiments.rig.frame_laws import frame_laws
 from pounding.experiments.rig.laws import filled
-from pounding.experiments.rig.motion import FrameMotion, Motion, unbounded
+from pounding.experiments.rig.motion import FrameMotion, Motion, end_of_run, stop_if_unbounded, unbounded
 from pounding.experiments.rig.storeys import KnownForce, StoreyLaw, check, coordinate_row, no_law_twice
 from pounding.experiments.rig.storeys import history_of as storey_history
 from pounding.frames.response.exact import checked, poles, select
@@ -273,7 +273,7 @@ class ExactRig:
                 rows.forces[part],
             )
             last, now = rows.times[filled - 1], float(rows.times[filled + gone - 2])
-            self._check(rows.states[filled : filled + gone - 1][::-LOOK_EVERY], now)
+            self._check(rows.times[filled : filled + gone - 1], rows.states[filled : filled + gone - 1])
             if ended == loop.STUCK or (ended == loop.FULL and now - last < STUCK_S):
                 jumps = "a law in a storey may jump, which exudyn can run; else " if self.storeys else ""
                 raise ExperimentError(
@@ -285,14 +285,17 @@ class ExactRig:
                 progress(now)
         return rows.times[:filled], rows.states[:filled], rows.forces[:filled]
 
-    def _check(self, states: Real, now: float) -> None:
+    def _check(self, times: Real, states: Real) -> None:
+        """Stop a run that has moved by more than its frames are high; of all rows some tell soon enough."""
         for frame, one, span in zip(self.frames, self.poles, self.spans, strict=True):
-            inside = states[:, :, slice(*span)]
             floors = one.output[:, frame.floor_x]
-            moved = np.abs(inside[:, 0] @ floors.real - inside[:, 1] @ floors.imag).max(axis=0, initial=0.0)
-            reason = unbounded(frame, moved)
-            if reason:
-                raise ExperimentError(f"the run was stopped at {now:.4f} s: {reason}")
+
+            def moved(rows: Real, span: tuple[int, int] = span, floors: Any = floors) -> Real:
+                inside = rows[:, :, slice(*span)]
+                return np.asarray(np.abs(inside[:, 0] @ floors.real - inside[:, 1] @ floors.imag))
+
+            if unbounded(frame, moved(states[::-LOOK_EVERY]).max(axis=0, initial=0.0)):
+                stop_if_unbounded(frame, times, moved(states))
 
     def _shaking(
         self,
@@ -303,7 +306,7 @@ class ExactRig:
         tolerance: float,
         contact_level: int,
     ) -> Shaking:
-        end_s = (len(samples) - 1) * step_s if duration_s is None else float(duration_s)
+        end_s = end_of_run((len(samples) - 1) * step_s, duration_s)
         intervals = max(1, math.ceil(end_s / step_s - 1e-9))
         starts, ends = _ends(samples, intervals)
         parts = max(1, math.ceil(step_s / (longest_s or longest_step(self.frames)) - 1e-9))
@@ -403,6 +406,7 @@ class ExactRig:
         all_three = states[:, 0] @ output.real
         all_three -= states[:, 1] @ output.imag
         u, v, a = np.split(all_three, 3, axis=1)
+        stop_if_unbounded(frame, solution.time_s, np.abs(u[:, frame.floor_x]))
         # What acts at once: the table on all coordinates, the connections' forces on those of their floors.
         connections = self._sides()
         pushed = np.zeros((1 + len(connections), len(frame.mass)))

@@ -259,6 +259,40 @@ def unbounded(frame: ReducedFrame, moved_m: Real) -> str:
     )
 
 
+def stop_if_unbounded(frame: ReducedFrame, time_s: Real, moved_m: Real) -> None:
+    """Stop a run in which a floor moves by more than the frame's height.
+
+    Args:
+        frame: The frame.
+        time_s: Times (m,) [s].
+        moved_m: How far each of its floors has moved (m, storeys) [m].
+
+    Raises:
+        ExperimentError: One does; says when it first did.
+    """
+    beyond = np.flatnonzero(~(moved_m.max(axis=1, initial=0.0) < float(np.max(frame.heights_m))))
+    if len(beyond):
+        reason = unbounded(frame, moved_m[beyond[0]])
+        raise ExperimentError(f"the run was stopped at {time_s[beyond[0]]:.4f} s: {reason}")
+
+
+def end_of_run(shaken_s: float, duration_s: float | None) -> float:
+    """Return when a run ends [s].
+
+    Args:
+        shaken_s: End of the shaking [s].
+        duration_s: What was asked for [s]; None for the end of the shaking.
+
+    Raises:
+        ExperimentError: What was asked for is no time after the begin.
+    """
+    if duration_s is None:
+        return shaken_s
+    if not (np.isfinite(duration_s) and duration_s > 0.0):
+        raise ExperimentError(f"the run would end at {duration_s:g} s; give a duration above 0 s")
+    return float(duration_s)
+
+
 @dataclass(frozen=True, eq=False)
 class EnergyBalance:
     """Energies of the motion relative to the table, at the integrator's steps.

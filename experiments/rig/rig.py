@@ -24,7 +24,7 @@ from pounding.experiments.errors import ExperimentError
 from pounding.experiments.records import Record
 from pounding.experiments.rig.contacts import Contact, check, history_of, sides_of
 from pounding.experiments.rig.energy import balance
-from pounding.experiments.rig.motion import FrameMotion, Motion, StoreyHistory
+from pounding.experiments.rig.motion import FrameMotion, Motion, StoreyHistory, end_of_run
 from pounding.experiments.rig.watchdog import Guard
 from pounding.frames.response.body import FrameBody, Table, table_mass
 
@@ -145,7 +145,7 @@ class Rig:
             bodies = tuple(FrameBody(mbs, frame, table) for frame in self.frames)
             # The engine keeps no reference to what it calls: these have to live until it has finished.
             connectors = [self._connect(mbs, bodies, contact) for contact in self.contacts]
-            end = table.duration_s if duration_s is None else float(duration_s)
+            end = end_of_run(table.duration_s, duration_s)
             kept: list[Any] = [*connectors, *self._connectors(mbs, table, bodies, end)]
             kept += [addition(Assembly(mbs, table, bodies)) for addition in self.additions]
             latches = [one.latch for one in kept if getattr(one, "latch", None) is not None]

@@ -9,6 +9,7 @@ import exudyn
 import numpy as np
 
 from pounding.contact.connector import Latch
+from pounding.experiments.rig.motion import unbounded
 from pounding.frames.response.body import FrameBody
 
 if TYPE_CHECKING:
@@ -43,8 +44,7 @@ class Guard:
         progress: Callable[[float], None] | None,
     ) -> None:
         self._latches = latches
-        heights = [float(np.max(frame.heights_m)) for frame in frames]
-        self._watched = list(zip(frames, bodies, heights, strict=True))
+        self._watched = list(zip(frames, bodies, strict=True))
         self._progress, self._count, self._milestone = progress, 0, 0.0
         self.reason, self.time_s = "", 0.0
 
@@ -62,15 +62,12 @@ class Guard:
         return not self.reason
 
     def _unbounded(self, mbs: Any) -> str:
-        for frame, body, height in self._watched:
+        for frame, body in self._watched:
             # The engine gives a single coordinate as a number.
             coordinates = np.atleast_1d(mbs.GetNodeOutput(body.node, exudyn.OutputVariableType.Coordinates))
-            moved = np.abs(coordinates[frame.floor_x])
-            if not moved.max() < height:
-                return (
-                    f"floor {int(moved.argmax()) + 1} of {frame.name} has moved by more than its height "
-                    f"of {height:g} m; lower the shaking, or check the frame's stiffness and damping"
-                )
+            reason = unbounded(frame, np.abs(coordinates[frame.floor_x]))
+            if reason:
+                return reason
         return ""
 
     def _stuck(self, t: float) -> str:

@@ -3,6 +3,7 @@ import os
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from pounding.frames import files
 from pounding.frames.errors import FrameError
 from pounding.frames.files import (
+    PART,
     DamageWarning,
     clear_stale,
     part_of,
@@ -79,11 +81,24 @@ def test_what_a_killed_process_had_begun_is_hidden_and_goes_with_the_next_file(
     assert os.listdir(tmp_path) == ["other.bin"]
 
 
+def test_two_threads_write_one_file_in_turn(tmp_path):
+    def write(content: bytes) -> None:
+        for _ in range(50):
+            write_whole(tmp_path / "shared.bin", content)
+
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(write, (b"one" * 1000, b"other" * 1000)))
+    assert (tmp_path / "shared.bin").read_bytes() in (b"one" * 1000, b"other" * 1000)
+    assert os.listdir(tmp_path) == ["shared.bin"]
+
+
 def test_what_is_being_written_elsewhere_stays(tmp_path, killed_while_writing):
     left = killed_while_writing(tmp_path / "a.bin")
     mine = part_of(tmp_path / "b.bin")
     mine.write_text("being written by a process that lives: this one")
-    process = left.name.split(".")[3]
+    found = PART.fullmatch(left.name)
+    assert found is not None
+    process = found["process"]
     others = left.with_name(f".c.another-computer.{process}.part.bin")
     others.write_text("its processes cannot be asked")
     like = tmp_path / ".notes.part"

@@ -60,6 +60,21 @@ def test_an_error_in_a_piece_is_the_callers_and_no_process_stays() -> None:
     assert not multiprocessing.active_children()
 
 
+class Wayward(Exception):
+    """An error that cannot be made again from what it says."""
+
+    def __init__(self, what: str, where: str) -> None:
+        super().__init__(f"{what} at {where}")
+
+
+def test_an_error_that_cannot_be_sent_says_the_same_all_the_same() -> None:
+    def fails(piece: int) -> int:
+        raise Wayward("nothing", f"piece {piece}")
+
+    with pytest.raises(RuntimeError, match=r"Wayward: nothing at piece [01]"):
+        forked(fails, [0, 1])
+
+
 def test_a_process_that_is_ended_from_outside_is_said_to_be() -> None:
     with pytest.raises(CaseError, match="status -9, as when memory runs out; free some memory"):
         forked(lambda _: os.kill(os.getpid(), signal.SIGKILL), [0, 1])

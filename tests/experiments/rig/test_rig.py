@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from typing import Any
 
 import numpy as np
@@ -183,6 +184,33 @@ def test_no_frame_and_no_step_are_refused(low: ReducedFrame) -> None:
         Rig([])
     with pytest.raises(ExperimentError, match="without a sample step"):
         Rig([low]).run(np.zeros(10))
+
+
+@pytest.mark.parametrize("solver", ["exudyn", "exact"])
+@pytest.mark.parametrize("duration_s", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_run_ends_after_it_has_begun(
+    low: ReducedFrame, shaking: Record, solver: Any, duration_s: float
+) -> None:
+    with pytest.raises(ExperimentError, match="give a duration above 0 s"):
+        Rig([low]).run(shaking, duration_s=duration_s, solver=solver)
+
+
+@pytest.mark.parametrize("solver", ["exudyn", "exact"])
+def test_both_solvers_say_when_a_floor_moves_by_more_than_the_height(
+    low: ReducedFrame, shaking: Record, solver: Any
+) -> None:
+    """The one between its steps, the other between the rows that it looks at while it runs."""
+    plain = Rig([low]).run(shaking, solver="exact").frames[0]
+    moved = np.abs(plain.displacement_m[:, low.floor_x]).max(axis=1)
+    times = 1.02 * float(np.max(low.heights_m)) / moved.max()
+    with pytest.raises(ExperimentError) as caught:
+        Rig([low]).run(times * shaking.acceleration_m_s2, shaking.step_s, solver=solver)
+    said = re.search(
+        r"stopped at ([0-9.]+) s: floor 5 of 5B has moved by more than its height", str(caught.value)
+    )
+    assert said is not None
+    first = plain.time_s[np.argmax(times * moved > np.max(low.heights_m))]
+    assert float(said[1]) == pytest.approx(first, abs=0.02)
 
 
 @pytest.mark.parametrize("factor", [-0.1, 1.0])
