@@ -186,7 +186,7 @@ def _one_source(name: str, frame: StickFrame) -> None:
     if len(stated) != 1:
         raise FrameError(
             f"{name}: give either storey_stiffness_n_per_m or frequency_hz, or a table modes or matrices, one of them "
-            f"({' and '.join(stated) or 'none'} is stated)"
+            f"({' and '.join(stated) or 'none'} {'are' if len(stated) > 1 else 'is'} stated)"
         )
     if frame.modes is not None and not frame.floor_mass_kg:
         raise FrameError(

@@ -11,7 +11,7 @@ from rich.console import RenderableType
 
 from pounding.experiments.command.gap import Report
 from pounding.experiments.console import options
-from pounding.experiments.console.output import emit, table
+from pounding.experiments.console.output import emit, table, written
 from pounding.experiments.output.building_sketch import Marked, Outline, building_sketch
 from pounding.experiments.output.report import write_report
 from pounding.experiments.results.provenance import stamp
@@ -68,7 +68,7 @@ def design(
             [Outline("tall", [tall]), Outline("short", [short])], [Marked(0, short, words)]
         )
         write_report("design", result, report, [pictures.design_bars(result)], sketch)
-    emit(result, as_json=json, show=lambda: _tables(result))
+    emit(result, as_json=json, show=lambda: [*_tables(result), *written(report)])
 
 
 def _tables(result: dict[str, Any]) -> Iterable[RenderableType | str]:

@@ -222,8 +222,8 @@ def _place(name: str) -> str:
 def _several(found: list[Record]) -> list[Record]:
     if len(found) < 2:
         raise ExperimentError(
-            f"{len(found)} record(s); a fragility needs several: give --set (a folder, or {', '.join(FEMA_SETS)}), or "
-            "--record more than once"
+            f"{len(found) or 'no'} record was found; a fragility needs several: give --set (a folder, or "
+            f"{', '.join(FEMA_SETS)}), or --record more than once"
         )
     return found
 

@@ -14,7 +14,7 @@ from rich.console import RenderableType
 
 from pounding import frames
 from pounding.experiments.console import estimates, options
-from pounding.experiments.console.output import emit, table, warn
+from pounding.experiments.console.output import emit, table, warn, written
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.output.building_sketch import Marked, Outline, building_sketch
 from pounding.experiments.output.report import write_report
@@ -42,7 +42,7 @@ Report = Annotated[
     Path | None,
     Parameter(
         help="HTML file to write: the answer with its picture, self-contained.",
-        validator=options.writable_file,
+        validator=options.report_file,
     ),
 ]
 
@@ -108,7 +108,7 @@ def gap(
         pictures = [place.picture(motion, answer) for place, answer in zip(places, answers, strict=True)]
         _write(report, result, answers, pictures, row, scale)
     show = _tables if right is not None else _street_tables
-    emit(result, as_json=json, show=lambda: show(result, states, scale))
+    emit(result, as_json=json, show=lambda: [*show(result, states, scale), *written(report)])
     for sentence in map(str, result["warnings"]):
         warn(sentence)
 

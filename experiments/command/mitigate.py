@@ -54,7 +54,9 @@ def mitigate(
     record: Annotated[
         list[options.RecordName],
         Parameter(
-            negative=(), help="Ground motion by name or file, repeatable; of each response the worst counts."
+            negative=(),
+            show_choices=False,
+            help="Ground motion by name or file, repeatable; of each response the worst counts.",
         ),
     ],
     measure: Annotated[
@@ -213,13 +215,18 @@ def _narrowest(contacts: Sequence[Contact], needed_mm: Sequence[float]) -> list[
     ]
 
 
+def _records(result: dict[str, Any]) -> str:
+    count = len(result["records"])
+    return f"{count} records" if count > 1 else "1 record"
+
+
 def _show(result: dict[str, Any], scale: TableScale) -> Iterable[Any]:
     hit = result["measures"][0]["response"]["column_shear_kn"] > 0.0
     # No link stands where floors hit columns.
     heads = ["contact kN", "link kN", "touches", "drift %", "accel. g", "gap needed mm"]
     hit_heads = ["force kN", "column kN", "kN m", "hits", "drift %", "acc. g", "gap mm"]
     yield table(
-        f"{result['parameters']['street']}, the worst of {len(result['records'])} record(s), each measure at its best",
+        f"{result['parameters']['street']}, the worst of {_records(result)}, each measure at its best",
         ["measure", *(hit_heads if hit else heads)],
         [_row(one, hit) for one in result["measures"]],
     )

@@ -45,6 +45,14 @@ def writable_file(_kind: object, path: Path | None) -> None:
         tried_file(path)
 
 
+def report_file(_kind: object, path: Path | None) -> None:
+    """Refuse a report that is no HTML file, as one of the command's own files would be, or cannot be written."""
+    if path is not None:
+        if path.suffix.lower() not in (".html", ".htm"):
+            raise ValueError(f"a report is an HTML file; call it {path.with_suffix('.html').name}")
+        tried_file(path)
+
+
 # What the Tab key offers; any other name or file is taken too.
 _OPEN = Parameter(show_choices=False, metavar="NAME")
 FrameName = Annotated[Frames | str, _OPEN]

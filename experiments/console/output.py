@@ -6,6 +6,7 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,11 @@ def emit(
     console = printer()
     for item in show():
         console.print(item)
+
+
+def written(path: Path | None) -> list[str]:
+    """Return a line on a file that was written, none without one."""
+    return [] if path is None else [f"written: {path}"]
 
 
 def plain(value: Any) -> Any:

@@ -70,8 +70,9 @@ def linear_street(file: str, time_factor: float | None, damping: float | None) -
         FrameError: A frame that cannot be.
     """
     if not is_street_file(file):
+        load(file)  # whose sentence on what is no frame is the better one
         raise ExperimentError(
-            f"{file} is no street file; pounding new-street writes one from two frames or more"
+            f"{file} is one frame and no street file; pounding new-street writes one from two frames or more"
         )
     street = load_street(file)
     names = [building.frame for building in street.building]

@@ -226,7 +226,10 @@ def _in_state(
 ) -> FrameState:
     """Return a frame whose first frequency is printed somewhere, or with rigid joints, or of no laboratory."""
     if name not in LABORATORY:
-        stiffness = "rigid joints" if joints == "rigid" else "stiffness as in its file"
+        stiffness = "stiffness as in its file"
+        if joints == "rigid":
+            is_stick = isinstance(frames.load(name), frames.StickFrame)
+            stiffness = f"{stiffness} (a stick has no joints)" if is_stick else "rigid joints"
         return FrameState(name, None, None, None, damping, f"{stiffness}, {_asked(damping)}")
     ratio, words = _damping(name, state, damping)
     if frequency is None:

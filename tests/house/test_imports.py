@@ -18,7 +18,18 @@ ALLOWED = {
     "experiments": {"frames", "contact"},
     "diagnosis": {"frames", "contact", "experiments"},
 }
-SHARED = {"bounds", "calling", "constants", "errors", "extras", "scale", "spelling", "toml_text", "units"}
+SHARED = {
+    "bounds",
+    "calling",
+    "constants",
+    "cores",
+    "errors",
+    "extras",
+    "scale",
+    "spelling",
+    "toml_text",
+    "units",
+}
 """Modules of `pounding` itself, which import nothing of the packages."""
 COMMAND = "experiments/command/"
 
