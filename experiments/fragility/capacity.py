@@ -85,7 +85,7 @@ def touching_intensity(
     """
     near = closing_m > 0.0
     if not near.any():
-        raise ExperimentError(f"record {record}: the floors do not approach each other at any intensity")
+        raise ExperimentError(f"record {record}: while it lasts the floors do not approach each other")
     gaps = np.array([contact.gap_m for contact in contacts])
     return float(intensity_g * np.min(gaps[near] / closing_m[near]))
 

@@ -11,6 +11,7 @@ import numpy as np
 from pounding.experiments.rig.ductility import ductilities
 from pounding.experiments.rig.motion import FrameMotion, Motion
 from pounding.experiments.rig.rig import Rig
+from pounding.experiments.rig.ringing import cut_short
 from pounding.frames.definition import PlateFrame
 from pounding.frames.response.stress import Largest, largest_stress
 
@@ -93,7 +94,7 @@ def linear_stress(motion: FrameMotion) -> Largest | None:
 
 
 def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:
-    """Return a sentence for each limit of the linear model that a motion passes.
+    """Return a sentence for each limit of the linear model that a motion passes, and one where it ends too early.
 
     The limits: von Mises' stress of the motion below the yield stress, and storey drifts below `SMALL_DRIFT`
     of the storey height. The stress of gravity, some 3 MPa, is not counted.
@@ -115,7 +116,8 @@ def validity(motion: FrameMotion, stress: Largest | None) -> list[str]:
             f"{motion.name}: storey {storey} drifts by {100 * drift:.1f} % of its height at {at:.3f} s, "
             f"beyond the {100 * SMALL_DRIFT:.0f} % up to which small rotations may be assumed"
         )
-    return warnings
+    roof = motion.displacement_m[:, motion.reduced.floor_x[-1]]
+    return warnings + cut_short(motion.reduced, roof, motion.displacement_m[-1], motion.velocity_m_s[-1])
 
 
 def largest_drift(motion: FrameMotion) -> tuple[float, int, float]:

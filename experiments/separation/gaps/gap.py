@@ -23,10 +23,12 @@ from pounding.experiments.rig.required_gap import (
     place_motions,
     required_gap,
 )
+from pounding.experiments.rig.ringing import cut_short
 from pounding.experiments.separation.gaps.answer import EdgeGap, FloorGap, GapAnswer, Spread
 from pounding.experiments.separation.rules.answers import Answer, Building, code_rules
 from pounding.frames import ReducedFrame
 from pounding.frames.floors import level_floors
+from pounding.frames.response.exact import linear_response
 from pounding.scale import THESIS
 
 MM = 1000.0
@@ -282,4 +284,7 @@ def _warnings(
             f"the floors turn, and at the end of their edge (y = {widest.y_m:g} m) floor {floor} needs "
             f"{widest.required_gap_mm:.4g} mm"
         )
+    for frame in pair:
+        moved, rate = linear_response(frame, record.acceleration_m_s2, record.step_s)
+        found += cut_short(frame, moved[:, frame.floor_x[-1]], moved[-1], rate[-1])
     return found
