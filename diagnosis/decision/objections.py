@@ -13,7 +13,8 @@ from pounding.diagnosis.inference.model_checks import strained, stray_tones
 def against_the_model(found: Findings, judged: Judged) -> tuple[bool, tuple[str, ...]]:
     """Return whether something speaks against effects however well they fit, and a sentence for each thing seen.
 
-    A part of a real frame that sways by itself makes a tone too: one that is within the model's error is only said.
+    A part of a real frame that sways by itself makes a tone too: one that is within the model's error is only said. So is
+    one of frames whose forces are what the motion asks for: these are wrong at the rate at which the frames touch.
 
     Args:
         found: What the search found.
@@ -23,11 +24,12 @@ def against_the_model(found: Findings, judged: Judged) -> tuple[bool, tuple[str,
     filtered = judged.fit.filtered.since(found.model)
     against = [] if bends(found, judged) else another_frame(found, judged)
     # A contact's push that was missed is no blow.
-    pushed = None if forces_from_motion(found) else impulses(found.model, filtered)
+    asked = not forces_from_motion(found)
+    pushed = impulses(found.model, filtered) if asked else None
     if pushed is not None:
         against.append(pushed.sentence())
     stray = stray_tones(found.model, filtered)
-    objections = bool(against) or (bool(stray) and not within_model_error(found, judged))
+    objections = bool(against) or (bool(stray) and asked and not within_model_error(found, judged))
     return objections, (*against, *stray)
 
 

@@ -244,6 +244,18 @@ def test_a_tone_objects_where_more_is_left_than_a_model_of_a_real_frame_may_leav
         assert decision.model_checks == ("a tone of 8.4 Hz",)
 
 
+@pytest.mark.parametrize(("blind", "objects"), [(False, True), (True, False)])
+def test_a_tone_of_frames_whose_forces_are_found_from_the_motion_is_said_and_decides_nothing(
+    blind: bool, objects: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What such forces get wrong comes again with every touch."""
+    found = findings(Problem(4.0, (), ""), DATA["quiet"])
+    found.pair = SimpleNamespace(blind=blind, second=None, contact_claimed=False)  # type: ignore[assignment]
+    allow(monkeypatch, 0.0)
+    monkeypatch.setattr(objections, "stray_tones", lambda *given: ["a tone of 5.3 Hz"])
+    assert objections.against_the_model(found, found.null) == (objects, ("a tone of 5.3 Hz",))
+
+
 @pytest.mark.parametrize(("nearest", "verdict"), [(0.0, "effect_named"), (9.0, "unknown_effect")])
 def test_another_frame_is_one_that_no_frame_near_the_baseline_moves_like(
     nearest: float, verdict: str, monkeypatch: pytest.MonkeyPatch
