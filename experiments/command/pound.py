@@ -13,7 +13,8 @@ from cyclopts import Parameter
 from rich.progress import Progress, TaskID
 
 from pounding import bounds
-from pounding.contact.laws import BUILT_IN
+from pounding.contact.floors import is_hertz
+from pounding.contact.laws import BUILT_IN, law_class
 from pounding.experiments.console import estimates, options
 from pounding.experiments.console.collision_tables import tables
 from pounding.experiments.console.output import emit, plain, progress_console, warn
@@ -183,9 +184,25 @@ def _streets(left: str, right: str | None, contact: Gap, law: str | None) -> lis
         )
     if not contact.gaps_mm:
         raise ExperimentError("two frames need their gap at rest; give --gap with a length in mm")
-    laws = BUILT_IN if law == "all" else [contact.law]
+    each = _of_all_laws(contact) if law == "all" else [contact]
     pair = Building(left), Building(right)
-    return [Street(pair, (msgspec.structs.replace(contact, law=name),)) for name in laws]
+    return [Street(pair, (one,)) for one in each]
+
+
+def _of_all_laws(contact: Gap) -> list[Gap]:
+    """Return a contact once for each law, with those of the stated numbers for which that has a use."""
+    if contact.stiffness is not None:
+        raise ExperimentError(
+            "--law all: one stiffness cannot be that of laws in N/m and of laws in N/m^1.5; leave --stiffness out, or name "
+            "one law"
+        )
+    found = []
+    for name in BUILT_IN:
+        law, one = law_class(name), msgspec.structs.replace(contact, law=name)
+        if not law.damped:
+            one = msgspec.structs.replace(one, restitution=None, tension=False)
+        found.append(one if is_hertz(name) else msgspec.structs.replace(one, radius_m=None))
+    return found
 
 
 class _Standing(NamedTuple):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from pounding.contact.errors import ContactError
 from pounding.contact.floors import (
     Estimate,
     Floor,
@@ -61,12 +62,11 @@ def chosen_parameters(frames: Sequence[Frame], table: TableScale, wish: ContactW
 
     Raises:
         ExperimentError: The laboratory's contact at another scale than its own, or nothing to estimate another from.
-        ContactError: An unknown law, or one whose stiffness nothing estimates.
+        ContactError: An unknown law, one whose stiffness nothing estimates, or a number for which no law has a use.
     """
-    for name in wish.laws:
-        law_class(name)
     at_home = table.scale.is_near(THESIS)
     chosen = wish.parameters or ("printed" if at_home else "floors")
+    _check_used(wish, chosen)
     if chosen != "floors":
         if not at_home:
             raise ExperimentError(
@@ -84,6 +84,20 @@ def chosen_parameters(frames: Sequence[Frame], table: TableScale, wish: ContactW
                 f"{_needs(frames)}, or give --stiffness and --restitution (in a street file the keys)"
             )
     return chosen
+
+
+def _check_used(wish: ContactWish, chosen: Parameters) -> None:
+    """Refuse a number for which none of the laws has a use."""
+    laws = [law_class(name) for name in wish.laws]
+    names = " and ".join(wish.laws)
+    for key, given in (("restitution", wish.restitution is not None), ("tension", wish.tension)):
+        if given and not any(law.damped for law in laws):
+            raise ContactError(f"{names}: {key} is given, for which this law has no use; leave it out")
+    of_spheres = chosen == "floors" and wish.stiffness is None and any(law.unit != "N/m" for law in laws)
+    if wish.radius_m is not None and not of_spheres:
+        raise ContactError(
+            f"{names}: a radius is given, and only a Hertz contact that is estimated from the floors has one; leave it out"
+        )
 
 
 def _names(frames: Sequence[Frame]) -> str:

@@ -94,6 +94,9 @@ LOW = 'kind = "stick"\nname = "low"\nstoreys = 1\nstorey_height_m = 0.1\nfloor_m
 ELCENTRO = ["--record", "elcentro-chopra"]
 
 
+TOWERS = ["pound", "flats.toml", "office.toml", "--gap", "50"]
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -106,6 +109,10 @@ ELCENTRO = ["--record", "elcentro-chopra"]
         (["shake", "office.toml", "--time-factor", "0"], "--time-factor: the value is 0"),
         (["shake", "negative.toml"], "scale is -1"),
         (["pound", "flats.toml", "office.toml", "--gap", "50", "--radius", "0"], "--radius: the value is 0 m"),
+        ([*TOWERS, "--radius", "3"], "linear_viscoelastic: a radius is given, and only a Hertz contact"),
+        ([*TOWERS, "--law", "hertz", "--restitution", "0.5"], "hertz: restitution is given, for which"),
+        ([*TOWERS, "--law", "linear_spring", "--tension"], "linear_spring: tension is given, for which"),
+        ([*TOWERS, "--law", "all", "--stiffness", "1e9"], "--law all: one stiffness cannot be that of laws in N/m"),
     ],
 )  # fmt: skip
 def test_bad_input_about_scale_is_one_sentence_and_status_2(
