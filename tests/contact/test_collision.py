@@ -119,6 +119,12 @@ def test_stereo_mechanics_keeps_momentum(restitution: float) -> None:
     assert restitution_of(*before, *after) == pytest.approx(restitution, abs=1e-12)
 
 
+@pytest.mark.parametrize("restitution", [-0.1, 2.0])
+def test_stereo_mechanics_refuses_a_restitution_that_cannot_be(restitution: float) -> None:
+    with pytest.raises(ContactError, match="restitution"):
+        after_impact(1.0, 2.0, 1.0, 0.0, restitution)
+
+
 def test_the_printed_relations_lose_momentum() -> None:
     """Eq. 2.1 and 2.2 as printed give both bodies a change of the same sign."""
     before, masses = (0.4, -0.1), (6.2, 2.0)

@@ -100,6 +100,12 @@ def test_sets_differ_where_the_thesis_disagrees_with_itself() -> None:
     assert thesis_law("linear_viscoelastic").damping == 1255.0
 
 
+@pytest.mark.parametrize("factor", [40.0, 150.0])
+def test_a_factor_outside_of_equation_2_24_is_refused(factor: float) -> None:
+    with pytest.raises(ContactError, match="outside the 50 to 100"):
+        k.naserkhaki(1e6, factor)
+
+
 def test_wrong_names_are_refused() -> None:
     with pytest.raises(ContactError, match="printed, formula"):
         thesis_law("hertz", "measured")

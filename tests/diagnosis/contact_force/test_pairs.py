@@ -22,7 +22,7 @@ from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.claims import Candidate
 from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.decision import Verdict
-from pounding.diagnosis.decision.pair_decision import joined
+from pounding.diagnosis.decision.pair_decision import contact_claims, joined
 from pounding.diagnosis.design import contact_advice
 from pounding.diagnosis.inference.filtering import Filtered, run_signatures, whitened
 from pounding.diagnosis.inference.findings import Findings
@@ -309,6 +309,20 @@ def test_a_single_impact_decides_nothing() -> None:
     # Nor does it pull the others away.
     assert again.distance[1:] == pytest.approx(found.null.distance[1:], abs=0.5)
     assert again.law.gap_m == pytest.approx(found.null.law.gap_m, abs=found.null.std[0])
+
+
+@pytest.mark.parametrize(("beyond", "claimed"), [(-1.0, False), (3.0, True), (6.0, True)])
+def test_a_contact_that_never_closes_is_wider_by_as_much_as_floors_came_beyond_it(
+    beyond: float, claimed: bool
+) -> None:
+    case, spread = colliding(CONTACT), 5e-5
+    nearest = CONTACT.gap_m + beyond * spread
+    found = contact_claims(case, ContactFindings(None, nearest_m=nearest, spread_m=spread))
+    assert bool(found) == claimed
+    for one in found:
+        assert one.effect == "gap_offset"
+        assert one.parameters[0].value == pytest.approx(1e3 * beyond * spread)
+        assert one.log_evidence == pytest.approx(0.5 * beyond**2 - SETTINGS.pair_decision.parameter_cost)
 
 
 def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:

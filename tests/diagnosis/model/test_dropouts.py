@@ -61,3 +61,11 @@ def test_what_has_no_spectrum_is_joined_without_a_word() -> None:
         warnings.simplefilter("error")
         np.testing.assert_allclose(filled(flat), 0.3)
         assert np.isnan(filled(np.full(10, np.nan))).all()
+
+
+def test_a_series_is_filled_about_its_own_level() -> None:
+    series = table()
+    missing = np.random.default_rng(2).random(SAMPLES) < 0.02
+    gapped = np.where(missing, np.nan, series)
+    level = 40.0 * series.std()
+    np.testing.assert_allclose(filled(gapped + level) - level, filled(gapped), atol=0.02 * series.std())

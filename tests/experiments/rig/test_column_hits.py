@@ -25,13 +25,13 @@ COLUMNS = Columns(
 )
 
 
-def stick(name: str, heights: list[float], hertz: float) -> object:
+def stick(name: str, heights: list[float], hertz: float, masses: tuple[float, ...] = ()) -> object:
     return build(
         StickFrame(
             name=name,
             storeys=len(heights),
             storey_height_m=heights,
-            floor_mass_kg=[6.0] * len(heights),
+            floor_mass_kg=masses or [6.0] * len(heights),
             frequency_hz=[hertz],
             damping_ratio=0.01,
         )
@@ -78,6 +78,14 @@ def test_the_place_is_on_the_higher_neighbour() -> None:
     assert mirrored.floors == pytest.approx((2, 2.3))
     assert mirrored.hit == 1
     assert masses_at(LEFT, RIGHT, PLACE) == pytest.approx((6.0, 6.0))
+
+
+def test_the_floor_that_is_nearer_bears_more_of_a_blow_and_its_mass_counts_more() -> None:
+    uneven = stick("left", [0.1, 0.1, 0.1], 3.0, (1.0, 2.0, 10.0))
+    lower, upper = column_weights(PLACE.share)
+    assert lower > 0.5 > upper  # hit at three tenths of the storey
+    assert masses_at(uneven, RIGHT, PLACE)[0] == pytest.approx(2.0 * lower + 10.0 * upper)
+    assert masses_at(uneven, RIGHT, PLACE)[0] < 6.0
 
 
 def test_both_solvers_run_it_alike_and_report_the_same() -> None:
