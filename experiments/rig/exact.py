@@ -53,6 +53,9 @@ DEEPER = 12
 CHUNK = 8192
 """Steps between two looks at whether the motion is bounded and the user wants to stop."""
 
+LEAST_GAP_M = 1e-12
+"""[m] Floors that lie against each other are so far apart: at no distance at all rounding alone would say whether they
+touch, and a run would begin with touches without end."""
 LOOK_EVERY = 16
 """Of a chunk each step of so many, from the last one back, is looked at: what grows without bound stays."""
 
@@ -167,7 +170,9 @@ class ExactRig:
             _parts(rows),
             _parts(rate),
             _parts(gains),
-            np.array([*(one.gap_m for one in self.contacts), *(0.0 for _ in self.storeys)], float),
+            np.array(
+                [*(max(one.gap_m, LEAST_GAP_M) for one in self.contacts), *(0.0 for _ in self.storeys)], float
+            ),
             np.abs(rate),
             np.abs(rate) @ np.abs(np.concatenate([one.load for one in self.poles])),
             mobility,
