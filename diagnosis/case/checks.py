@@ -183,8 +183,8 @@ def _baseline_frame(table: FrameTable, given: list[str], error: Callable[..., Ca
             f"frequency_hz holds {list(frequencies)}; give 1 to {storeys} frequencies above 0, lowest first"
         )
         raise error(what, "frequency_hz")
-    if len(ratios) != len(frequencies) or not all(0 <= ratio < 1 for ratio in ratios):
-        what = f"damping_ratio holds {list(ratios)}; give a fraction from 0 to 1 for each of the frequencies"
+    if len(ratios) != len(frequencies) or not all(0 < ratio < 1 for ratio in ratios):
+        what = f"damping_ratio holds {list(ratios)}; give a fraction above 0 and below 1 for each of the frequencies"
         raise error(what, "damping_ratio")
     if table.scale is not None:
         try:

@@ -44,12 +44,21 @@ def baseline_frames(case: Case) -> tuple[StoreyFrame, ...]:
     found = []
     for frame in case.frames:
         try:
-            found.append(_storeys(definition(frame), frame))
+            found.append(_damped(_storeys(definition(frame), frame)))
         except frames.FrameError as error:
             # Most sentences on a frame begin with its name already.
             subject = "" if str(error).startswith("frame ") else f"frame {frame.name!r}: "
             raise CaseError(f"{case.folder / 'case.toml'}: {subject}{error}") from error
     return tuple(found)
+
+
+def _damped(frame: StoreyFrame) -> StoreyFrame:
+    if not np.all(frame.damping_ratio > 0.0):
+        raise frames.FrameError(
+            "its damping_ratio is 0, and a diagnosis asks by which factor the damping is off; state what such frames have "
+            "(0.5 % is 0.005)"
+        )
+    return frame
 
 
 def _storeys(defined: frames.Frame, frame: CaseFrame) -> StoreyFrame:

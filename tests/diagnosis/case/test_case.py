@@ -13,6 +13,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.case.writing import write_case
 from pounding.diagnosis.errors import CaseError
+from pounding.diagnosis.model.frames import baseline_frames
 from tests.diagnosis.case.bench_case import CASE, edit, samples
 
 
@@ -87,6 +88,14 @@ def test_a_frame_file_of_the_users_own(folder: Path) -> None:
     assert (frame.kind, frame.name, frame.storeys) == ("file", "5B", 3)
 
 
+def test_a_frame_without_damping_is_no_baseline(folder: Path) -> None:
+    stick = 'kind = "stick"\nname = "mine"\nstoreys = 3\nstorey_height_m = 0.1\ndamping_ratio = 0.0\n'
+    (folder / "mine.toml").write_text(stick + "floor_mass_kg = [1.0, 1.0, 1.0]\nfrequency_hz = [3.0]\n")
+    edit(folder / "case.toml", 'name = "5B"', 'name = "5B"\nfile = "mine.toml"')
+    with pytest.raises(CaseError, match="frame '5B': its damping_ratio is 0"):
+        baseline_frames(read_case(folder))
+
+
 @pytest.mark.parametrize(("written", "meant"), [("m/s2", "m/s^2"), ("gal", "cm/s^2"), ("m/s**2", "m/s^2")])
 def test_other_spellings_of_a_unit_are_the_unit(folder: Path, written: str, meant: str) -> None:
     edit(folder / "case.toml", 'unit = "g"', f'unit = "{written}"')
@@ -130,6 +139,7 @@ def test_other_spellings_of_a_unit_are_the_unit(folder: Path, written: str, mean
         ("storeys = 2", "storeys = 3", "floor_mass_kg has 2 values; give 3"),
         ("[2.1, 6.0]", "[6.0, 2.1]", "line 11: frame 'bench': frequency_hz"),
         ("[0.005, 0.004]", "[0.005]", "damping_ratio holds"),
+        ("[0.005, 0.004]", "[0.005, 0.0]", "give a fraction above 0"),
         ("storey_height_m = 0.1\n", "", "'bench': the key 'storey_height_m' is missing"),
         ("gap_mm = 9.5", "gap_mm = -1", "contact 1: gap_mm is -1"),
         ('law = "linear_viscoelastic"', 'law = "herz"', "unknown law 'herz'; did you mean 'hertz'"),
