@@ -296,8 +296,10 @@ class Structure:
 
 LIGHTEST = 1e-3
 """Share of the heaviest floor that any keeps in a trial that would leave it nothing."""
-SLOWEST = 1e-3
+SLOWEST = 1e-2
 """Share of the highest frequency that any mode keeps in a trial that would leave it no stiffness."""
+NONE_LEFT = 1e-4
+"""Share of the highest frequency below which a mode has no stiffness: that of no building that stands is so low."""
 
 
 def solve_modes(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -308,8 +310,9 @@ def solve_modes(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np
     """
     squares, shapes = squared(mass, stiffness)
     signs = np.sign(shapes.sum(axis=0))
-    omega = np.sqrt(np.maximum(squares, SLOWEST**2 * squares.max()))
-    return omega, shapes * np.where(signs == 0, 1.0, signs)
+    highest = np.abs(squares).max()
+    kept = np.where(squares > NONE_LEFT**2 * highest, squares, SLOWEST**2 * highest)
+    return np.sqrt(kept), shapes * np.where(signs == 0, 1.0, signs)
 
 
 def squared(mass: np.ndarray, stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

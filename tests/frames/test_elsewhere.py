@@ -121,7 +121,7 @@ def test_without_mass_on_other_rows_the_condensation_is_exact(tmp_path):
         (HEAD + MASSES + MODES + "remainder_khz = 1.0\n", None, "expected remainder_hz"),
         (HEAD + MASSES + MODES.replace("modes.csv", "no.csv"), None, "no.csv: No such file"),
         (HEAD + MASSES + "damping_ratio = 0.1\n" + MODES, None, "leave damping_ratio out"),
-        (HEAD + MASSES + "frequency_hz = [1.0]\n" + MODES, None, "frequency_hz and modes is stated"),
+        (HEAD + MASSES + "frequency_hz = [1.0]\n" + MODES, None, "frequency_hz and modes are stated"),
         (HEAD + MASSES + MODES + "shapes = [[1.0]]\n", None, "leave one of the two out"),
     ],
 )

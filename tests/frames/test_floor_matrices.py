@@ -51,5 +51,5 @@ def test_matrices_that_cannot_be_are_refused(stiffness: list[list[float]], said:
 
 
 def test_a_frequency_beside_matrices_is_refused() -> None:
-    with pytest.raises(FrameError, match="frequency_hz and matrices is stated"):
+    with pytest.raises(FrameError, match="frequency_hz and matrices are stated"):
         stick(frequency_hz=[2.0], matrices=Matrices(stiffness_n_per_m=STIFFNESS, mass_kg=MASS))

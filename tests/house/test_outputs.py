@@ -47,7 +47,9 @@ def test_every_path_that_is_written_is_tried_when_the_words_are_read(function: s
             continue
         told = [one for one in typing.get_args(hint) if isinstance(one, Parameter)]
         tried = {check for one in told for check in one.validator or ()}
-        assert tried & {options.writable_folder, options.writable_file}, f"{function}: {name}"
+        assert tried & {options.writable_folder, options.writable_file, options.report_file}, (
+            f"{function}: {name}"
+        )
 
 
 @pytest.mark.parametrize("below", ["", "x", "x/y"])
@@ -76,13 +78,16 @@ def test_what_cannot_be_written_is_one_sentence_at_once(
     monkeypatch.chdir(tmp_path)
     taken = tmp_path / "taken"
     taken.write_text("mine")
+    target = taken / below
     if words[-1] in ("--report", "--truth") and not below:
-        taken = tmp_path / "folder"
-        taken.mkdir()
+        target = tmp_path / "folder.html"
+        target.mkdir()
+    elif words[-1] == "--report":
+        target = target.with_suffix(".html")
     before = sorted(tmp_path.rglob("*"))
     started = time.perf_counter()
     with pytest.raises(SystemExit) as left:
-        main([*words, str(taken / below)])
+        main([*words, str(target)])
     assert time.perf_counter() - started < 10.0
     assert left.value.code == 2
     out, err = capsys.readouterr()
@@ -90,6 +95,22 @@ def test_what_cannot_be_written_is_one_sentence_at_once(
     assert err.count("\n") == 1
     assert "cannot be written" in err
     assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize(
+    "words", [["gap", "10", "5B", *RECORD], ["design", "--tall", "30", "--short", "10", "--pga", "0.2"]]
+)
+def test_a_report_is_no_file_of_another_kind(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A frame file that is named there by mistake stays."""
+    mine = tmp_path / "mine.toml"
+    mine.write_text("mine")
+    with pytest.raises(SystemExit) as left:
+        main([*words, "--report", str(mine)])
+    assert left.value.code == 2
+    assert "a report is an HTML file; call it mine.html" in capsys.readouterr().err
+    assert mine.read_text() == "mine"
 
 
 def test_a_trial_leaves_nothing_and_may_be_done_twice(tmp_path: Path) -> None:

@@ -71,7 +71,8 @@ def test_an_error_that_cannot_be_sent_says_the_same_all_the_same() -> None:
     def fails(piece: int) -> int:
         raise Wayward("nothing", f"piece {piece}")
 
-    with pytest.raises(RuntimeError, match=r"Wayward: nothing at piece [01]"):
+    # A library that is loaded beside this may have taught pickle to send it as it is.
+    with pytest.raises((RuntimeError, Wayward), match=r"nothing at piece [01]"):
         forked(fails, [0, 1])
 
 

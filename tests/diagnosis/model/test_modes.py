@@ -24,7 +24,7 @@ def test_a_tall_building_sways_as_slowly_as_it_does() -> None:
 
 def test_a_trial_that_leaves_no_stiffness_has_modes_as_well() -> None:
     omega, _ = solve_modes(np.diag([2.0, 1.0]), np.diag([-1.0, 4e4]))
-    assert omega == pytest.approx([0.2, 200.0])
+    assert omega == pytest.approx([2.0, 200.0])
 
 
 def test_a_trial_that_leaves_a_floor_no_mass_has_modes_as_well() -> None:
@@ -34,3 +34,9 @@ def test_a_trial_that_leaves_a_floor_no_mass_has_modes_as_well() -> None:
     assert np.all(np.isfinite(shapes))
     light = solve_modes(np.diag([2.0, 2e-3]), STIFFNESS)
     assert omega == pytest.approx(light[0])
+
+
+def test_a_trial_that_leaves_less_than_no_stiffness_at_all_has_modes_as_well() -> None:
+    omega, shapes = solve_modes(np.diag([2.0, 1.0]), -STIFFNESS)
+    assert np.all(omega > 0.0)
+    assert np.all(np.isfinite(shapes))
