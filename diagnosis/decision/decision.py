@@ -21,12 +21,14 @@ class Decision:
         judged: The candidate behind it: the best that was tried for an unknown effect, the null model for nothing missing.
         alike: Candidates that these data cannot tell from it.
         model_checks: Sentences on what speaks against the model, and on tones that are within its error.
+        objections: Whether some of them do speak against an effect that is unknown.
     """
 
     verdict: Verdict
     judged: Judged
     alike: tuple[Judged, ...] = ()
     model_checks: tuple[str, ...] = ()
+    objections: bool = False
 
     def __repr__(self) -> str:
         return f"Decision({self.verdict!r}, {self.judged!r}, {len(self.alike)} alike)"

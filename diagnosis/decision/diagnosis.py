@@ -56,5 +56,5 @@ def conclude(case: Case, found: Findings, decision: Decision) -> Diagnosis:
             contact = judge_contact(case, found, decision.judged)
             held_out = predicted_impacts(case, found, decision.judged.fit.filtered, contact)
     frames = of_frames(case, found, decision)
-    conclusion = joined(case, pair, contact, frames, held_out, bool(decision.model_checks))
+    conclusion = joined(case, pair, contact, frames, held_out, decision.objections)
     return Diagnosis(case, found, decision, conclusion, contact)

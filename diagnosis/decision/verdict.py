@@ -50,7 +50,7 @@ def decide(found: Findings) -> Decision:
                 return _named(found, single[0], single, said)
         objections, said = against_the_model(found, found.null)
         if objections or (something_left(found, found.null) and not within_model_error(found)):
-            return Decision("unknown_effect", single[0] if single else found.null, (), said)
+            return Decision("unknown_effect", single[0] if single else found.null, (), said, objections)
         return Decision("nothing_missing", found.null, (), said)
     chosen = first = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
@@ -69,7 +69,7 @@ def decide(found: Findings) -> Decision:
     if not objections and not taken and _within_errors(found, chosen, drowned, held):
         return Decision("nothing_missing", found.null, (), said)
     if drowned or not held:
-        return Decision("unknown_effect", chosen, (), said)
+        return Decision("unknown_effect", chosen, (), said, objections)
     return _named(found, chosen, single, said)
 
 
