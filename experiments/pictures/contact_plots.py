@@ -96,7 +96,7 @@ def force_histories(
     else:
         close.legend(*named, fontsize=8)
     close.set(xlabel="time after first touch [ms]")
-    close.set_title("first impact of each", fontsize=10)
+    close.set_title("first impact", fontsize=10)
     keep(whole, path, dpi=DPI)
     return axes
 
@@ -154,7 +154,7 @@ def loops(
             colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
             _loop(axes, history, labels[index] if labels else _label(history), colour, newtons)
     axes.set(xlabel="deformation [mm]", ylabel=f"contact force [{unit}]")
-    axes.set_title("hardest touch of each", fontsize=10)
+    axes.set_title("hardest touch", fontsize=10)
     axes.legend(fontsize=8)
     keep(axes, path, dpi=DPI)
     return axes

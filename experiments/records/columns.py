@@ -141,7 +141,7 @@ def _separator(text: str) -> str | None:
     """Return what separates the cells of the second line that holds data; None for blanks."""
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     return (
-        next((mark for mark in (",", ";", "\t") if mark in lines[min(1, len(lines) - 1)]), None)
+        next((mark for mark in (";", "\t", ",") if mark in lines[min(1, len(lines) - 1)]), None)
         if lines
         else None
     )
@@ -174,6 +174,9 @@ def _pair(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
     said = f"{path}, line {number}: {shown(','.join(cells))}"
     if len(cells) > 2:
         raise ExperimentError(f"{said} has {len(cells)} cells; keep the two columns time and acceleration")
+    if any("," in cell for cell in cells):
+        where = f"{path}, line {number}: {shown(';'.join(cells))}"
+        raise ExperimentError(f"{where} has decimal commas; write numbers with points, such as 0.005")
     if len(cells) < 2 or not all(map(is_number, cells)):
         raise ExperimentError(f"{said} is not a time and an acceleration; write two numbers")
     if not all(map(is_finite, cells)):

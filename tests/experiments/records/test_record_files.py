@@ -207,6 +207,7 @@ HEAD = "time_s,acceleration_m_s2\n"
             "line 3: unexpected end of data; close or remove its quotation mark",
         ),
         ("a.csv", HEAD + "0,0\n0.01,x\n", r"line 3: '0\.01,x' is not a time and an acceleration"),
+        ("a.csv", "time_s;acceleration_g\n0,000;0,0\n0,005;0,1\n", "line 2: '0,000;0,0' has decimal commas"),
         ("a.csv", HEAD + "0,0\n0.01\n", "line 3: '0.01' is not a time and an acceleration"),
         (
             "a.at2",
