@@ -79,8 +79,19 @@ def _impacts(run: dict[str, Any]) -> Iterable[Any]:
 def _columns(run: dict[str, Any]) -> Iterable[Any]:
     if "columns" in run:
         yield table(
-            "What one column that is hit bears, with the drift of its storey; the largest of that drift alone; what it can",
-            ["building", "floors", "height m", "shear kN", "drift", "can", "moment kN m", "drift", "can"],
+            "What one column that is hit bears at most, by blow and drift together; what the largest drift of its storey in "
+            "this run makes alone; what it can bear",
+            [
+                "building",
+                "floors",
+                "height m",
+                "shear kN",
+                "by drift",
+                "can bear",
+                "moment kN m",
+                "by drift",
+                "can bear",
+            ],
             [
                 [
                     one["building"],
