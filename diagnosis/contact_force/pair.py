@@ -21,7 +21,7 @@ from pounding.diagnosis.contact_force.impacts import Bodies, Law
 from pounding.diagnosis.contact_force.second_contact import second_contact, second_fit
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged
-from pounding.diagnosis.inference.misfit import median
+from pounding.diagnosis.inference.misfit import beyond_noise, median
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.model.model import Acting, Model
 from pounding.diagnosis.model.observations import ContactEvent, Observations
@@ -218,17 +218,17 @@ def judge_contact(case: Case, found: Findings, judged: Judged) -> ContactFinding
         judged: What the decision on the frames rests on.
     """
     assert found.pair is not None
-    filtered, errors = judged.fit.filtered, _errors(found, judged)
+    filtered, errors = judged.fit.filtered, _displacement_errors(found, judged)
     return contact_findings(case, found.pair, filtered.values, filtered.effects, found.training, errors)
 
 
-def _errors(found: Findings, judged: Judged) -> np.ndarray:
+def _displacement_errors(found: Findings, judged: Judged) -> np.ndarray:
     """Return the share of its motion by which the model of each frame is wrong beyond the noise, shape (frames,).
 
     Of displacements where the frame has channels of them, which higher modes hardly move.
     """
-    model, misfit, floor = found.model, judged.channel_misfit[0], np.asarray(found.floor)[0]
-    beyond = np.sqrt(np.maximum(misfit**2 - floor**2, 0.0))
+    model = found.model
+    beyond = beyond_noise(np.asarray(judged.channel_misfit)[0], np.asarray(found.floor)[0])
     moved = np.isin(model.observed.quantity, (DISPLACEMENT, ABSOLUTE_DISPLACEMENT)) & np.isfinite(beyond)
     errors = []
     for frame in range(len(model.structure.frames)):

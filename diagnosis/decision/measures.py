@@ -6,7 +6,13 @@ import numpy as np
 
 from pounding.diagnosis.decision.false_alarms import alarms_of, remains
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
-from pounding.diagnosis.inference.misfit import allowed_error, by_frame, floors, over_floor
+from pounding.diagnosis.inference.misfit import (
+    allowed_error,
+    beyond_noise,
+    by_frame,
+    floors,
+    over_floor,
+)
 from pounding.diagnosis.settings import SETTINGS
 
 
@@ -37,7 +43,7 @@ def model_error(found: Findings, judged: Judged | None = None) -> float:
     It is that of the frame where it is most: median over its channels, mean over the runs.
     """
     misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
-    return _of_frame_with_most(found, np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)), 0.0)
+    return _of_frame_with_most(found, beyond_noise(misfit, floor), 0.0)
 
 
 def hidden_error(found: Findings) -> float:

@@ -144,6 +144,11 @@ def as_new_in_every_sample(model: Model, filtered: Filtered, number: int, error:
     return np.asarray(error * np.sqrt(period_s / model.observed.runs[number].step_s))
 
 
+def beyond_noise(misfit: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return the part of misfits [-] that is no noise, (...), as powers add up; zero below the noise floor [-], (...)."""
+    return np.asarray(np.sqrt(np.maximum(misfit**2 - floor**2, 0.0)))
+
+
 def by_frame(model: Model, over: np.ndarray) -> np.ndarray:
     """Return the median of misfits over the noise floor (..., channels) over the channels of each frame, (..., frames).
 

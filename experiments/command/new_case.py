@@ -118,7 +118,7 @@ def _in_seconds(row: bytes, factor: float) -> bytes:
     """Return a row with its time multiplied, all digits kept: to how many of them a logger writes says how exact it is."""
     time, comma, others = row.partition(b",")
     try:
-        seconds = Decimal(time.decode().strip()) * Decimal(str(factor))
+        seconds = Decimal(time.decode().strip(' \t"')) * Decimal(str(factor))
     except (InvalidOperation, UnicodeDecodeError):
         return row  # An empty line, or a fault that is told where the case is read.
     return f"{seconds:f}".encode() + comma + others

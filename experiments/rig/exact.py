@@ -293,14 +293,9 @@ class ExactRig:
     def _check(self, times: Real, states: Real) -> None:
         """Stop a run that has moved by more than its frames are high; of all rows some tell soon enough."""
         for frame, one, span in zip(self.frames, self.poles, self.spans, strict=True):
-            floors = one.output[:, frame.floor_x]
-
-            def moved(rows: Real, span: tuple[int, int] = span, floors: Any = floors) -> Real:
-                inside = rows[:, :, slice(*span)]
-                return np.asarray(np.abs(inside[:, 0] @ floors.real - inside[:, 1] @ floors.imag))
-
-            if unbounded(frame, moved(states[::-LOOK_EVERY]).max(axis=0, initial=0.0)):
-                stop_if_unbounded(frame, times, moved(states))
+            floors, inside = one.output[:, frame.floor_x], states[:, :, slice(*span)]
+            if unbounded(frame, _moved(inside[::-LOOK_EVERY], floors).max(axis=0, initial=0.0)):
+                stop_if_unbounded(frame, times, _moved(inside, floors))
 
     def _shaking(
         self,
@@ -457,6 +452,11 @@ def longest_step(frames: Sequence[ReducedFrame]) -> float:
         sway = (frame.shapes.T @ frame.mass @ frame.influence / frame.frequencies_hz) ** 2
         fastest = max(fastest, float(frame.frequencies_hz[sway >= COUNTS * sway.sum()].max()))
     return 1.0 / (STEPS_A_PERIOD * fastest)
+
+
+def _moved(states: Real, floors: Any) -> Real:
+    """Return how far floors have moved in some rows [m], (rows, floors), from their shares in the states of a frame."""
+    return np.asarray(np.abs(states[:, 0] @ floors.real - states[:, 1] @ floors.imag))
 
 
 def _ends(samples: Real, intervals: int) -> tuple[Real, Real]:

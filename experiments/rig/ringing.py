@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pounding.frames import ReducedFrame
+from pounding.frames.response.exact import free_response
 
 Real = NDArray[np.floating[Any]]
 
 INSTANTS = 400
 """Instants of one longest period at which a frame that rings down is looked at."""
+FARTHER = 1.001
+"""Largest motion after the end over that before from which on it is said: what is less shows in no digit."""
 
 
 def cut_short(frame: ReducedFrame, roof_m: Real, place: Real, rate: Real) -> list[str]:
@@ -23,26 +26,17 @@ def cut_short(frame: ReducedFrame, roof_m: Real, place: Real, rate: Real) -> lis
     Args:
         frame: The frame.
         roof_m: Displacement of its roof in the run (m,) [m].
-        place, rate: Its coordinates (n,) and their rates (n,) at the end.
+        place, rate: Its coordinates (n,) [m and rad] and their rates (n,) [m/s and rad/s] at the end, relative to the table.
     """
     definition = frame.definition
     if definition.yielding is not None or definition.storey_law:
         return []
-    within, after = float(np.abs(roof_m).max()), float(np.abs(_ringing(frame, place, rate)).max())
-    if after <= 1.001 * within:
+    times = np.linspace(0.0, 1.0 / float(frame.frequencies_hz[0]), INSTANTS)
+    ringing, _ = free_response(frame, place, rate, times, outputs=[int(frame.floor_x[-1])])
+    within, after = float(np.abs(roof_m).max()), float(np.abs(ringing).max())
+    if after <= FARTHER * within:
         return []
     return [
         f"{frame.name}: the record ends while the frame still moves: afterwards its roof goes to {1e3 * after:.4g} mm, "
         f"and to {1e3 * within:.4g} mm before; let the record end with some seconds of rest (rows of zero acceleration)"
     ]
-
-
-def _ringing(frame: ReducedFrame, place: Real, rate: Real) -> Real:
-    """Return the displacement of the roof in one longest period after the end (INSTANTS,) [m], the table at rest."""
-    omega = 2.0 * np.pi * frame.frequencies_hz
-    ratio = np.minimum(frame.damping_ratios, 0.999)
-    turning = omega * np.sqrt(1.0 - ratio**2)
-    start, speed = (frame.shapes.T @ (frame.mass @ one) for one in (place, rate))
-    time = np.linspace(0.0, 1.0 / float(frame.frequencies_hz[0]), INSTANTS)[:, None]
-    sway = start * np.cos(turning * time) + (speed + ratio * omega * start) / turning * np.sin(turning * time)
-    return np.asarray((np.exp(-ratio * omega * time) * sway) @ frame.shapes[frame.floor_x[-1]])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 from scipy.integrate import odeint
@@ -16,6 +17,8 @@ from pounding.diagnosis.contact_force.pair import ContactFindings, contact_findi
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.confidence import Features, basis
 from pounding.diagnosis.decision.pair_decision import joined
+from pounding.diagnosis.inference.filtering import Filtered
+from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.pair import Pair
@@ -190,3 +193,9 @@ def claimed(conclusion: Conclusion) -> list[str]:
 
 def value(conclusion: Conclusion, name: str) -> Any:
     return next(one.value for one in conclusion.effects[0].parameters if one.name == name)
+
+
+def still_frames(pair: Pair) -> tuple[Findings, Filtered]:
+    """Return findings on a pair and its frames as believed, the third run being held out."""
+    filtered = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
+    return cast(Findings, SimpleNamespace(pair=pair, held_out=(2,))), cast(Filtered, filtered)

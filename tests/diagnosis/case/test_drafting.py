@@ -107,9 +107,10 @@ def test_a_logger_s_files_become_a_case_that_can_be_read(tmp_path, capsys):
     assert "can be read" in capsys.readouterr().out
 
 
-def test_milliseconds_become_seconds_with_the_digits_that_were_written(tmp_path):
+@pytest.mark.parametrize("mark", ["", '"'])
+def test_milliseconds_become_seconds_with_the_digits_that_were_written(tmp_path, mark):
     file = tmp_path / "run1.csv"
-    rows = [f"{2.5 * row:.1f},{np.sin(row):.4f},{np.cos(row):.4f}" for row in range(400)]
+    rows = [f"{mark}{2.5 * row:.1f}{mark},{np.sin(row):.4f},{np.cos(row):.4f}" for row in range(400)]
     file.write_text("Time (ms),Table acc [g],acc floor 5 [g]\n" + "\n".join(rows) + "\n")
     new_case(file, frame=["5A"], out=tmp_path / "case")
     written = (tmp_path / "case" / "run1.csv").read_text().splitlines()

@@ -4,16 +4,35 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
 from pounding.diagnosis.contact_force import contacts
-from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, compared, expected_gain
+from pounding.diagnosis.contact_force.held_out import (
+    HeldOutImpacts,
+    compared,
+    expected_gain,
+    predicted_impacts,
+)
 from pounding.diagnosis.contact_force.hypotheses import baseline_law
 from pounding.diagnosis.contact_force.impacts import Bodies, sharper
 from pounding.diagnosis.contact_force.pair import met_in, prepare
-from tests.diagnosis.pair_models import CONTACT, colliding, model_of
+from pounding.diagnosis.decision.conclusion import ContactMisfit
+from pounding.diagnosis.decision.pair_decision import joined
+from pounding.diagnosis.inference.findings import Findings
+from tests.diagnosis.pair_models import (
+    CONTACT,
+    NOTHING,
+    claimed,
+    colliding,
+    judged,
+    model_of,
+    still_frames,
+    value,
+)
 
 TRUE = replace(CONTACT, restitution=0.55)
 
@@ -66,3 +85,36 @@ def test_more_gain_never_takes_the_support_away() -> None:
     for expected in (0.0, 1.0, 5.0, 40.0):
         answers = [told(float(gained), expected).supports for gained in np.linspace(-30.0, 60.0, 91)]
         assert answers == sorted(answers)
+
+
+def test_a_found_contact_predicts_held_out_impacts_and_that_of_the_baseline_model_does_not() -> None:
+    case = colliding(replace(CONTACT, restitution=0.45), runs=3)
+    pair, found, _ = judged(case)
+    findings = still_frames(pair)
+    told = predicted_impacts(case, *findings, found)
+    assert told is not None
+    assert told.impacts >= 5
+    assert told.model > 1.25 * told.likeliest
+    assert told.likeliest == pytest.approx(1.0, abs=0.35)
+    concluded = joined(case, pair, found, NOTHING, told)
+    assert concluded.effects[0].contact == 1
+    assert value(concluded, "restitution") == pytest.approx(0.45, abs=0.05)
+    shown = concluded.contact_misfit
+    assert shown == ContactMisfit(impacts=told.impacts, before=told.model, after=told.likeliest)
+    kept = joined(case, pair, replace(found, ranked=()), NOTHING, told).contact_misfit
+    assert kept is not None
+    assert kept.after == told.model
+    # An effect that the held-out impacts do not like is not claimed.
+    assert claimed(joined(case, pair, found, NOTHING, told)) == ["contact_damping"]
+    worse = replace(told, gained=-10.0)
+    assert claimed(joined(case, pair, found, NOTHING, worse)) == []
+    # However plain it is to the others, what they say must not be strong, only true.
+    (_, best), *others = found.ranked
+    plainer = replace(found, ranked=((500.0, best), *others))
+    agreed = replace(told, gained=11.0, expected=400.0)
+    assert claimed(joined(case, pair, plainer, NOTHING, agreed)) == ["contact_damping"]
+    # A single one that says nothing either way is no veto.
+    few = replace(told, gained=-0.5, impacts=1, expected=0.3)
+    assert claimed(joined(case, pair, found, NOTHING, few)) == ["contact_damping"]
+    nothing = cast(Findings, SimpleNamespace(pair=pair, held_out=()))
+    assert predicted_impacts(case, nothing, findings[1], found) is None

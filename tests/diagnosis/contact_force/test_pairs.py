@@ -12,20 +12,17 @@ import pytest
 from pounding.contact.laws import Hertz, HertzDamp, LinearViscoelastic, NonlinearViscoelastic
 from pounding.diagnosis.case.case import Case, Contact
 from pounding.diagnosis.contact_force import contacts, impacts, pairs, second_contact
-from pounding.diagnosis.contact_force.contacts import Fitted
 from pounding.diagnosis.contact_force.held_out import HeldOutImpacts, predicted_impacts
 from pounding.diagnosis.contact_force.hypotheses import hypotheses
 from pounding.diagnosis.contact_force.impacts import Law
-from pounding.diagnosis.contact_force.pair import ContactFindings, contact_findings, found_again, prepare
+from pounding.diagnosis.contact_force.pair import ContactFindings, found_again, prepare
 from pounding.diagnosis.contact_force.striking import STEP_S as FINE_S
 from pounding.diagnosis.contact_force.striking import strike
 from pounding.diagnosis.decision.claims import Candidate
-from pounding.diagnosis.decision.conclusion import ContactMisfit
 from pounding.diagnosis.decision.decision import Verdict
-from pounding.diagnosis.decision.pair_decision import contact_claims, joined
+from pounding.diagnosis.decision.pair_decision import joined
 from pounding.diagnosis.design import contact_advice
-from pounding.diagnosis.inference.filtering import Filtered, run_signatures, whitened
-from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.filtering import run_signatures, whitened
 from pounding.diagnosis.inference.misfit import contact_response, simulate
 from pounding.diagnosis.inference.motions import motion_of
 from pounding.diagnosis.model.pair import Pair
@@ -41,6 +38,7 @@ from tests.diagnosis.pair_models import (
     found_of,
     judged,
     model_of,
+    still_frames,
     value,
 )
 
@@ -133,12 +131,6 @@ def test_what_is_different_in_a_contact_is_named(
 def predicted_by(case: Case, pair: Pair, found: ContactFindings) -> HeldOutImpacts | None:
     """Return what the third run says of what the first two did, the frames being as believed."""
     return predicted_impacts(case, *still_frames(pair), found)
-
-
-def still_frames(pair: Pair) -> tuple[Findings, Filtered]:
-    """Return findings on a pair and its frames as believed, the third run being held out."""
-    filtered = SimpleNamespace(values=np.zeros(len(pair.slow.std)), effects=())
-    return cast(Findings, SimpleNamespace(pair=pair, held_out=(2,))), cast(Filtered, filtered)
 
 
 def test_laws_share_what_is_believed_of_another_law() -> None:
@@ -263,26 +255,6 @@ def test_a_touch_too_weak_to_judge_the_contact_by_moves_the_frames_all_the_same(
     assert begun == pytest.approx(4 * weak * STEP_S, rel=0.3)
 
 
-def test_what_all_distances_have_in_common_no_number_of_impacts_makes_certain() -> None:
-    """Where a floor is when it is hit is as wrong as the model of its frame, every time."""
-    case = colliding(CONTACT)
-    pair = prepare(case, model_of(case))
-    still = np.zeros(len(model_of(case).std))
-
-    def found(*errors: float) -> Fitted:
-        null = contact_findings(case, pair, still, (), (0, 1), np.array(errors)).null
-        assert null is not None
-        return null
-
-    plain, one, other, both = found(0.0, 0.0), found(0.02, 0.0), found(0.0, 0.02), found(0.02, 0.02)
-    left, right = (np.sqrt(each.std[0] ** 2 - plain.std[0] ** 2) / 0.02 for each in (one, other))
-    # When they touch, the floors have come nearer by the gap.
-    assert min(abs(left + right - CONTACT.gap_m), abs(left - right - CONTACT.gap_m)) < 0.3 * CONTACT.gap_m
-    assert both.std[0] ** 2 - plain.std[0] ** 2 == pytest.approx(0.02**2 * (left**2 + right**2))
-    assert both.std[1:] == plain.std[1:]
-    assert both.log_evidence == plain.log_evidence
-
-
 def test_an_impact_that_a_fit_has_lost_is_looked_for_again() -> None:
     _, found, _ = found_of(CONTACT)
     assert found.bodies is not None
@@ -309,20 +281,6 @@ def test_a_single_impact_decides_nothing() -> None:
     # Nor does it pull the others away.
     assert again.distance[1:] == pytest.approx(found.null.distance[1:], abs=0.5)
     assert again.law.gap_m == pytest.approx(found.null.law.gap_m, abs=found.null.std[0])
-
-
-@pytest.mark.parametrize(("beyond", "claimed"), [(-1.0, False), (3.0, True), (6.0, True)])
-def test_a_contact_that_never_closes_is_wider_by_as_much_as_floors_came_beyond_it(
-    beyond: float, claimed: bool
-) -> None:
-    case, spread = colliding(CONTACT), 5e-5
-    nearest = CONTACT.gap_m + beyond * spread
-    found = contact_claims(case, ContactFindings(None, nearest_m=nearest, spread_m=spread))
-    assert bool(found) == claimed
-    for one in found:
-        assert one.effect == "gap_offset"
-        assert one.parameters[0].value == pytest.approx(1e3 * beyond * spread)
-        assert one.log_evidence == pytest.approx(0.5 * beyond**2 - SETTINGS.pair_decision.parameter_cost)
 
 
 def test_impacts_are_believed_as_well_known_as_they_are_seen_to_be() -> None:
@@ -388,39 +346,6 @@ def test_what_uncertain_forces_add_is_what_their_simulation_adds() -> None:
     expected = contact_response(model, start.modes, 0)
     displaced = np.array(["_d" in name for name in model.observed.names])
     assert expected[displaced] == pytest.approx(added[displaced], rel=0.15)
-
-
-def test_a_found_contact_foretells_the_held_out_impacts_and_the_believed_one_does_not() -> None:
-    case = colliding(replace(CONTACT, restitution=0.45), runs=3)
-    pair, found, _ = judged(case)
-    findings = still_frames(pair)
-    told = predicted_impacts(case, *findings, found)
-    assert told is not None
-    assert told.impacts >= 5
-    assert told.model > 1.25 * told.likeliest
-    assert told.likeliest == pytest.approx(1.0, abs=0.35)
-    concluded = joined(case, pair, found, NOTHING, told)
-    assert concluded.effects[0].contact == 1
-    assert value(concluded, "restitution") == pytest.approx(0.45, abs=0.05)
-    shown = concluded.contact_misfit
-    assert shown == ContactMisfit(impacts=told.impacts, before=told.model, after=told.likeliest)
-    kept = joined(case, pair, replace(found, ranked=()), NOTHING, told).contact_misfit
-    assert kept is not None
-    assert kept.after == told.model
-    # An effect that the held-out impacts do not like is not claimed.
-    assert claimed(joined(case, pair, found, NOTHING, told)) == ["contact_damping"]
-    worse = replace(told, gained=-10.0)
-    assert claimed(joined(case, pair, found, NOTHING, worse)) == []
-    # However plain it is to the others, what they say must not be strong, only true.
-    (_, best), *others = found.ranked
-    plainer = replace(found, ranked=((500.0, best), *others))
-    agreed = replace(told, gained=11.0, expected=400.0)
-    assert claimed(joined(case, pair, plainer, NOTHING, agreed)) == ["contact_damping"]
-    # A single one that says nothing either way is no veto.
-    few = replace(told, gained=-0.5, impacts=1, expected=0.3)
-    assert claimed(joined(case, pair, found, NOTHING, few)) == ["contact_damping"]
-    nothing = cast(Findings, SimpleNamespace(pair=pair, held_out=()))
-    assert predicted_impacts(case, nothing, findings[1], found) is None
 
 
 def test_forces_without_a_cell_are_found_better_by_calibrated_frames() -> None:
