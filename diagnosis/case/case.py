@@ -23,12 +23,17 @@ REFERENCE = "reference"
 class Prior(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Prior standard deviations of the nuisance parameters, as fractions; the delay in ms.
 
+    `base_stiffness` is that of a plate frame's first storey beyond the other storeys', `joint_stiffness` that of its joints
+    (a logarithm): how rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of
+    the thesis says; models that agree in all frequencies differ in both.
     `model_error` is what the model of any real frame may leave after its calibration, rms over the motion: models of frames
     on shaking tables leave 1 to 5 %.
     """
 
     storey_stiffness: float = 0.03
     frame_stiffness: float = 0.08
+    base_stiffness: float = 0.04
+    joint_stiffness: float = 0.05
     floor_mass: float = 0.01
     damping_ratio: float = 0.2
     table_gain: float = 0.02

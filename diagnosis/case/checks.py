@@ -13,7 +13,7 @@ import msgspec
 
 from pounding import bounds
 from pounding.bounds import Bound
-from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Channel, Contact
+from pounding.diagnosis.case.case import REFERENCE, Case, CaseFrame, Channel, Contact, Prior
 from pounding.diagnosis.case.number_tables import check_modal, check_peaks
 from pounding.diagnosis.case.place import in_words
 from pounding.diagnosis.case.quantities import (
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 ROLES = ("training", "held_out", REFERENCE)
 OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
 """Keys of a frame that is given by its masses and modes."""
+OF_PLATES = ("base_stiffness", "joint_stiffness")
+"""Priors of frames that have plates and columns."""
 JOINTS = ("calibrated", "rigid")
 INTERPOLATIONS = ("zoh", "linear")
 
@@ -76,6 +78,9 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
         fault = bound.fault(value, f"[prior] {name}")
         if fault:
             raise places.error(fault, "prior", 0, name)
+        if name in OF_PLATES and value != getattr(Prior(), name) and all(f.kind == "modal" for f in known):
+            what = f"[prior] {name} is that of frames of plates and columns, and no frame here is one; leave it out"
+            raise places.error(what, "prior", 0, name)
     case = Case(
         described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior,
         modal=check_modal(described.modal, known, places),

@@ -28,6 +28,9 @@ VISIBILITY = (0.1, 10.0)
 
 SHORTEST_S, LONGEST_S = 0.5, 60.0
 """Lengths of a run that are made [s]."""
+NARROWING = 0.2
+"""Least share of what lies between two sizes (logarithms) that a trial takes away."""
+
 TRIALS = 7
 SMALLEST_CONTACT = 0.05
 """Least size of a contact's effect over its largest; drawn log-uniform from there."""
@@ -195,14 +198,7 @@ def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, 
         # What runs away is too strong.
         weak = size in tried and seen[1] < target
         low, high = (max(low, size), high) if weak else (low, min(high, size))
-        step = size * float(np.clip(target / seen[1], 0.03, 30.0)) if size in tried else 0.5 * size
-        # A proportional step, unless it leaves what is known to be too weak and too strong.
-        if step >= high == limit and limit not in tried:
-            size = limit
-        elif low < step < high:
-            size = step
-        else:
-            size = float(np.sqrt(low * high)) if low else 0.3 * high
+        size = _next_size(tried, size, (low, high), limit, target)
         if weak and low == limit:
             break
     if not tried:
@@ -211,6 +207,29 @@ def _sized(sees: Any, limit: float, target: float) -> tuple[float, tuple[float, 
         )
     best = min(tried, key=lambda known: abs(np.log(tried[known][1] / target)))
     return best, tried[best]
+
+
+def _next_size(
+    tried: dict[float, tuple[float, float]],
+    size: float,
+    known: tuple[float, float],
+    limit: float,
+    target: float,
+) -> float:
+    """Return the size to try after one, between those that are known to be too weak and too strong."""
+    low, high = known
+    if low in tried and high in tried:
+        weak, strong = np.log(tried[low][1] / target), np.log(tried[high][1] / target)
+        # What is seen of a size follows a power of it, until the nuisance parameters can imitate no more.
+        share = float(np.clip(-weak / (strong - weak), NARROWING, 1 - NARROWING)) if strong > weak else 0.5
+        return float(low ** (1 - share) * high**share)
+    step = size * float(np.clip(target / tried[size][1], 0.03, 30.0)) if size in tried else 0.5 * size
+    # A proportional step, unless it leaves what is known to be too weak and too strong.
+    if step >= high == limit and limit not in tried:
+        return limit
+    if low < step < high:
+        return step
+    return float(np.sqrt(low * high)) if low else 0.3 * high
 
 
 def _sign(rng: np.random.Generator, largest: float, smallest: float) -> float:

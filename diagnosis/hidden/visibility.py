@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
+from scipy.optimize import least_squares
 
 from pounding.diagnosis.case.case import Prior
 from pounding.diagnosis.hidden.beams import Beams
@@ -21,10 +21,16 @@ LEAST = 1e-6
 """Visibility of what changes no channel at all."""
 
 NUDGE = 0.05
-REFITS = 10
+NEARBY = 0.02
+"""How far from where slopes were made they serve, in prior standard deviations."""
+
+FACTORS = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0, 1.4, 2.0, 3.0, 5.0, 10.0, 20.0)
+"""Multiples of what was refitted last from which a refit may start."""
+
+REFITS = 40
 """Most steps in which nuisance parameters are refitted."""
 
-ENOUGH = 0.1
+ENOUGH = 0.01
 """Share of the misfit that a step has to take away to be followed by another."""
 
 
@@ -48,18 +54,23 @@ class Eye:
         self.clean, self.without, self.noise = clean, without, noise
         self.bare = clean(without, False) / noise
         self.coarse = self.bare - clean(without, True) / noise
-        self.start = self._sensitivity(np.zeros(ordinary_parameters(without)))
+        self.last = np.zeros(ordinary_parameters(without))
+        self.made = (self.last, self._made(self.last))
 
     def _imitated(self, at: np.ndarray) -> np.ndarray:
         return np.asarray(self.clean(nudged(self.without, at), True) / self.noise + self.coarse)
 
-    def _sensitivity(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the channels' change per prior deviation of the nuisance parameters, and its factor."""
+    def _slopes(self, at: np.ndarray) -> np.ndarray:
+        """Return how all samples and the priors change with the nuisance parameters, made there or nearby."""
+        if np.abs(at - self.made[0]).max() > NEARBY:
+            self.made = (at, self._made(at))
+        return self.made[1]
+
+    def _made(self, at: np.ndarray) -> np.ndarray:
+        """Return the same, made there, shape (rows, parameters)."""
         here = self._imitated(at)
         moved = [self._imitated(at + NUDGE * unit) for unit in np.eye(len(at))]
-        imitable = np.array([(there - here).ravel() / NUDGE for there in moved]).T
-        # Prior-scaled columns make the priors a unit ridge.
-        return imitable, np.linalg.cholesky(imitable.T @ imitable + np.eye(len(at))).T
+        return np.vstack([np.array([(there - here).ravel() / NUDGE for there in moved]).T, np.eye(len(at))])
 
     def sees(self, channels: np.ndarray) -> tuple[float, float]:
         """Return the raw and the calibrated visibility of what changed the channels (samples, channels)."""
@@ -73,32 +84,20 @@ class Eye:
         Args:
             channels: The changed channels without noise, in SI, shape (samples, channels); all finite.
         """
-        target, fresh = channels / self.noise, True
-        at = np.zeros(ordinary_parameters(self.without))
-        left, (imitable, factor) = target - self.bare, self.start
-        for _ in range(REFITS):
-            wanted = np.linalg.solve(factor.T, imitable.T @ left.ravel() - at)
-            step = lsq_linear(factor, wanted, (-REACH - at - 1e-9, REACH - at + 1e-9), tol=1e-6).x
-            gained, at, left = self._descend(target, at, step, left)
-            if gained < ENOUGH and fresh:
-                break
-            # The sensitivities serve until they do not help any more; then they are made where we are.
-            fresh = gained < ENOUGH
-            if fresh:
-                imitable, factor = self._sensitivity(at)
-        return np.asarray(left)
+        target = channels / self.noise
+        wide = np.full(ordinary_parameters(self.without), REACH + 1e-9)
 
-    def _descend(
-        self, target: np.ndarray, at: np.ndarray, step: np.ndarray, left: np.ndarray
-    ) -> tuple[float, np.ndarray, np.ndarray]:
-        """Return by which share a shortened step lowers the misfit, where that is, and what is left."""
-        cost = float((left**2).sum())
-        for share in (1.0, 0.4, 0.15):
-            there = target - self._imitated(at + share * step)
-            lower = float((there**2).sum())
-            if lower < cost:
-                return 1 - lower / cost, at + share * step, there
-        return 0.0, at, left
+        def rows(at: np.ndarray) -> np.ndarray:
+            return np.concatenate([(self._imitated(at) - target).ravel(), at])
+
+        # A frame of another frequency is soon out of step, and no descent leads back: what imitated the same effect when
+        # it was weaker leads on.
+        starts = [np.clip(factor * self.last, -REACH, REACH) for factor in FACTORS]
+        start = min(starts, key=lambda at: float(np.sum(rows(at) ** 2)))
+        fit = least_squares(rows, start, self._slopes, (-wide, wide), ftol=ENOUGH, xtol=1e-4, max_nfev=REFITS)
+        if fit.x.any():
+            self.last = fit.x
+        return np.asarray(target - self._imitated(fit.x))
 
 
 def _largest(change: np.ndarray) -> float:
@@ -107,7 +106,7 @@ def _largest(change: np.ndarray) -> float:
 
 def ordinary_parameters(scenario: Scenario) -> int:
     """Return how many nuisance parameters a scenario has."""
-    return 2 + sum(1 + _damped(beams) + 2 * beams.storeys for beams in scenario.frames.values())
+    return 2 + sum(3 + _damped(beams) + 2 * beams.storeys for beams in scenario.frames.values())
 
 
 def _damped(beams: Beams) -> int:
@@ -119,25 +118,27 @@ def nudged(scenario: Scenario, at: np.ndarray) -> Scenario:
 
     Args:
         scenario: The scenario.
-        at: Shape (ordinary_parameters,): table gain and delay, then for each frame its stiffness as a whole,
-            its damping ratios, its storeys' stiffnesses and its floors' masses.
+        at: Shape (ordinary_parameters,): table gain and delay, then for each frame its stiffness as a whole, that of its
+            first storey and of its joints, its damping ratios, its storeys' stiffnesses and its floors' masses.
     """
     prior = Prior()
     frames, taken = {}, 2
     for name, beams in scenario.frames.items():
-        count = 1 + _damped(beams) + 2 * beams.storeys
-        whole, ratios, bending, mass = np.split(
-            at[taken : taken + count], [1, 1 + _damped(beams), count - beams.storeys]
+        count = 3 + _damped(beams) + 2 * beams.storeys
+        (whole, base, joints), ratios, bending, mass = np.split(
+            at[taken : taken + count], [3, 3 + _damped(beams), count - beams.storeys]
         )
         taken += count
-        stiffer = np.exp(prior.frame_stiffness * whole[0])
+        stiffer = np.exp(prior.frame_stiffness * whole)
+        columns = prior.storey_stiffness * bending
+        columns[0] += prior.base_stiffness * base
         damped = beams.ratios.copy()
         damped[: len(ratios)] *= np.exp(prior.damping_ratio * ratios)
         frames[name] = replace(
             beams,
             # A storey of flexible joints follows its columns about half.
-            bending=beams.bending * stiffer * np.exp(2 * prior.storey_stiffness * bending),
-            joint=beams.joint * stiffer,
+            bending=beams.bending * stiffer * np.exp(2 * columns),
+            joint=beams.joint * stiffer * np.exp(prior.joint_stiffness * joints),
             ratios=damped,
             floor_mass=beams.floor_mass * np.exp(prior.floor_mass * mass),
         )

@@ -27,14 +27,6 @@ DAMPING_POWER = 2.5
 default. It is 1 where damping is proportional to stiffness, -1 where it is to mass, and a test of free vibration says
 nothing of it."""
 
-
-BASE_STIFFNESS = 0.04
-JOINT_STIFFNESS = 0.05
-"""The same of a plate frame's first storey beyond the other storeys', and of its joints' stiffness (a logarithm): how
-rigidly a base is clamped, and how a frame's flexibility is shared by columns and joints, no test of the thesis says;
-models that agree in all frequencies differ in both."""
-
-
 USUAL_DRIFT = 0.005
 """Share of its height by which a storey drifts when it is shaken in earnest: a third to twice as much here."""
 
@@ -157,12 +149,12 @@ def nuisance_parameters(structure: Structure, observed: Observations, prior: Pri
     found += [Parameter("damping_power", frame, DAMPING_POWER * prior.damping_ratio) for frame in tall]
     found += [Parameter("storey_stiffness", storey, prior.storey_stiffness) for storey in range(floors)]
     found += [
-        Parameter("base_stiffness", structure.first(number), BASE_STIFFNESS)
+        Parameter("base_stiffness", structure.first(number), prior.base_stiffness)
         for number, frame in enumerate(structure.frames)
         if frame.joint_derivative is not None
     ]
     found += [
-        Parameter("joint_stiffness", number, JOINT_STIFFNESS)
+        Parameter("joint_stiffness", number, prior.joint_stiffness)
         for number, frame in enumerate(structure.frames)
         if frame.joint_derivative is not None
     ]

@@ -14,11 +14,9 @@ from pounding.diagnosis.design.contenders import DECISIVE, STRONG, strength
 from pounding.diagnosis.design.detectability import Detectability, Sized
 from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.model.nuisance import (
-    BASE_STIFFNESS,
     CHANNEL_DELAY_S,
     CHANNEL_GAIN,
     DAMPING_POWER,
-    JOINT_STIFFNESS,
     STRUCK_DAMPING,
 )
 from pounding.diagnosis.report.report import ChannelMisfit, Report
@@ -328,8 +326,8 @@ def assumptions(case: Case, report: Report, parameters: int) -> list[str]:
         f"{DAMPING_POWER * prior.damping_ratio:.2g}, table gain {prior.table_gain:.1%}, table delay "
         f"{prior.table_delay_ms:g} ms), none beyond {box_of(parameters):.1f} of them.",
         f"A sensor's gain is known to {CHANNEL_GAIN:.1%}, its delay against the others to {CHANNEL_DELAY_S * 1e3:g} ms; "
-        f"how rigid a plate frame's base is to {BASE_STIFFNESS:.0%} of its first storey's stiffness, its joints to "
-        f"{JOINT_STIFFNESS:.0%}.",
+        f"how rigid a plate frame's base is to {prior.base_stiffness:.0%} of its first storey's stiffness, its joints to "
+        f"{prior.joint_stiffness:.0%}.",
         *([_STRUCK] if case.contacts else []),
         "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and, for what the "
         f"law gets wrong besides, {ours.law_error:.0%} of an effect on a frame, {ours.law_error_everywhere:.0%} of a law in "

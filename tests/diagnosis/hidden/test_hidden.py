@@ -25,6 +25,7 @@ from pounding.diagnosis.hidden.reference import Typical
 from pounding.diagnosis.hidden.rigging import draw_rig
 from pounding.diagnosis.hidden.scenario import Scenario
 from pounding.diagnosis.hidden.setting import Parameters, Setting
+from pounding.diagnosis.hidden.visibility import Eye, nudged, ordinary_parameters
 from pounding.diagnosis.hidden.whole_frame import STATES, in_all_storeys, yielding
 from pounding.diagnosis.hidden.worlds import OWN
 from pounding.diagnosis.hidden.writing import write_hidden
@@ -157,6 +158,18 @@ def test_visibility_is_drawn_in_its_range() -> None:
     for truth in drawn:
         assert VISIBILITY[0] <= truth["visibility_wanted"] <= VISIBILITY[1]
         assert truth["visibility"] == pytest.approx(truth["visibility_wanted"], rel=0.3)
+
+
+def test_what_nuisance_parameters_make_they_imitate() -> None:
+    rig = draw_rig(np.random.default_rng(2), ["5A"], "artificial", 4.0, world=OWN)
+    noise = rig.log.noise_of(rig.channels, rig.clean(rig.bare, 0))
+    eye = Eye(lambda scenario, coarsely: rig.clean(scenario, 0, coarsely=coarsely), rig.bare, noise)
+    far = np.random.default_rng(3).uniform(-2.0, 2.0, ordinary_parameters(rig.bare))
+    # A frame that is softer or stiffer by a tenth is soon out of step: the refit has to follow it there.
+    for share in (0.1, 0.3, 1.0):
+        raw, left = eye.sees(rig.clean(nudged(rig.bare, share * far), 0))
+    assert raw > 30
+    assert left < 0.02 * raw
 
 
 def test_a_model_error_hides_an_effect_as_noise_does() -> None:
