@@ -310,7 +310,7 @@ def _find(
     alarms = stored(false_alarms, len(effects))
 
     def enough(singles: Findings) -> bool:
-        return pair is None and error_leads(replace(singles, false_alarms=alarms))
+        return error_leads(replace(singles, pair=pair, false_alarms=alarms))
 
     found = search(model, effects, used, unseen, progress, start, enough)
     found.pair, found.false_alarms = pair, alarms

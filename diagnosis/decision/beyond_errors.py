@@ -59,7 +59,7 @@ def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress
         progress: Called with what is being done and the share that is done.
     """
     unhide(found)
-    for further in reversed(range(SETTINGS.search.errors)):
+    for further in reversed(range(SETTINGS.search.errors * len(found.model.structure.frames))):
         error = error_of_frame(found)
         if error is None:
             break

@@ -92,7 +92,7 @@ def of_frames(case: Case, found: Findings, decision: Decision) -> Conclusion:
 def _errors_of_the_frame(case: Case, found: Findings, decision: Decision) -> list[str]:
     """Return a sentence on the error of a frame that is in the model beside an effect, with its size, or nothing."""
     error = decision.judged.beside
-    if found.pair is not None or error is None:
+    if error is None:
         return []
     each = zip(error.fit.effects, stated_sizes(found, error), strict=True)
     errors = " and a little ".join(

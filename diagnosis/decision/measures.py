@@ -37,22 +37,31 @@ def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
     return model_error(found, judged) <= allowed_error(found.model)
 
 
-def model_error(found: Findings, judged: Judged | None = None) -> float:
+def model_error(found: Findings, judged: Judged | None = None, frame: str | None = None) -> float:
     """Return what effects, or the calibrated baseline model alone, leave beyond the noise over the motion.
 
-    It is that of the frame where it is most: median over its channels, mean over the runs.
+    It is the median over a frame's channels, mean over the runs.
+
+    Args:
+        found: The findings.
+        judged: The effects, or the null model.
+        frame: Name of the frame; when None the one where it is most.
     """
     misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
-    return _of_frame_with_most(found, beyond_noise(misfit, floor), 0.0)
+    return _of_frame_with_most(found, beyond_noise(misfit, floor), 0.0, frame)
 
 
-def hidden_error(found: Findings) -> float:
+def hidden_error(found: Findings, frame: str | None = None) -> float:
     """Return how large an error of the model the noise may hide, over the motion, measured as `model_error` is.
 
     With it the misfit is as large as it may become by chance before something is said to remain.
+
+    Args:
+        found: The findings.
+        frame: As in `model_error`.
     """
     beyond = found.model.observed.slower * max(alarms_of(found).most_by_chance ** 2 - 1.0, 0.0)
-    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(beyond), 0.0)
+    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(beyond), 0.0, frame)
 
 
 def forces_from_motion(found: Findings) -> bool:
@@ -72,12 +81,16 @@ def remaining(found: Findings, judged: Judged) -> float:
     return _of_frame_with_most(found, over_floors, 1.0)
 
 
-def _of_frame_with_most(found: Findings, measures: np.ndarray, unknown: float) -> float:
+def _of_frame_with_most(
+    found: Findings, measures: np.ndarray, unknown: float, frame: str | None = None
+) -> float:
     """Return a measure of channels (runs, channels) for the frame that has most: median over channels, mean over runs.
 
-    `unknown` is returned where no channel has it.
+    `unknown` is returned where no channel has it. A frame's name asks for that one.
     """
     each = by_frame(found.model, measures)
+    if frame is not None:
+        each = each[:, [found.model.structure.index(frame)]]
     known = np.isfinite(each).any(axis=0)
     return float(np.nanmean(each[:, known], axis=0).max()) if known.any() else unknown
 

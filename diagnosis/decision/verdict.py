@@ -129,15 +129,16 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
 def error_of_frame(found: Findings) -> Judged | None:
     """Return what the frame has a little of, as every real one has, where it leads or is second, or None.
 
-    The model must leave less with it. With reference runs, and where frames touch, nothing is asked for.
+    The model must leave less of its frame with it. With reference runs nothing is asked for.
     """
 
     def in_model(without: Judged, judged: Judged) -> bool:
-        less = model_error(found, judged) < model_error(found, without)
+        where = _frame_of_more(without, judged)
+        less = model_error(found, judged, where) < model_error(found, without, where)
         return less and _as_an_error(found, without, judged)
 
     single = [one for one in found.claimable() if len(one.effects) == 1]
-    if found.pair is not None or not single or not plain(found, single[0], signal_to_noise(found, single[0])):
+    if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
         return None
     alone = {one.effects[0]: one for one in single}
     if common(found, single[0]) and in_model(found.null, single[0]):
@@ -189,12 +190,23 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     """
     if found.reference:
         return False
-    before, after = model_error(found, without), model_error(found, judged)
+    where = _frame_of_more(without, judged)
+    before, after = (model_error(found, one, where) for one in (without, judged))
     taken = np.sqrt(max(before**2 - after**2, 0.0))
     if taken > allowed_error(found.model):
         return False
-    others = np.hypot(max(after, hidden_error(found)), Sight.of(found, judged.fit.filtered).discrepancy())
+    discrepancy = Sight.of(found, judged.fit.filtered).discrepancy(where)
+    others = np.hypot(max(after, hidden_error(found, where)), discrepancy)
     return bool(taken <= SETTINGS.decision.errors_alike * others)
+
+
+def _frame_of_more(without: Judged, judged: Judged) -> str | None:
+    """Return the frame on which all effects are that others are judged without; None where they are on several, or none.
+
+    What one of two frames lacks is no measure of the other's errors.
+    """
+    frames = {effect.frame for effect in judged.effects if effect not in without.effects}
+    return frames.pop() if len(frames) == 1 else None
 
 
 def _of_two(found: Findings, single: Judged, double: Judged) -> Judged:

@@ -75,11 +75,14 @@ class Sight:
         )
         return float(root_mean_square(left.reshape(self.output.shape)).max())
 
-    def discrepancy(self) -> float:
+    def discrepancy(self, frame: str | None = None) -> float:
         """Return how far the frame is from the model in ways that no parameter of a storey gives, as a share of the motion.
 
         It is the rms of what the discrepancy adds after all other nuisance parameters imitated what they can, over that of
         the motion, both in units of the channels' noise.
+
+        Args:
+            frame: Name of the frame whose channels count; when None all do.
         """
         ours = self.model.discrepant
         if not ours.any():
@@ -88,7 +91,11 @@ class Sight:
         added, others = self.nuisance[:, ours] @ size[ours], self.nuisance[:, ~ours]
         information = self.gram[np.ix_(~ours, ~ours)] + np.eye(int((~ours).sum()))
         left = added - others @ np.linalg.solve(information, others.T @ added)
-        return float(np.sqrt(np.sum(left**2) / np.sum((self.output / self.noise) ** 2)))
+        counted = slice(None) if frame is None else self.model.at_frame(self.model.structure.index(frame))
+        left, moved = (
+            each.reshape(self.output.shape)[:, counted] for each in (left, self.output / self.noise)
+        )
+        return float(np.sqrt(np.sum(left**2) / np.sum(moved**2)))
 
     def linear_share(self) -> float:
         """Return which part of the power that remains above the noise other stiffness, mass and damping would take away."""

@@ -145,6 +145,24 @@ def test_an_error_of_the_frame_is_what_it_has_a_little_of_and_leads_or_is_second
     found = findings(Problem(4.0, tried, ""), DATA["quiet"])
     expected = [one for number, one in enumerate(found.judged) if number in error]
     assert error_of_frame(found) is (expected[0] if expected else None)
+    found.pair = SimpleNamespace(blind=False, second=None, contact_claimed=False)  # type: ignore[assignment]
+    assert error_of_frame(found) is (expected[0] if expected else None)
+
+
+def test_what_one_of_two_frames_lacks_is_no_measure_of_the_errors_of_the_other() -> None:
+    """The left frame leaves 3 and 4 % beyond a floor of 1 %, whatever becomes of the right one, which leaves much less."""
+    at = {0: np.array([True, True, False]), 1: np.array([False, False, True])}
+    structure = SimpleNamespace(frames=("left", "right"), index=("left", "right").index)
+    found = SimpleNamespace(
+        model=SimpleNamespace(structure=structure, at_frame=at.__getitem__),
+        floor=np.full((2, 3), 0.01),
+    )
+    beyond = np.array([[0.03, 0.03, 0.002], [0.04, 0.04, 0.004]])
+    left = SimpleNamespace(channel_misfit=np.hypot(beyond, 0.01))
+    one, other = (model_error(found, left, name) for name in ("left", "right"))  # type: ignore[arg-type]
+    assert one == pytest.approx(0.035)
+    assert other == pytest.approx(0.003)
+    assert model_error(found, left) == pytest.approx(one)  # type: ignore[arg-type]
 
 
 def test_what_is_found_beside_an_error_of_the_frame_is_about_a_null_model_that_has_it(
