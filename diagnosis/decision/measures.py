@@ -142,6 +142,15 @@ def of_sensors(judged: Judged) -> bool:
     return all(effect.channel is not None for effect in judged.effects)
 
 
+def _acted_on(found: Findings, judged: Judged) -> np.ndarray:
+    """Return which channels are of frames that effects move, or whose sensors they are, (channels,); all without any."""
+    moved = (
+        moved_channels(found, judged) if judged.effects else np.ones(len(found.model.observed.names), bool)
+    )
+    frames = [found.model.at_frame(frame) for frame in range(len(found.model.structure.frames))]
+    return np.asarray(np.any([ours & np.any(ours & moved) for ours in frames], axis=0))
+
+
 def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels effects can change, shape (channels,).
 
@@ -185,16 +194,28 @@ def less_certain(found: Findings, judged: Judged) -> float:
     return float(np.sqrt(1.0 + beyond * radian))
 
 
-def explained(found: Findings, judged: Judged, nothing: float = SETTINGS.decision.confident_left) -> float:
+def explained(
+    found: Findings,
+    judged: Judged,
+    nothing: float = SETTINGS.decision.confident_left,
+    rival: Judged | None = None,
+) -> float:
     """Return the share of the explainable misfit that effects explain, on the held-out runs if there are any.
+
+    It is that of the frames on which they act: contact forces being known, effects move no other, and what that lacks, or
+    gains by another optimum of its own parameters, says nothing of them.
 
     Args:
         found: The findings.
         judged: The effects.
         nothing: Misfit over noise floor of a channel that counts as wholly explained.
+        rival: Other effects, whose frames count, too.
     """
     which = 1 if found.held_out else 0
-    before, after = over_noise(found, found.null)[which], over_noise(found, judged)[which]
+    ours = _acted_on(found, judged)
+    if rival is not None:
+        ours = ours | _acted_on(found, rival)
+    before, after = (over_noise(found, one)[which][ours] for one in (found.null, judged))
     # Over all channels together, by power: a channel that never saw the effect should not decide.
     explainable = np.nansum(np.maximum(before**2 - 1, 0.0))
     left = np.nansum(np.maximum(after**2 - nothing**2, 0.0))

@@ -178,7 +178,7 @@ def _listed(found: Findings, single: list[Judged]) -> Judged:
 
 def _clearly_more(found: Findings, judged: Judged, rival: Judged) -> bool:
     """Return whether what is outside the catalogue leaves so much less than what is in it that it is needed."""
-    left = [1.0 - explained(found, one, 1.0) for one in (judged, rival)]
+    left = [1.0 - explained(found, one, 1.0, other) for one, other in ((judged, rival), (rival, judged))]
     return left[1] <= SETTINGS.decision.rival_left * left[0]
 
 

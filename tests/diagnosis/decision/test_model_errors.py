@@ -11,9 +11,7 @@ import pytest
 
 from pounding.diagnosis import decide
 from pounding.diagnosis.decision import objections
-from pounding.diagnosis.decision.measures import (
-    model_error,
-)
+from pounding.diagnosis.decision.measures import explained, model_error
 from pounding.diagnosis.decision.verdict import error_of_frame
 from tests.diagnosis.decision.problems import (
     ALL,
@@ -163,6 +161,36 @@ def test_what_one_of_two_frames_lacks_is_no_measure_of_the_errors_of_the_other()
     assert one == pytest.approx(0.035)
     assert other == pytest.approx(0.003)
     assert model_error(found, left) == pytest.approx(one)  # type: ignore[arg-type]
+
+
+def test_an_effect_has_to_explain_what_its_own_frame_lacks() -> None:
+    """Held out, the left one leaves 4 floors, then 1; the right one 2, and 3 by other parameters of its own."""
+    at = {0: np.array([True, True, False]), 1: np.array([False, False, True])}
+    structure = SimpleNamespace(frames=("left", "right"), index=("left", "right").index)
+    model = SimpleNamespace(
+        structure=structure,
+        at_frame=at.__getitem__,
+        observed=SimpleNamespace(names=("a", "b", "c"), slower=np.ones(3)),
+    )
+    judged = {
+        name: SimpleNamespace(
+            effects=tuple(SimpleNamespace(frame=frame, channel=None) for frame in frames),
+            channel_misfit=np.array([[9.0, 9.0, 9.0], misfits]),
+        )
+        for name, frames, misfits in (
+            ("null", (), [4.0, 4.0, 2.0]),
+            ("left", ("left",), [1.0, 1.0, 3.0]),
+            ("right", ("right",), [4.0, 4.0, 1.0]),
+            ("both", ("left", "right"), [1.0, 1.0, 2.0]),
+        )
+    }
+    found = SimpleNamespace(model=model, null=judged["null"], held_out=(1,), floor=np.ones((2, 3)))
+    share = {name: explained(found, one, 1.0) for name, one in judged.items()}  # type: ignore[arg-type]
+    assert share["null"] == 0.0
+    assert share["left"] == share["right"] == 1.0
+    assert share["both"] == pytest.approx(1.0 - np.sqrt(3.0 / 33.0))
+    beside = explained(found, judged["left"], 1.0, judged["right"])  # type: ignore[arg-type]
+    assert beside == pytest.approx(1.0 - np.sqrt(8.0 / 33.0))
 
 
 def test_what_is_found_beside_an_error_of_the_frame_is_about_a_null_model_that_has_it(
