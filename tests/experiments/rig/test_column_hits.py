@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from pounding.experiments.command.app import main
 from pounding.experiments.errors import ExperimentError
 from pounding.experiments.fragility.capacity import closings
 from pounding.experiments.records import find
-from pounding.experiments.rig.column_hits import Columns, beyond, borne, masses_at, place_of, softened
+from pounding.experiments.rig.column_hits import Columns, Place, beyond, borne, masses_at, place_of, softened
 from pounding.experiments.rig.contacts import Contact, column_weights, height_of
 from pounding.experiments.rig.required_gap import gap_at
 from pounding.experiments.rig.rig import Rig
@@ -121,6 +122,34 @@ def test_at_the_peak_the_ends_bear_the_force_and_the_drift() -> None:
     reactions = matrix[np.ix_(held, held)] @ ends + matrix[np.ix_(held, free)] @ inside
     assert found["shear_kn"] == pytest.approx(np.abs(reactions[[0, 2]]).max() / 1e3, rel=0.01)
     assert found["moment_kn_m"] == pytest.approx(np.abs(reactions[[1, 3]]).max() / 1e3, rel=0.01)
+
+
+@pytest.mark.parametrize(("hit", "push"), [(1, 1.0), (0, -1.0)])
+@pytest.mark.parametrize("drift", [4e-4, -4e-4])
+def test_a_drift_adds_to_the_shear_on_one_side_of_a_blow(hit: int, push: float, drift: float) -> None:
+    """A quarter up the storey: the right building is pushed along +x, the left one along -x."""
+    force, length, share = 400.0, 0.1, 0.25
+    times = np.array([0.0, 1e-3])
+    history = SimpleNamespace(
+        time_s=times, sampled=lambda: (times,), at=lambda at: (0 * at, 0 * at, force + 0 * at)
+    )
+    frame = SimpleNamespace(
+        name="hit", time_s=times, floor=lambda number: number - 1, displacement_m=np.tile([0.0, drift], (2, 1)),
+        reduced=SimpleNamespace(storeys=2, heights_m=[length, 2 * length]),
+    )  # fmt: skip
+    motion = SimpleNamespace(contacts=[history], frames=[frame, frame])
+    floors = (1.0, 1.25) if hit else (1.25, 1.0)
+    place = Place(floors, hit, length, share)
+    found = borne(motion, SimpleNamespace(pair=0), place, COLUMNS, 0)  # type: ignore[arg-type]
+    bending, one = COLUMNS.bending_n_m2, push * force / COLUMNS.count
+    # Both ends fixed: the lower end bears b^2 (3 a + b) / L^3 of a force at a above it and b below the upper one.
+    to_lower = 0.75**2 * (3 * 0.25 + 0.75)
+    shears = [
+        12 * bending * drift / length**3 + to_lower * one,
+        12 * bending * drift / length**3 - (1 - to_lower) * one,
+    ]
+    assert found["shear_kn"] == pytest.approx(max(abs(each) for each in shears) / 1e3)
+    assert found["shear_of_drift_kn"] == pytest.approx(12 * bending * abs(drift) / length**3 / 1e3)
 
 
 def test_only_linear_laws_stand_in_series_with_columns() -> None:
