@@ -129,7 +129,8 @@ def _within_errors(found: Findings, chosen: Judged, drowned: bool, held: bool) -
 def error_of_frame(found: Findings) -> Judged | None:
     """Return what the frame has a little of, as every real one has, where it leads or is second, or None.
 
-    The model must leave less of its frame with it. With reference runs nothing is asked for.
+    The model must leave less of its frame with it. Nothing is asked for with reference runs, nor where no cell measured what
+    pushes the frames: such forces take the part of what either lacks, and of what remains with them no frame is the cause.
     """
 
     def in_model(without: Judged, judged: Judged) -> bool:
@@ -138,7 +139,9 @@ def error_of_frame(found: Findings) -> Judged | None:
         return less and _as_an_error(found, without, judged)
 
     single = [one for one in found.claimable() if len(one.effects) == 1]
-    if not single or not plain(found, single[0], signal_to_noise(found, single[0])):
+    if forces_from_motion(found) or not single:
+        return None
+    if not plain(found, single[0], signal_to_noise(found, single[0])):
         return None
     alone = {one.effects[0]: one for one in single}
     if common(found, single[0]) and in_model(found.null, single[0]):

@@ -186,11 +186,10 @@ def shown_after(diagnosis: Diagnosis) -> Judged | None:
     """
     if diagnosis.decision.named:
         return diagnosis.decision.judged
-    if diagnosis.conclusion.verdict in NAMED:
-        # What is claimed of a contact changes nothing in frames whose forces are measured.
-        return None
     found = diagnosis.found
-    return _likeliest(found) or (found.null if found.plain is not None else None)
+    errors = found.null if found.plain is not None else None
+    # What is claimed of a contact changes nothing in frames whose forces are measured.
+    return errors if diagnosis.conclusion.verdict in NAMED else _likeliest(found) or errors
 
 
 def corrected(found: Findings, judged: Judged) -> tuple[Model, Filtered]:

@@ -55,7 +55,10 @@ def _of_runs(report: Report) -> str:
             f"{after} with the nearest of the catalogue, the noise floor {noise}{sure}."
         )
     names = " and ".join(effect.sized() for effect in together(report.effects))
-    change = f"the misfit {run} {_moves(before, after)}, where noise alone leaves {noise}{_worst(report)}"
+    # A contact moves no frame whose forces are known.
+    errors = " by the frames' own errors in the model" if all(map(_of_a_contact, report.effects)) else ""
+    moves = _moves(before, after) + (errors if before != after else "")
+    change = f"the misfit {run} {moves}, where noise alone leaves {noise}{_worst(report)}"
     if report.verdict == "effect_class":
         return f"Missing is {names}, or {_others(report.effects[0])}; {change}{sure}."
     return f"Missing is {names}; {change}{sure}."

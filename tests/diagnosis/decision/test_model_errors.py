@@ -145,6 +145,8 @@ def test_an_error_of_the_frame_is_what_it_has_a_little_of_and_leads_or_is_second
     assert error_of_frame(found) is (expected[0] if expected else None)
     found.pair = SimpleNamespace(blind=False, second=None, contact_claimed=False)  # type: ignore[assignment]
     assert error_of_frame(found) is (expected[0] if expected else None)
+    found.pair.blind = True  # type: ignore[misc, union-attr]
+    assert error_of_frame(found) is None
 
 
 def test_what_one_of_two_frames_lacks_is_no_measure_of_the_errors_of_the_other() -> None:

@@ -47,6 +47,17 @@ def test_the_sentence_says_what_where_how_large_and_how_sure() -> None:
     assert "predicted from the others is off by 1 % in the median instead of 6 %" in modal
 
 
+def test_what_frames_gain_beside_a_contact_is_not_said_to_be_the_contacts() -> None:
+    gap = claim(Place(effect="gap_offset", contact=1), [parameter("offset", -1.6, 0.01, "mm")], 900.0)
+    said = sentence(structs.replace(of_runs(), verdict="effect_named", effects=(gap,)))
+    assert (
+        "goes from 35 % to 2.4 % by the frames' own errors in the model, where noise alone leaves 2 %" in said
+    )
+    one = structs.replace(of_runs().misfit.held_out, after=0.35)
+    same = structs.replace(of_runs(), effects=(gap,), misfit=structs.replace(of_runs().misfit, held_out=one))
+    assert "stays at 35 %, where noise alone leaves 2 %" in sentence(same)
+
+
 def test_a_worst_channel_that_the_median_hides_is_told() -> None:
     bad = ChannelMisfit(channel="d5", before=1.5, after=0.05, noise_floor=0.02)
     told = structs.replace(of_runs(), channels=(*(of_runs().channels or ()), bad))
