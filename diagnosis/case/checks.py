@@ -26,6 +26,7 @@ from pounding.diagnosis.case.quantities import (
 )
 from pounding.diagnosis.errors import CaseError
 from pounding.errors import InputError
+from pounding.frames.definition import PlateFrame
 from pounding.frames.errors import FrameError
 from pounding.frames.floors import level_floors
 from pounding.frames.loading import load
@@ -44,7 +45,7 @@ ROLES = ("training", "held_out", REFERENCE)
 OWN = ("storeys", "storey_height_m", "floor_mass_kg", "frequency_hz", "damping_ratio")
 """Keys of a frame that is given by its masses and modes."""
 OF_PLATES = ("base_stiffness", "joint_stiffness")
-"""Priors of frames that have plates and columns."""
+"""Priors of frames of plates and columns whose joints turn."""
 JOINTS = ("calibrated", "rigid")
 INTERPOLATIONS = ("zoh", "linear")
 
@@ -78,8 +79,8 @@ def check(described: Description, folder: Path, places: Places) -> tuple[Case, l
         fault = bound.fault(value, f"[prior] {name}")
         if fault:
             raise places.error(fault, "prior", 0, name)
-        if name in OF_PLATES and value != getattr(Prior(), name) and all(f.kind == "modal" for f in known):
-            what = f"[prior] {name} is that of frames of plates and columns, and no frame here is one; leave it out"
+        if name in OF_PLATES and value != getattr(Prior(), name) and not any(map(_has_joints, known)):
+            what = f"[prior] {name} is that of plates and columns whose joints turn, and no frame here has any; leave it out"
             raise places.error(what, "prior", 0, name)
     case = Case(
         described.title or folder.resolve().name, folder, known, (), channels, contacts, described.prior,
@@ -145,6 +146,13 @@ def _known_scale(frame: CaseFrame) -> Scale | None:
     if frame.scale is not None:
         return scale_of(frame.scale, "scale", CaseError)
     return FULL_SCALE if (frame.storey_height_m or 0.0) >= LOWEST_STOREY_M else None
+
+
+def _has_joints(frame: CaseFrame) -> bool:
+    """Return whether a frame is of plates and columns whose joints turn."""
+    if frame.kind == "modal" or frame.joints == "rigid":
+        return False
+    return isinstance(load(frame.file or frame.name), PlateFrame)
 
 
 def _options(table: FrameTable, error: Callable[..., CaseError]) -> dict[str, Any]:

@@ -23,7 +23,7 @@ def before(found: Findings, judged: Judged) -> float:
     filtered = judged.fit.filtered
     misfits = fit_misfits(found.model, filtered, found.reference)
     over = over_floor(found.model, misfits, floors(found.model, filtered, found.reference))
-    return _of_frame_with_most(found, over[np.newaxis], 1.0)
+    return _of_frame(found, over[np.newaxis], 1.0)
 
 
 def within_model_error(found: Findings, judged: Judged | None = None) -> bool:
@@ -48,7 +48,7 @@ def model_error(found: Findings, judged: Judged | None = None, frame: str | None
         frame: Name of the frame; when None the one where it is most.
     """
     misfit, floor = np.asarray((judged or found.null).channel_misfit), np.asarray(found.floor)
-    return _of_frame_with_most(found, beyond_noise(misfit, floor), 0.0, frame)
+    return _of_frame(found, beyond_noise(misfit, floor), 0.0, frame)
 
 
 def hidden_error(found: Findings, frame: str | None = None) -> float:
@@ -61,7 +61,7 @@ def hidden_error(found: Findings, frame: str | None = None) -> float:
         frame: As in `model_error`.
     """
     beyond = found.model.observed.slower * max(alarms_of(found).most_by_chance ** 2 - 1.0, 0.0)
-    return _of_frame_with_most(found, np.asarray(found.floor) * np.sqrt(beyond), 0.0, frame)
+    return _of_frame(found, np.asarray(found.floor) * np.sqrt(beyond), 0.0, frame)
 
 
 def forces_from_motion(found: Findings) -> bool:
@@ -78,15 +78,13 @@ def remaining(found: Findings, judged: Judged) -> float:
     over_floors = over_noise(found, judged)
     if forces_from_motion(found) and np.isfinite(over_floors[1]).any():
         over_floors = over_floors[1:]
-    return _of_frame_with_most(found, over_floors, 1.0)
+    return _of_frame(found, over_floors, 1.0)
 
 
-def _of_frame_with_most(
-    found: Findings, measures: np.ndarray, unknown: float, frame: str | None = None
-) -> float:
-    """Return a measure of channels (runs, channels) for the frame that has most: median over channels, mean over runs.
+def _of_frame(found: Findings, measures: np.ndarray, unknown: float, frame: str | None = None) -> float:
+    """Return a measure of channels (runs, channels) of one frame: median over its channels, mean over the runs.
 
-    `unknown` is returned where no channel has it. A frame's name asks for that one.
+    It is the named frame, else the one that has most. `unknown` is returned where no channel has it.
     """
     each = by_frame(found.model, measures)
     if frame is not None:
@@ -144,9 +142,9 @@ def of_sensors(judged: Judged) -> bool:
 
 def _acted_on(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels are of frames that effects move, or whose sensors they are, (channels,); all without any."""
-    moved = (
-        moved_channels(found, judged) if judged.effects else np.ones(len(found.model.observed.names), bool)
-    )
+    if not judged.effects:
+        return np.ones(len(found.model.observed.names), bool)
+    moved = moved_channels(found, judged)
     frames = [found.model.at_frame(frame) for frame in range(len(found.model.structure.frames))]
     return np.asarray(np.any([ours & np.any(ours & moved) for ours in frames], axis=0))
 

@@ -21,6 +21,7 @@ LEAST = 1e-6
 """Visibility of what changes no channel at all."""
 
 NUDGE = 0.05
+"""By how much a nuisance parameter is moved to find slopes, in prior standard deviations."""
 NEARBY = 0.02
 """How far from where slopes were made they serve, in prior standard deviations."""
 
@@ -54,6 +55,7 @@ class Eye:
         self.clean, self.without, self.noise = clean, without, noise
         self.bare = clean(without, False) / noise
         self.coarse = self.bare - clean(without, True) / noise
+        # What imitated the effect that was looked at last, and the slopes with where they were made.
         self.last = np.zeros(ordinary_parameters(without))
         self.made = (self.last, self._made(self.last))
 

@@ -54,7 +54,7 @@ def spaced(step: str) -> Callable[[str], str]:
         ("case.toml", lambda text: text.replace("[6.5,", "[1e300,"), "floor_mass_kg is 1e+300 kg"),
         ("case.toml", lambda text: text.replace("storeys = 3", "storeys = 100000000"), "storeys is 1e+08"),
         ("case.toml", lambda text: text + "\n[prior]\nfloor_mass = 1e-300\n", "[prior] floor_mass is 1e-300"),
-        ("case.toml", lambda text: text + "\n[prior]\njoint_stiffness = 0.1\n", "[prior] joint_stiffness is that of frames"),
+        ("case.toml", lambda text: text + "\n[prior]\njoint_stiffness = 0.1\n", "[prior] joint_stiffness is that of plates"),
         ("case.toml", lambda text: text + "\n[prior]\nmodel_error = 5\n", "[prior] model_error is 5; it must be"),
     ],
 )  # fmt: skip
