@@ -352,7 +352,7 @@ class Decision:
     rival_left: float = 0.5
     """[share of what the best effect of the catalogue leaves] A rival that is better must leave less. Origin: chosen."""
     larger_part: float = 0.5
-    """[share of the explainable misfit] If the effects explain less on held-out runs, they are not what is missing.
+    """[share of the explainable misfit] If the effects explain less where they act, they are not what is missing.
     Origin: theory: the larger part."""
     explained: float = 0.8
     """[share of the explainable misfit] The share that effects must explain if something else is known to act, such as

@@ -10,8 +10,10 @@ from pounding.diagnosis.inference.misfit import (
     allowed_error,
     beyond_noise,
     by_frame,
+    channel_differences,
     floors,
     over_floor,
+    simulate,
 )
 from pounding.diagnosis.settings import SETTINGS
 
@@ -220,22 +222,42 @@ def explained(
     return float(1 - np.sqrt(left / explainable)) if explainable > 0 else 1.0
 
 
-def explained_beyond_errors(found: Findings, judged: Judged) -> float:
-    """Return the share that effects explain of what is more than noise and the error that a model may have.
+def explains(found: Findings, judged: Judged, part: float) -> bool:
+    """Return whether effects explain a part of what can be explained where they act, in runs that were fitted or not.
 
-    It is nothing where they take less out of every channel than such an error could. No effect has to explain the errors of
-    a model as well, which may be larger in all channels together than a fault of one sensor. Of held-out runs it is asked if
-    they show more than such errors, with the effects or without: shaking that was too weak for an effect says nothing of it.
+    Each channel of the fitted runs and of the held-out ones counts by what the effects do there: a run that hardly reaches
+    them, or a channel that they hardly move, says little of them, and what remains there is no answer to whether they are
+    what is missing. Into the held-out runs they may not bring misfit that would be large enough for an effect.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+        part: The share of the misfit.
     """
-    if found.reference or found.pair is not None:
-        return 0.0
-    errors = (allowed_error(found.model) / np.asarray(found.floor)) ** 2
-    ours = moved_channels(found, judged)
-    before, after = (over_noise(found, one) ** 2 - 1.0 - errors for one in (found.null, judged))
-    shown = np.any(np.maximum(before, after)[:, ours] > 0.0, axis=1)
-    which = 1 if found.held_out and shown[1] else 0
-    known = ours & (before[which] > 0.0)
-    if not np.any((before - after > errors)[which, known]):
-        return 0.0
-    explainable, left = (np.nansum(np.maximum(each[which, ours], 0.0)) for each in (before, after))
-    return float(1 - np.sqrt(left / explainable))
+    before, after = (over_noise(found, one) ** 2 - 1.0 for one in (found.null, judged))
+    brought = after[1] - before[1]
+    if np.isfinite(brought).any() and np.nanmean(brought) > SETTINGS.decision.size**2:
+        return False
+    done = what_is_done(found, judged)
+    explainable, left = (float(np.nansum(done * np.maximum(each, 0.0))) for each in (before, after))
+    return left < (1.0 - part) ** 2 * explainable
+
+
+def what_is_done(found: Findings, judged: Judged) -> np.ndarray:
+    """Return the power over its noise by which effects change each channel, training and held-out runs, (2, channels).
+
+    It is what parts the simulation with them from that of the null model.
+
+    Args:
+        found: The findings.
+        judged: The effects.
+    """
+    model, change = found.model, np.full(np.shape(found.floor), np.nan)
+    for which, runs in enumerate((found.training, found.held_out)):
+        if runs:
+            with_them, without = (
+                simulate(model, fit.filtered.values, fit.filtered.effects, runs)
+                for fit in (judged.fit, found.null.fit)
+            )
+            change[which] = channel_differences(model, with_them, without, runs)
+    return np.asarray((change / np.asarray(found.floor)) ** 2)

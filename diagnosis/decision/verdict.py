@@ -13,7 +13,7 @@ from pounding.diagnosis.decision.false_alarms import plain, thresholds
 from pounding.diagnosis.decision.hidden_by_calibration import moved, straightens
 from pounding.diagnosis.decision.measures import (
     explained,
-    explained_beyond_errors,
+    explains,
     forces_from_motion,
     hidden_error,
     model_error,
@@ -257,8 +257,8 @@ def common(found: Findings, judged: Judged) -> tuple[Effect, ...]:
 def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     """Return whether effects are what is missing, whatever remains beside them.
 
-    They must explain the larger part of what can be explained on runs that they were not fitted to, and more where
-    something else is known to act as well. What is wrong with a sensor is no error of the frame's model, so it need not
+    They must explain the larger part of what can be explained where they act, and more where something else is known to
+    act as well. What is wrong with a sensor is no error of the frame's model, so it need not
     explain what remains where that is no more than such an error.
     """
     if any(effect.rival for effect in judged.effects) or another_frame(found, judged):
@@ -268,10 +268,9 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     apart = of_sensors(judged) and within_model_error(found, judged)
     if not objections and (apart or not something_left(found, judged)):
         return True
-    if objections:
-        return explained(found, judged, 1.0) >= SETTINGS.decision.explained
-    part = SETTINGS.decision.larger_part
-    return explained(found, judged, 1.0) >= part or explained_beyond_errors(found, judged) >= part
+    return explains(
+        found, judged, SETTINGS.decision.explained if objections else SETTINGS.decision.larger_part
+    )
 
 
 def _spread(judged: Judged) -> bool:

@@ -31,16 +31,28 @@ def channel_misfits(model: Model, outputs: Sequence[np.ndarray], runs: Sequence[
         outputs: Simulated channels of each run in SI, shape (samples, channels).
         runs: Numbers of the runs.
     """
-    measured = np.concatenate([model.observed.runs[run].measured for run in runs])
-    difference = np.concatenate(
-        [
-            levelled(model, one - model.observed.runs[run].measured, model.observed.runs[run].step_s)
-            for one, run in zip(outputs, runs, strict=True)
-        ]
-    )
-    rms = root_mean_square(measured)
-    ratio = np.divide(root_mean_square(difference), rms, out=np.full(len(rms), np.nan), where=rms > 0)
-    return np.asarray(ratio)
+    measured = [model.observed.runs[run].measured for run in runs]
+    return channel_differences(model, outputs, measured, runs)
+
+
+def channel_differences(
+    model: Model, outputs: Sequence[np.ndarray], others: Sequence[np.ndarray], runs: Sequence[int]
+) -> np.ndarray:
+    """Return rms(outputs - others) / rms(measured) of each channel, (channels,), over pooled runs where it was measured.
+
+    Args:
+        model: The baseline model.
+        outputs, others: Channels of each run in SI, shape (samples, channels).
+        runs: Numbers of the runs.
+    """
+    measured = [model.observed.runs[run].measured for run in runs]
+    difference = [
+        levelled(model, np.where(np.isfinite(there), one - other, np.nan), model.observed.runs[run].step_s)
+        for run, one, other, there in zip(runs, outputs, others, measured, strict=True)
+    ]
+    rms = root_mean_square(np.concatenate(measured))
+    over = root_mean_square(np.concatenate(difference))
+    return np.asarray(np.divide(over, rms, out=np.full(len(rms), np.nan), where=rms > 0))
 
 
 def levelled(model: Model, difference: np.ndarray, step_s: float) -> np.ndarray:
