@@ -225,6 +225,13 @@ def _several(found: list[Record]) -> list[Record]:
             f"{len(found) or 'no'} record was found; a fragility needs several: give --set (a folder, or "
             f"{', '.join(FEMA_SETS)}), or --record more than once"
         )
+    for number, one in enumerate(found):
+        for other in found[:number]:
+            if (one.sha256, one.step_s) == (other.sha256, other.step_s):
+                raise ExperimentError(
+                    f"record '{one.name}' from {one.source} and record '{other.name}' from {other.source} are the same "
+                    "ground motion, which would count twice; leave one out"
+                )
     return found
 
 

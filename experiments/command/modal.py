@@ -109,8 +109,11 @@ def _show(result: dict[str, Any]) -> Iterable[Any]:
         for number, mode in enumerate(result["modes"], 1)
     ]
     heads = ["mode", "f [Hz]", "mass x", "mass y", "damping", "description"]
-    yield table(f"Frame {result['frame']}", heads, rows)
-    yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
+    if rows:
+        yield table(f"Frame {result['frame']}", heads, rows)
+        yield "mass x, mass y: effective modal mass along x and y as a fraction of the moving mass"
+    else:
+        yield f"Frame {result['frame']}: no mode up to {result['parameters']['up_to_hz']:g} Hz; --up-to-hz asks for more"
     yield from map(in_words, result["parameters"]["states"])
     yield from result["notes"]
     mass, stiffness = result["mass_kg"], result["roof_stiffness_n_per_mm"]

@@ -136,6 +136,10 @@ def test_the_verb_writes_curves_that_scale_with_the_gap(
     [
         (["5A", "--record", "elcentro-chopra"], "is one frame and no street file"),
         (["STREET", "--record", "elcentro-chopra"], "1 record was found; a fragility needs several"),
+        (
+            ["STREET", "--record", "elcentro-chopra", "--record", "elcentro-chopra"],
+            "are the same ground motion",
+        ),
         (["STREET", "--set", "nowhere"], "is no folder and no known set"),
         (["STREET", "--set", "fema-p695-farfield", "--force", "-1"], "--force is -1 kN"),
         (["STREET", "--set", "fema-p695-farfield", "--gap", "0"], "touch at any intensity"),

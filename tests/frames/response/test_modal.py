@@ -117,6 +117,12 @@ def test_verb_takes_the_common_options(capsys):
     assert rigid["parameters"]["p_delta"] is False
 
 
+def test_verb_says_that_there_is_no_mode_so_low(capsys):
+    shown = verb(capsys, "5A", "--up-to-hz", "0.5")
+    assert "Frame 5A: no mode up to 0.5 Hz; --up-to-hz asks for more" in shown
+    assert "mass x" not in shown
+
+
 def test_verb_shows_tables(capsys):
     shown = verb(capsys, "5A", "--up-to-hz", "10")
     assert "1st bending in x" in shown
