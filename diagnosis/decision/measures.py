@@ -227,7 +227,7 @@ def explains(found: Findings, judged: Judged, part: float) -> bool:
 
     Each channel of the fitted runs and of the held-out ones counts by what the effects do there: a run that hardly reaches
     them, or a channel that they hardly move, says little of them, and what remains there is no answer to whether they are
-    what is missing. Into the held-out runs they may not bring misfit that would be large enough for an effect.
+    what is missing. Into the held-out runs they may bring no more misfit than the model of a real frame may leave.
 
     Args:
         found: The findings.
@@ -235,8 +235,8 @@ def explains(found: Findings, judged: Judged, part: float) -> bool:
         part: The share of the misfit.
     """
     before, after = (over_noise(found, one) ** 2 - 1.0 for one in (found.null, judged))
-    brought = after[1] - before[1]
-    if np.isfinite(brought).any() and np.nanmean(brought) > SETTINGS.decision.size**2:
+    brought = (after[1] - before[1]) * np.asarray(found.floor)[1] ** 2
+    if np.isfinite(brought).any() and np.nanmean(brought) > allowed_error(found.model) ** 2:
         return False
     done = what_is_done(found, judged)
     explainable, left = (float(np.nansum(done * np.maximum(each, 0.0))) for each in (before, after))
