@@ -54,12 +54,12 @@ class StoreyFrame:
         """Number of floors, which is that of storeys."""
         return len(self.height_m)
 
-    @property
+    @cached_property
     def drift(self) -> np.ndarray:
         """Rows that turn floor displacements into drifts, shape (storeys, floors)."""
         return np.eye(self.floors) - np.eye(self.floors, k=-1)
 
-    @property
+    @cached_property
     def storey_stiffness(self) -> np.ndarray:
         """Shear for a unit drift in one storey alone [N/m], shape (storeys,)."""
         above = np.tril(np.ones((self.floors, self.floors)))
@@ -88,12 +88,12 @@ class StoreyFrame:
         modes = range(min(self.floors, DISCREPANT_MODES))
         return [(one, other) for one in modes for other in modes if one <= other]
 
-    @property
+    @cached_property
     def floor_mass(self) -> np.ndarray:
         """Row sums of the mass matrix [kg], shape (floors,)."""
         return np.asarray(self.mass.sum(axis=1))
 
-    @property
+    @cached_property
     def geometric(self) -> np.ndarray:
         """Stiffness that the frame's own weight takes away, shape (floors, floors) [N/m]."""
         weight = STANDARD_GRAVITY * np.cumsum(self.floor_mass[::-1])[::-1]
