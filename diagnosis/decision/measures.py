@@ -74,13 +74,18 @@ def forces_from_motion(found: Findings) -> bool:
 def remaining(found: Findings, judged: Judged) -> float:
     """Return the misfit over the noise floor of the frame that has most: median over its channels, mean over the runs.
 
-    Training and held-out runs count alike. Where a pair's forces are those that the motion asks for, only the held-out
-    floor knows how uncertain they are.
+    Training and held-out runs count alike.
     """
-    over_floors = over_noise(found, judged)
-    if forces_from_motion(found) and np.isfinite(over_floors[1]).any():
-        over_floors = over_floors[1:]
-    return _of_frame(found, over_floors, 1.0)
+    return _of_frame(found, over_noise(found, judged)[_with_floors(found)], 1.0)
+
+
+def _with_floors(found: Findings) -> slice:
+    """Return which of the rows of training and held-out runs have a noise floor by which misfit is judged.
+
+    Where a pair's forces are those that the motion asks for, only the held-out floor knows how uncertain they are.
+    """
+    held_out = forces_from_motion(found) and bool(np.isfinite(np.asarray(found.floor)[1]).any())
+    return slice(1, 2) if held_out else slice(0, 2)
 
 
 def _of_frame(found: Findings, measures: np.ndarray, unknown: float, frame: str | None = None) -> float:
@@ -238,8 +243,8 @@ def explains(found: Findings, judged: Judged, part: float) -> bool:
     brought = (after[1] - before[1]) * np.asarray(found.floor)[1] ** 2
     if np.isfinite(brought).any() and np.nanmean(brought) > allowed_error(found.model) ** 2:
         return False
-    done = what_is_done(found, judged)
-    explainable, left = (float(np.nansum(done * np.maximum(each, 0.0))) for each in (before, after))
+    done, rows = what_is_done(found, judged), _with_floors(found)
+    explainable, left = (float(np.nansum((done * np.maximum(each, 0.0))[rows])) for each in (before, after))
     return left < (1.0 - part) ** 2 * explainable
 
 

@@ -258,8 +258,8 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     """Return whether effects are what is missing, whatever remains beside them.
 
     They must explain the larger part of what can be explained where they act, and more where something else is known to
-    act as well. What is wrong with a sensor is no error of the frame's model, so it need not
-    explain what remains where that is no more than such an error.
+    act as well. What is wrong with a sensor is no error of the frame's model, so it need not explain what remains where
+    that is no more than such an error.
     """
     if any(effect.rival for effect in judged.effects) or another_frame(found, judged):
         return False
@@ -268,9 +268,8 @@ def _holds(found: Findings, judged: Judged, objections: bool) -> bool:
     apart = of_sensors(judged) and within_model_error(found, judged)
     if not objections and (apart or not something_left(found, judged)):
         return True
-    return explains(
-        found, judged, SETTINGS.decision.explained if objections else SETTINGS.decision.larger_part
-    )
+    needed = SETTINGS.decision.explained if objections else SETTINGS.decision.larger_part
+    return explains(found, judged, needed)
 
 
 def _spread(judged: Judged) -> bool:

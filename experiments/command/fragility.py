@@ -28,7 +28,7 @@ from pounding.experiments.fragility.sweeping import Motions, passing_by_sweep, s
 from pounding.experiments.output import result_folder as keeping
 from pounding.experiments.records.code_spectra import FORMS
 from pounding.experiments.records.code_spectra import target as spectrum
-from pounding.experiments.records.sets import FEMA_SETS
+from pounding.experiments.records.sets import FEMA_SETS, refuse_twice
 from pounding.experiments.results.provenance import stamp
 from pounding.experiments.rig.street_file import Street
 from pounding.frames.files import replacing, write_whole
@@ -225,13 +225,7 @@ def _several(found: list[Record]) -> list[Record]:
             f"{len(found) or 'no'} record was found; a fragility needs several: give --set (a folder, or "
             f"{', '.join(FEMA_SETS)}), or --record more than once"
         )
-    for number, one in enumerate(found):
-        for other in found[:number]:
-            if (one.sha256, one.step_s) == (other.sha256, other.step_s):
-                raise ExperimentError(
-                    f"record '{one.name}' from {one.source} and record '{other.name}' from {other.source} are the same "
-                    "ground motion, which would count twice; leave one out"
-                )
+    refuse_twice(found)
     return found
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 from pounding.experiments.errors import ExperimentError
@@ -16,6 +18,23 @@ FEMA_SETS = {
     "fema-p695-nearfield-no-pulse": "nearfield_no_pulse",
 }
 """Sets of FEMA P695 (22, 14 and 14 pairs of components) and the files that hold them."""
+
+
+def refuse_twice(records: Sequence[Record]) -> None:
+    """Refuse one ground motion under two names, or twice under one: it would count twice.
+
+    Args:
+        records: The ground motions.
+
+    Raises:
+        ExperimentError: Two have the same samples and step.
+    """
+    for one, other in combinations(records, 2):
+        if (one.sha256, one.step_s) == (other.sha256, other.step_s):
+            raise ExperimentError(
+                f"record '{one.name}' from {one.source} and record '{other.name}' from {other.source} are the same "
+                "ground motion, which would count twice; leave one out"
+            )
 
 
 def record_set(name: str, unit: str | None = None) -> list[Record]:

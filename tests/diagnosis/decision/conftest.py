@@ -10,7 +10,7 @@ from pounding.diagnosis.inference.findings import Findings, Judged
 
 
 @pytest.fixture
-def own_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+def made_up_fits(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no other frame move like that of a made-up fit, and let its effects do what they take out of the misfit."""
     monkeypatch.setattr(objections, "nearest_frame", lambda _, judged: judged.fit.filtered.values)
     monkeypatch.setattr(measures, "what_is_done", taken)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
@@ -91,3 +92,14 @@ def test_what_effects_do_is_what_parts_the_simulations_where_something_was_measu
         share = np.nanmean(change**2, axis=0) / np.nanmean(run.measured**2, axis=0)
         np.testing.assert_allclose(done[which], share / 0.01**2, rtol=1e-9)
     assert done.min() > 1.0
+
+
+@pytest.mark.parametrize(("blind", "named"), [(True, True), (False, False)])
+def test_only_held_out_runs_are_asked_where_the_motion_says_what_the_forces_are(
+    blind: bool, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The floor of the fitted runs does not know how uncertain such forces are."""
+    monkeypatch.setattr(measures, "what_is_done", lambda *_: rows(32.0, 32.0))
+    found = of_misfits(rows(6.0, 6.0), rows(5.0, 2.0))
+    found.pair = SimpleNamespace(blind=blind)  # type: ignore[assignment]
+    assert explains(found, found.judged[0], HALF) == named

@@ -29,7 +29,7 @@ from tests.diagnosis.decision.problems import (
 
 SOFTER = of("p_delta")
 
-pytestmark = pytest.mark.usefixtures("own_frames")
+pytestmark = pytest.mark.usefixtures("made_up_fits")
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ from tests.diagnosis.decision.problems import (
     judged,
 )
 
-pytestmark = pytest.mark.usefixtures("own_frames")
+pytestmark = pytest.mark.usefixtures("made_up_fits")
 
 
 @pytest.mark.parametrize("data", DATA)
