@@ -9,9 +9,9 @@ import numpy as np
 
 from pounding.diagnosis.model.kalman import SteadyFilter
 
-ALIKE = 1e3
-"""Condition of the own motions' shapes from which on the loop is run without them: sums would lose three of the seven
-digits of single precision, in which it is run by its own motions."""
+KEPT = 1e-4
+"""Error to which sums over own motions may add up: their condition times the rounding of the numbers. What is shown is kept
+in single precision anyhow, in which the loop is run where that is enough."""
 
 
 def transition(steady: SteadyFilter) -> np.ndarray:
@@ -50,18 +50,22 @@ class OwnMotions:
         forth: From the states to the real parts of those that turn, their imaginary parts, and the others, shape
             (states, states).
         back: The way back, shape (states, states).
+        precision: Type of numbers in which the loop may be run by them: the more they are alike, the more digits it needs.
     """
 
     turn: np.ndarray
     forth: np.ndarray
     back: np.ndarray
+    precision: type[np.floating[Any]]
 
 
 def own_motions(closed: np.ndarray) -> OwnMotions | None:
     """Return the own motions of a closed loop, (states, states), None where they are too alike to be told apart."""
     factors, vectors = np.linalg.eig(closed)
     size = np.abs(vectors).max(axis=1)
-    if not np.all(size > 0.0) or np.linalg.cond(vectors / size[:, None]) > ALIKE:
+    alike = np.linalg.cond(vectors / size[:, None]) if np.all(size > 0.0) else np.inf
+    precision = next((one for one in (np.float32, np.float64) if alike * np.finfo(one).eps < KEPT), None)
+    if precision is None:
         return None
     # Of a conjugate pair one is enough: the real part of twice its contribution is that of both.
     turns, stays = factors.imag > 0.0, factors.imag == 0.0
@@ -70,6 +74,7 @@ def own_motions(closed: np.ndarray) -> OwnMotions | None:
         np.hstack([[one.real, one.imag] for one in (factors[turns], factors[stays])]),
         np.concatenate([inverse[turns].real, inverse[turns].imag, inverse[stays].real]),
         np.hstack([2 * vectors[:, turns].real, -2 * vectors[:, turns].imag, vectors[:, stays].real]),
+        precision,
     )
 
 

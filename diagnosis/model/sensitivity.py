@@ -101,8 +101,7 @@ def signature_pieces(
     turn, shows, moved, onward = closed, shown @ steady.output, inputs, steady.step
     if own is not None:
         turn, shows, moved, onward = own.turn, shows @ own.back, own.forth @ inputs, own.forth @ steady.step
-    # What is shown is kept in single precision anyhow, and own motions do not lose its digits.
-    precision = np.float64 if own is None else np.float32
+    precision = np.float64 if own is None else own.precision
     loop = Loop(turn, shows, moved[:2], shown @ direct, column, turning=own is not None)
     feedback = (
         None if laws is None else LawFeedback.of(loop, steady, own, shown, laws, (force, direct, inputs[2]))

@@ -173,6 +173,25 @@ def test_slopes_that_are_too_large_for_their_digits_still_give_a_step_inside_the
     assert np.all((step >= lower) & (step <= upper))
 
 
+def test_a_step_between_bounds_is_the_least_of_its_square() -> None:
+    """No parameter inside its bounds has a slope left, none at a bound one that leads inside."""
+    rng = np.random.default_rng(3)
+    at_bounds = 0
+    for count in (1, 5, 40) * 10:
+        root = rng.standard_normal((2 * count, count)) * 10.0 ** rng.uniform(-3.0, 3.0, count)
+        precision, pull = root.T @ root + np.eye(count), 30.0 * root.T @ rng.standard_normal(2 * count)
+        lower, upper = -rng.uniform(0.0, 3.0, count), rng.uniform(0.0, 3.0, count)
+        step = bounded_step(precision, pull, lower, upper)
+        slope = (pull - precision @ step) / np.sqrt(np.diag(precision))
+        inside = (step > lower) & (step < upper)
+        assert np.all((step >= lower) & (step <= upper))
+        assert np.all(np.abs(slope[inside]) < 1e-6 * np.abs(pull / np.sqrt(np.diag(precision))).max())
+        assert np.all(slope[step == lower] <= 0.0)
+        assert np.all(slope[step == upper] >= 0.0)
+        at_bounds += int((~inside).sum())
+    assert at_bounds > 100
+
+
 class Product(Likelihood):
     """The product of two numbers, known a hundred times better than either: good fits are a long, bent valley."""
 

@@ -76,12 +76,23 @@ def test_a_kept_assembly_is_not_changed_by_effects() -> None:
 
 def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.MonkeyPatch) -> None:
     model, _, filtered = problem()
+    closed = closed_loop.transition(filtered.filters[0])
     columns = [[*nuisance_terms(model, filtered.modes, motion), []] for motion in motions(model, filtered)]
     pieces = [rows for _, rows in signature_pieces_of_run(model, filtered, 0, columns[0], 64, None)]
     quick = [run_signatures(model, filtered, number, own) for number, own in enumerate(columns)]
-    monkeypatch.setattr(closed_loop, "ALIKE", 0.0)
-    for number, (one, own) in enumerate(zip(quick, columns, strict=True)):
+    own_motions = closed_loop.own_motions(closed)
+    assert own_motions is not None
+    assert own_motions.precision is np.float32
+    monkeypatch.setattr(closed_loop, "KEPT", 1e-9)
+    own_motions = closed_loop.own_motions(closed)
+    assert own_motions is not None
+    assert own_motions.precision is np.float64
+    precise = [run_signatures(model, filtered, number, own) for number, own in enumerate(columns)]
+    monkeypatch.setattr(closed_loop, "KEPT", 0.0)
+    assert closed_loop.own_motions(closed) is None
+    for number, (one, better, own) in enumerate(zip(quick, precise, columns, strict=True)):
         other = run_signatures(model, filtered, number, own)
         np.testing.assert_allclose(one, other, atol=1e-6 * np.abs(other).max())
+        np.testing.assert_allclose(better, other, atol=1e-7 * np.abs(other).max())
         assert not one[:, -1].any()
     np.testing.assert_array_equal(np.concatenate(pieces), quick[0])
