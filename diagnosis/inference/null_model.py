@@ -23,21 +23,33 @@ from pounding.diagnosis.inference.posterior import Marquardt
 from pounding.diagnosis.inference.refine import Fit, Race, calibrated_at_scale, calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated, starting_noise
 from pounding.diagnosis.inference.swapped import exchange, exchanged
+from pounding.diagnosis.model.forked import meanwhile
 from pounding.diagnosis.model.kalman import Noise
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
 
-def best_null(model: Model, null: Fit) -> Fit:
-    """Return the null model, calibrated also with small latent forces from the baseline model if it seems stuck."""
-    filtered, runs = null.filtered, null.filtered.runs
-    left = fit_misfits(model, filtered, runs)
-    if not (leaves_much(model, left, filtered, runs) or bent(model, filtered)):
-        return null
-    noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
-    start = run_filter(model, np.zeros(len(model.std)), noise, runs)
-    again = refine(model, start, race=Race(filtered.log_likelihood))
-    return max(null, again, key=lambda fit: fit.log_posterior)
+def best_null(model: Model, start: Filtered) -> Fit:
+    """Return the null model refined, also with small latent forces from the baseline model if it seems stuck.
+
+    The latter needs nothing of the former: a second core works it out meanwhile, whether it will be asked for or not.
+
+    Args:
+        model: The baseline model.
+        start: Where the former starts.
+    """
+    runs = start.runs
+
+    def from_baseline() -> Fit:
+        noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
+        return refine(model, run_filter(model, np.zeros(len(model.std)), noise, runs))
+
+    with meanwhile(from_baseline, model.is_light(runs), (model,)) as again:
+        null = refine(model, start)
+        left = fit_misfits(model, null.filtered, runs)
+        if not (leaves_much(model, left, null.filtered, runs) or bent(model, null.filtered)):
+            return null
+        return max(null, again(), key=lambda fit: fit.log_posterior)
 
 
 def null_again(found: Findings) -> Fit | None:

@@ -25,11 +25,12 @@ Start = Callable[[], Fit | None]
 """A refinement that is still to be done; None where it led to something else than was asked for."""
 
 
-def other_starts(found: Findings) -> list[Start]:
+def other_starts(found: Findings, anew: Sequence[tuple[Effect, ...]] = ()) -> list[Start]:
     """Return other starts of the likeliest effects and of what is alike, each independent of the others.
 
     Args:
         found: The findings.
+        anew: Effects that have been refined from the baseline frame already.
     """
     leading = best(found)
     if not leading.effects:
@@ -41,7 +42,11 @@ def other_starts(found: Findings) -> list[Start]:
         if one.effects and one.ln_bayes > leading.ln_bayes - SETTINGS.decision.alike
     ]
     return [
-        *(partial(from_baseline, found, one.fit.effects, one.fit.values) for one in near),
+        *(
+            partial(from_baseline, found, one.fit.effects, one.fit.values)
+            for one in near
+            if one.fit.effects not in anew
+        ),
         *_promised(found, leading),
         *(one for kind in kinds for one in kind(found, leading)),
     ]

@@ -13,9 +13,9 @@ from pounding.diagnosis.inference.filtering import Filtered
 from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained, worth_anew
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
-from pounding.diagnosis.inference.other_starts import Start, other_starts, softer
+from pounding.diagnosis.inference.other_starts import Start, from_baseline, other_starts, softer
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
-from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.refining import each, keep, not_yet_likelier, refined
 from pounding.diagnosis.inference.rescue import rescue
 from pounding.diagnosis.inference.second import second
@@ -68,7 +68,7 @@ def search(
     """
     progress("calibrating the baseline model", 0.05)
     start = start or calibrated(model, training)
-    null = best_null(model, refine(model, start))
+    null = best_null(model, start)
     model, null = unswapped(model, null, training)
     runs = (model.since(training), tuple(held_out))
     found, again = _refined_best(model, null, effects, runs, progress)
@@ -122,14 +122,24 @@ def _refined_best(
     def told(i: int) -> None:
         progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * order.index(i))
 
-    # What leads is refined first: of the others only those that come near it need be.
-    for together in (order[:1], order[1:]):
-        for fits in each(found, further, together, told):
-            for fit in fits:
-                keep(found, fit)
+    def anew(fit: Fit) -> list[Fit]:
+        return [from_baseline(found, fit.effects, fit.values)]
+
+    # What leads is refined first, here and from the baseline frame: of the others only those that come near it need be.
+    first = order[:1]
+    ahead: list[Callable[[], list[Fit]]] = [partial(further, i) for i in first]
+    ahead += [partial(anew, quick[i]) for i in first]
+    for i in first:
+        told(i)
+    for fits in each(found, call, ahead):
+        for fit in fits:
+            keep(found, fit)
+    for fits in each(found, further, order[1:], told):
+        for fit in fits:
+            keep(found, fit)
     for one in before.judged if before is not None else []:
         keep(found, one.fit)
-    again = _led_further(found)
+    again = _led_further(found, [quick[i].effects for i in first])
     if before is None and (unexplained(found, best(found)) or bent(model, best(found).fit.filtered)):
         # What starts from the baseline model is the same about any null model.
         progress("trying larger effects", 0.65)
@@ -158,16 +168,21 @@ def to_the_end(chosen: Sequence[Score], likely: Sequence[float]) -> list[int]:
     return ends + [i for i in of_frames if i not in ends]
 
 
-def _led_further(found: Findings) -> Fit | None:
+def _led_further(found: Findings, anew: Sequence[tuple[Effect, ...]] = ()) -> Fit | None:
     """Refine what leads, and what is alike, from other starts until these lead no further; return the null model from there.
 
     What leads much further from another start has moved itself, and so has where it starts from.
+
+    Args:
+        found: The findings, to which the fits are added.
+        anew: What has been refined from the baseline frame already.
     """
     while True:
         led, before = best(found).effects, best(found).ln_bayes
         if not led:
             return None
-        starts: list[Start] = [partial(null_again, found), *other_starts(found)]
+        starts: list[Start] = [partial(null_again, found), *other_starts(found, anew)]
+        anew = ()
         again, *fits = each(found, call, starts)
         for fit in fits:
             if fit is not None:

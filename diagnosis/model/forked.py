@@ -74,7 +74,9 @@ def forked(
 
 
 @contextmanager
-def meanwhile(function: Callable[[], R], at_once: bool = True) -> Iterator[Callable[[], R]]:
+def meanwhile(
+    function: Callable[[], R], at_once: bool = True, shared: Sequence[object] = ()
+) -> Iterator[Callable[[], R]]:
     """Have a worker process work while this one goes on; what is yielded waits for its result and returns it.
 
     Where there is no second core, or no worker, the work is done when its result is asked for.
@@ -82,11 +84,12 @@ def meanwhile(function: Callable[[], R], at_once: bool = True) -> Iterator[Calla
     Args:
         function: Does the work. What it changes is not seen here, only what it returns.
         at_once: Whether there is memory for it beside what this process does.
+        shared: Objects that the result may refer to, as in `forked`.
     """
     if not (FORKS and at_once) or cores() < 2:
         yield function
         return
-    with _Worker(lambda _: function(), [None], ()) as worker:
+    with _Worker(lambda _: function(), [None], shared) as worker:
         worker.begin(0)
         yield lambda: worker.result()[1]
 

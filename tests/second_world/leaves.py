@@ -20,7 +20,7 @@ from pounding.diagnosis.hidden.hide import hide
 from pounding.diagnosis.hidden.writing import write_hidden
 from pounding.diagnosis.inference.findings import fit_misfits
 from pounding.diagnosis.inference.null_model import best_null, by_its_motion, unswapped
-from pounding.diagnosis.inference.refine import Fit, refine
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
@@ -48,7 +48,7 @@ def left(case: Case, noise: float) -> tuple[float, float]:
     model = Model(structure, screened(observe(case, structure)), case.prior)
     numbers = {run.file: i for i, run in enumerate(case.runs)}
     training = [numbers[run.file] for run in case.split()[0]]
-    null = best_null(model, refine(model, calibrated(model, training)))
+    null = best_null(model, calibrated(model, training))
     model, null = unswapped(model, null, training)
     ours = np.array([name != "table" for name in model.observed.names])
 

@@ -284,7 +284,6 @@ def test_no_second_effect_is_looked_for_where_single_ones_are_enough(
     asked: list[Any] = []
     looked: list[Any] = []
     stubs: dict[str, Any] = {
-        "refine": lambda *_: None,
         "best_null": lambda *_: None,
         "unswapped": lambda *_: (model, None),
         "_refined_best": lambda *_: (found, None),
