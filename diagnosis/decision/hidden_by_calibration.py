@@ -11,7 +11,7 @@ from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.model_checks import DAMPING, STRUCTURE, beyond_priors, log_prior_ratio
 
 
-def straightens(found: Findings, judged: Judged) -> bool:
+def straightens(found: Findings, judged: Judged, common: bool) -> bool:
     """Return whether the calibrated frame is within its priors with a likely effect, and much likelier by them.
 
     What is missing has then moved into stiffness, mass and the model discrepancy, where it shows as no misfit, or what
@@ -22,6 +22,8 @@ def straightens(found: Findings, judged: Judged) -> bool:
     Args:
         found: The findings.
         judged: The effect, alone.
+        common: Whether every real frame has a little of it: then it bends the frame as other errors of the model do, and only
+            what has moved by itself tells of it.
     """
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
@@ -41,7 +43,7 @@ def straightens(found: Findings, judged: Judged) -> bool:
     without = (found.wide or found.null).fit.filtered
     bent = damping or log_prior_ratio(found.model, without, judged.fit.filtered) >= needed
     likely = judged.ln_bayes >= needed
-    return (bent and likely) or moved(found, found.null, judged, effect)
+    return (bent and likely and not common) or moved(found, found.null, judged, effect)
 
 
 def moved(found: Findings, without: Judged, judged: Judged, effect: Effect) -> bool:

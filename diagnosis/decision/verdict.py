@@ -61,7 +61,7 @@ def decide(found: Findings) -> Decision:
         chosen = _sized(found, first, chosen)
     objections, said = against_the_model(found, chosen)
     # Of what the calibration took its misfit says nothing: not whether it is larger than an error, nor what it explains.
-    taken = len(chosen.effects) == 1 and straightens(found, chosen)
+    taken = len(chosen.effects) == 1 and _taken(found, chosen)
     held = _holds(found, chosen, objections) or (
         taken and not objections and within_model_error(found, chosen)
     )
@@ -92,7 +92,12 @@ def _sized(found: Findings, single: Judged, double: Judged) -> Judged:
 
 def _detected(found: Findings, judged: Judged) -> bool:
     """Return whether a single effect is there: it is large enough, or what the calibration took."""
-    return plain(found, judged, signal_to_noise(found, judged)) or straightens(found, judged)
+    return plain(found, judged, signal_to_noise(found, judged)) or _taken(found, judged)
+
+
+def _taken(found: Findings, judged: Judged) -> bool:
+    """Return whether the calibration took a single effect."""
+    return straightens(found, judged, bool(common(found, judged)))
 
 
 def _heard(found: Findings, single: list[Judged]) -> list[Judged]:

@@ -303,15 +303,16 @@ def test_what_the_calibration_took_is_named_though_it_takes_little_out_of_the_mo
 
 
 @pytest.mark.parametrize(
-    ("moved", "still", "verdict"),
+    ("name", "moved", "still", "verdict"),
     [
-        pytest.param(2.6, 0.0, "effect_named", id="much likelier by the priors with it"),
-        pytest.param(1.5, 0.0, "nothing_missing", id="a little likelier"),
-        pytest.param(2.6, 2.2, "nothing_missing", id="as unlikely with it"),
+        pytest.param("p_delta", 2.6, 0.0, "effect_named", id="much likelier by the priors with it"),
+        pytest.param("p_delta", 1.5, 0.0, "nothing_missing", id="a little likelier"),
+        pytest.param("p_delta", 2.6, 2.2, "nothing_missing", id="as unlikely with it"),
+        pytest.param("all_loosening", 2.6, 0.0, "nothing_missing", id="every frame has a little of it"),
     ],
 )
 def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
-    moved: float, still: float, verdict: str, monkeypatch: pytest.MonkeyPatch
+    name: str, moved: float, still: float, verdict: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Joints half as stiff: the frame's stiffness, its joints and its discrepancy each took a part of that."""
     allow(monkeypatch, 0.05)
@@ -321,7 +322,7 @@ def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
         usual.discrepancy
     )
     found = findings(
-        Problem(1.2, (Tried((partial(effect, "p_delta"),), 60.0, 1.19),), verdict), DATA["quiet"]
+        Problem(1.2, (Tried((partial(effect, name),), 60.0, 1.19),), verdict), DATA["quiet"]
     )
     for one, shift in ((found.null, moved), (found.judged[0], still)):
         fit: Any = one.fit
