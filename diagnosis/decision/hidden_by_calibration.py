@@ -22,8 +22,8 @@ def straightens(found: Findings, judged: Judged, common: bool) -> bool:
     Args:
         found: The findings.
         judged: The effect, alone.
-        common: Whether every real frame has a little of it: then it bends the frame as other errors of the model do, and only
-            what has moved by itself tells of it.
+        common: Whether every real frame has a little of it: then it bends the frame as its other errors do, and only what
+            has moved by itself tells of it.
     """
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:

@@ -321,9 +321,7 @@ def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
     far = np.array([parameter.kind in kinds for parameter in model.parameters]) * model.spread(
         usual.discrepancy
     )
-    found = findings(
-        Problem(1.2, (Tried((partial(effect, name),), 60.0, 1.19),), verdict), DATA["quiet"]
-    )
+    found = findings(Problem(1.2, (Tried((partial(effect, name),), 60.0, 1.19),), verdict), DATA["quiet"])
     for one, shift in ((found.null, moved), (found.judged[0], still)):
         fit: Any = one.fit
         fit.filtered = cast(Filtered, replace(usual, values=shift * far))
