@@ -43,6 +43,7 @@ NO_THRESHOLDS = {
         "posterior.SHORTENED",
         "posterior.PIECE",
         "posterior.CORRECTIONS",
+        "posterior.PIVOTS",
         "constancy.PERIODS",
         "filtering.AT_ONCE",
         "contacts.REACH",
