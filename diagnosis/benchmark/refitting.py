@@ -19,13 +19,13 @@ from pounding.diagnosis.decision.claims import Claim, claim, parameter, place_of
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect, Scales
 from pounding.diagnosis.inference.evidence import scales
-from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.inference.starting import uncalibrated
 from pounding.diagnosis.model.frames import baseline_frames
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import observe
 from pounding.diagnosis.model.storeys import Structure
 from pounding.diagnosis.report.report import Report
+from pounding.diagnosis.settings import SETTINGS
 
 WORTH = 0.05
 """Share by which the residual has to fall before anything is said to be missing."""
@@ -58,7 +58,7 @@ def refit_each(folder: Path) -> Report:
 
 
 def _sizes(model: Model) -> Scales:
-    start = run_filter(model, np.zeros(len(model.std)), starting_noise(model, [0]), [0])
+    start = uncalibrated(model, [0], SETTINGS.start.first_level)
     return scales(model, start)
 
 

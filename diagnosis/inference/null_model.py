@@ -21,7 +21,7 @@ from pounding.diagnosis.inference.misfit import own_error
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.posterior import Marquardt
 from pounding.diagnosis.inference.refine import Fit, Race, calibrated_at_scale, calibrated_further, refine
-from pounding.diagnosis.inference.starting import calibrated, starting_noise
+from pounding.diagnosis.inference.starting import calibrated, uncalibrated
 from pounding.diagnosis.inference.swapped import exchange, exchanged
 from pounding.diagnosis.model.forked import meanwhile
 from pounding.diagnosis.model.kalman import Noise
@@ -30,7 +30,7 @@ from pounding.diagnosis.settings import SETTINGS
 
 
 def best_null(model: Model, start: Filtered) -> Fit:
-    """Return the null model refined, also with small latent forces from the baseline model if it seems stuck.
+    """Return the null model refined, if it seems stuck also from the uncalibrated baseline model, the likelier of both.
 
     The latter needs nothing of the former: a second core works it out meanwhile, whether it will be asked for or not.
 
@@ -40,11 +40,10 @@ def best_null(model: Model, start: Filtered) -> Fit:
     """
     runs = start.runs
 
-    def from_baseline() -> Fit:
-        noise = starting_noise(model, runs, SETTINGS.start.rescue_level)
-        return refine(model, run_filter(model, np.zeros(len(model.std)), noise, runs))
+    def from_uncalibrated() -> Fit:
+        return refine(model, uncalibrated(model, runs))
 
-    with meanwhile(from_baseline, model.is_light(runs), (model,)) as again:
+    with meanwhile(from_uncalibrated, model.is_light(runs), (model,)) as again:
         null = refine(model, start)
         left = fit_misfits(model, null.filtered, runs)
         if not (leaves_much(model, left, null.filtered, runs) or bent(model, null.filtered)):

@@ -18,19 +18,19 @@ from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.findings import Findings, Judged, best, race
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import refined, widths
-from pounding.diagnosis.inference.rescue import anew
+from pounding.diagnosis.inference.starting import uncalibrated
 from pounding.diagnosis.settings import SETTINGS
 
 Start = Callable[[], Fit | None]
 """A refinement that is still to be done; None where it led to something else than was asked for."""
 
 
-def other_starts(found: Findings, anew: Sequence[tuple[Effect, ...]] = ()) -> list[Start]:
+def other_starts(found: Findings, begun: Sequence[tuple[Effect, ...]] = ()) -> list[Start]:
     """Return other starts of the likeliest effects and of what is alike, each independent of the others.
 
     Args:
         found: The findings.
-        anew: Effects that have been refined from the baseline frame already.
+        begun: Effects that have been refined from the baseline frame already.
     """
     leading = best(found)
     if not leading.effects:
@@ -45,7 +45,7 @@ def other_starts(found: Findings, anew: Sequence[tuple[Effect, ...]] = ()) -> li
         *(
             partial(from_baseline, found, one.fit.effects, one.fit.values)
             for one in near
-            if one.fit.effects not in anew
+            if one.fit.effects not in begun
         ),
         *_promised(found, leading),
         *(one for kind in kinds for one in kind(found, leading)),
@@ -117,7 +117,7 @@ def _ticked(found: Findings, leading: Judged) -> Iterator[Start]:
     """
     if any(effect.where not in ("", "channel", "logger") for effect in leading.effects):
         return
-    start = anew(found)
+    start = uncalibrated(found.model, found.fitted)
     for clock, values in clocks(found.model, start, leading.effects)[: SETTINGS.search.rescues]:
         filtered = run_filter(found.model, start.values, start.noise, found.fitted, [(clock, values)])
         width = widths(found.model, clock, found.sizes, ())

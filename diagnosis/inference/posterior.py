@@ -340,7 +340,7 @@ def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upp
         pull: Slope at zero, (n,).
         lower, upper: Bounds, (n,).
     """
-    step = np.linalg.solve(precision, pull)
+    least = step = np.linalg.solve(precision, pull)
     side = np.zeros(len(pull), int)
     for _ in range(PIVOTS):
         if not np.isfinite(step).all():
@@ -353,14 +353,16 @@ def bounded_step(precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upp
         free, ends = side == 0, np.where(side < 0, lower, np.where(side > 0, upper, 0.0))
         step = ends.copy()
         step[free] = np.linalg.solve(precision[np.ix_(free, free)], (pull - precision @ ends)[free])
-    return _one_at_a_time(precision, pull, lower, upper)
+    return _one_at_a_time(precision, least, lower, upper)
 
 
 def _one_at_a_time(
-    precision: np.ndarray, pull: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    precision: np.ndarray, free: np.ndarray, lower: np.ndarray, upper: np.ndarray
 ) -> np.ndarray:
-    """Return what `bounded_step` does, one parameter changing sides after the other."""
-    free = np.linalg.solve(precision, pull)
+    """Return what `bounded_step` does, one parameter changing sides after the other.
+
+    `free` is the least without bounds, shape (n,).
+    """
     try:
         factor = np.linalg.cholesky(precision).T
     except np.linalg.LinAlgError:
@@ -368,4 +370,5 @@ def _one_at_a_time(
         return np.asarray(np.clip(np.nan_to_num(free), lower, upper))
     # The start may lie on a bound, or past it by a rounding.
     bounds = (np.minimum(lower, -1e-9), np.maximum(upper, 1e-9))
-    return np.asarray(lsq_linear(factor, factor @ free, bounds, method="bvls").x)
+    found = lsq_linear(factor, factor @ free, bounds, method="bvls").x
+    return np.asarray(np.clip(found, lower, upper))

@@ -12,7 +12,7 @@ from pounding.diagnosis.inference.filtering import Filtered, log_likelihood, run
 from pounding.diagnosis.inference.findings import Findings, best, race, unexplained
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import each, keep
-from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.inference.starting import uncalibrated
 from pounding.diagnosis.model.kalman import Gain
 from pounding.diagnosis.model.side_by_side import side_by_side
 from pounding.diagnosis.settings import SETTINGS
@@ -28,7 +28,7 @@ def rescue(found: Findings, effects: Sequence[Effect]) -> None:
         effects: The candidates.
     """
     model = found.model
-    start, against = anew(found), race(found)
+    start, against = uncalibrated(model, found.fitted), race(found)
 
     def rescued(tried: tuple[Effect, np.ndarray]) -> Fit:
         effect, values = tried
@@ -37,16 +37,6 @@ def rescue(found: Findings, effects: Sequence[Effect]) -> None:
 
     for fit in each(found, rescued, _hopeful(found, effects, start)):
         keep(found, fit)
-
-
-def anew(found: Findings) -> Filtered:
-    """Return the baseline model with small latent forces.
-
-    Args:
-        found: The findings.
-    """
-    noise = starting_noise(found.model, found.fitted, SETTINGS.start.rescue_level)
-    return run_filter(found.model, np.zeros(len(found.model.std)), noise, found.fitted)
 
 
 def _hopeful(found: Findings, effects: Sequence[Effect], start: Filtered) -> list[tuple[Effect, np.ndarray]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import chain, count
 from operator import call
 
 from pounding.diagnosis.effects.catalogue import Effect
@@ -115,31 +116,10 @@ def _refined_best(
     worth = not_yet_likelier(before.judged if before is not None else [], quick)
     order = [i for i in to_the_end(chosen, [fit.log_posterior for fit in quick]) if i in worth]
 
-    def further(i: int) -> list[Fit]:
-        fit = refined(found, null.filtered, chosen[i], start=quick[i])
-        return [fit, softer(found, fit)] if isinstance(chosen[i].effect, BaseRocking) else [fit]
-
-    def told(i: int) -> None:
-        progress(f"refining {chosen[i].effect.label()} further", 0.5 + 0.05 * order.index(i))
-
-    def anew(fit: Fit) -> list[Fit]:
-        return [from_baseline(found, fit.effects, fit.values)]
-
-    # What leads is refined first, here and from the baseline frame: of the others only those that come near it need be.
-    first = order[:1]
-    ahead: list[Callable[[], list[Fit]]] = [partial(further, i) for i in first]
-    ahead += [partial(anew, quick[i]) for i in first]
-    for i in first:
-        told(i)
-    for fits in each(found, call, ahead):
-        for fit in fits:
-            keep(found, fit)
-    for fits in each(found, further, order[1:], told):
-        for fit in fits:
-            keep(found, fit)
+    _refine_to_the_end(found, [(chosen[i], quick[i]) for i in order], progress)
     for one in before.judged if before is not None else []:
         keep(found, one.fit)
-    again = _led_further(found, [quick[i].effects for i in first])
+    again = _led_further(found, [quick[i].effects for i in order[:1]])
     if before is None and (unexplained(found, best(found)) or bent(model, best(found).fit.filtered)):
         # What starts from the baseline model is the same about any null model.
         progress("trying larger effects", 0.65)
@@ -148,6 +128,45 @@ def _refined_best(
         if best(found).effects != led:
             again = _led_further(found)
     return found, again
+
+
+def _refine_to_the_end(found: Findings, ends: Sequence[tuple[Score, Fit]], progress: Progress) -> None:
+    """Refine candidates to the end, and keep the fits.
+
+    What leads is refined first, about the null model and from the baseline frame: of the others only those that come near it
+    need be.
+
+    Args:
+        found: The findings, to which the fits are added.
+        ends: Scores and fits of a few steps, the likeliest first.
+        progress: Called with what is being done and the share that is done.
+    """
+
+    def further(one: tuple[Score, Fit]) -> list[Fit]:
+        score, quick = one
+        fit = refined(found, found.null.fit.filtered, score, start=quick)
+        return [fit, softer(found, fit)] if isinstance(score.effect, BaseRocking) else [fit]
+
+    turn = count()
+
+    def told(one: tuple[Score, Fit]) -> None:
+        progress(f"refining {one[0].effect.label()} further", 0.5 + 0.05 * next(turn))
+
+    def kept(fits: list[list[Fit]]) -> None:
+        for fit in chain.from_iterable(fits):
+            keep(found, fit)
+
+    if not ends:
+        return
+    leading, *others = ends
+    _, quick = leading
+    told(leading)
+    both: list[Callable[[], list[Fit]]] = [
+        partial(further, leading),
+        lambda: [from_baseline(found, quick.effects, quick.values)],
+    ]
+    kept(each(found, call, both))
+    kept(each(found, further, others, told))
 
 
 def to_the_end(chosen: Sequence[Score], likely: Sequence[float]) -> list[int]:
@@ -168,21 +187,21 @@ def to_the_end(chosen: Sequence[Score], likely: Sequence[float]) -> list[int]:
     return ends + [i for i in of_frames if i not in ends]
 
 
-def _led_further(found: Findings, anew: Sequence[tuple[Effect, ...]] = ()) -> Fit | None:
+def _led_further(found: Findings, begun: Sequence[tuple[Effect, ...]] = ()) -> Fit | None:
     """Refine what leads, and what is alike, from other starts until these lead no further; return the null model from there.
 
     What leads much further from another start has moved itself, and so has where it starts from.
 
     Args:
         found: The findings, to which the fits are added.
-        anew: What has been refined from the baseline frame already.
+        begun: What has been refined from the baseline frame already.
     """
     while True:
         led, before = best(found).effects, best(found).ln_bayes
         if not led:
             return None
-        starts: list[Start] = [partial(null_again, found), *other_starts(found, anew)]
-        anew = ()
+        starts: list[Start] = [partial(null_again, found), *other_starts(found, begun)]
+        begun = ()
         again, *fits = each(found, call, starts)
         for fit in fits:
             if fit is not None:

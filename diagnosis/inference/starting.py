@@ -52,10 +52,20 @@ def starting_noise(
     return found
 
 
+def uncalibrated(model: Model, runs: Sequence[int], level: float = SETTINGS.start.rescue_level) -> Filtered:
+    """Return the baseline model as it is stated, by default with small latent forces.
+
+    Args:
+        model: The baseline model.
+        runs: Numbers of the runs.
+        level: As in `starting_noise`.
+    """
+    return run_filter(model, np.zeros(len(model.std)), starting_noise(model, runs, level), runs)
+
+
 def calibrated(model: Model, runs: Sequence[int]) -> Filtered:
     """Return the null model, its latent forces going from large to as small as the data like."""
-    filtered = run_filter(model, np.zeros(len(model.std)), starting_noise(model, runs), runs)
-    filtered = calibrated_further(model, filtered, 2)
+    filtered = calibrated_further(model, uncalibrated(model, runs, SETTINGS.start.first_level), 2)
     level = SETTINGS.start.first_level
     while level > SETTINGS.start.last_level:
         level *= SETTINGS.start.reduction

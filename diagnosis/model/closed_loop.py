@@ -9,7 +9,7 @@ import numpy as np
 
 from pounding.diagnosis.model.kalman import SteadyFilter
 
-KEPT = 1e-4
+TOLERANCE = 1e-4
 """Error to which sums over own motions may add up: their condition times the rounding of the numbers. What is shown is kept
 in single precision anyhow, in which the loop is run where that is enough."""
 
@@ -64,7 +64,7 @@ def own_motions(closed: np.ndarray) -> OwnMotions | None:
     factors, vectors = np.linalg.eig(closed)
     size = np.abs(vectors).max(axis=1)
     alike = np.linalg.cond(vectors / size[:, None]) if np.all(size > 0.0) else np.inf
-    precision = next((one for one in (np.float32, np.float64) if alike * np.finfo(one).eps < KEPT), None)
+    precision = next((one for one in (np.float32, np.float64) if alike * np.finfo(one).eps < TOLERANCE), None)
     if precision is None:
         return None
     # Of a conjugate pair one is enough: the real part of twice its contribution is that of both.

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from pounding.diagnosis.inference import posterior as posterior_module
 from pounding.diagnosis.inference.posterior import (
     DAMPED,
+    PIVOTS,
     SHORTENED,
     Likelihood,
     Marquardt,
@@ -173,8 +175,12 @@ def test_slopes_that_are_too_large_for_their_digits_still_give_a_step_inside_the
     assert np.all((step >= lower) & (step <= upper))
 
 
-def test_a_step_between_bounds_is_the_least_of_its_square() -> None:
+@pytest.mark.parametrize("pivots", [PIVOTS, 0], ids=["all sides at once", "one after the other"])
+def test_a_step_between_bounds_is_the_least_of_its_square(
+    pivots: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """No parameter inside its bounds has a slope left, none at a bound one that leads inside."""
+    monkeypatch.setattr(posterior_module, "PIVOTS", pivots)
     rng = np.random.default_rng(3)
     at_bounds = 0
     for count in (1, 5, 40) * 10:

@@ -83,12 +83,12 @@ def test_signatures_by_own_motions_are_those_of_the_loop(monkeypatch: pytest.Mon
     own_motions = closed_loop.own_motions(closed)
     assert own_motions is not None
     assert own_motions.precision is np.float32
-    monkeypatch.setattr(closed_loop, "KEPT", 1e-9)
+    monkeypatch.setattr(closed_loop, "TOLERANCE", 1e-9)
     own_motions = closed_loop.own_motions(closed)
     assert own_motions is not None
     assert own_motions.precision is np.float64
     precise = [run_signatures(model, filtered, number, own) for number, own in enumerate(columns)]
-    monkeypatch.setattr(closed_loop, "KEPT", 0.0)
+    monkeypatch.setattr(closed_loop, "TOLERANCE", 0.0)
     assert closed_loop.own_motions(closed) is None
     for number, (one, better, own) in enumerate(zip(quick, precise, columns, strict=True)):
         other = run_signatures(model, filtered, number, own)
