@@ -81,7 +81,7 @@ def from_baseline(found: Findings, effects: Sequence[Effect], values: Sequence[n
     still = np.zeros(len(found.model.std))
     # What a few steps leave would look like a wide discrepancy, beside which the effect is needed no longer.
     steps = SETTINGS.refinement.steps
-    return refine(found.model, start, effects, values, iterations=steps, nuisance=still)
+    return refine(found.model, start, effects, values, iterations=steps, nuisance=still, race=race(found))
 
 
 def softer(found: Findings, fit: Fit) -> Fit:

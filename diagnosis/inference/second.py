@@ -11,7 +11,7 @@ import numpy as np
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.evidence import Score, Scores, score
-from pounding.diagnosis.inference.findings import Findings, Judged, best
+from pounding.diagnosis.inference.findings import Findings, Judged, best, race
 from pounding.diagnosis.inference.other_starts import from_baseline
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import (
@@ -73,7 +73,7 @@ def _pair_further(found: Findings, first: Judged) -> None:
     def refined_alone(one: tuple[Effect, np.ndarray]) -> Fit:
         filtered, (effects, values) = both.fit.filtered, zip(*errors, one, strict=True)
         wide = usual_widths(found, effects)
-        fit = refine(found.model, filtered, effects, values, wide, nuisance=filtered.values)
+        fit = refine(found.model, filtered, effects, values, wide, nuisance=filtered.values, race=race(found))
         if fit.log_posterior > null.log_posterior or one[0] not in scores:
             return fit
         # It went astray without what it acted beside: what is less likely than nothing is no optimum.

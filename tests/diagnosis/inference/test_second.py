@@ -10,6 +10,7 @@ import pytest
 
 from pounding.diagnosis.inference import second as module
 from pounding.diagnosis.inference.findings import Findings, Judged
+from pounding.diagnosis.inference.refine import Race
 from pounding.diagnosis.inference.refining import not_yet_likelier
 
 
@@ -27,6 +28,9 @@ class Named:
 
 FROM_SCORE = 3.0
 """Evidence of what is refined alone from its score about the null model."""
+AHEAD = Race(1000.0)
+"""What all effects are up against."""
+
 A, B, C, D, ERROR, RIVAL = (*map(Named, ("a", "b", "c", "d", "error")), Named("rival", rival=True))
 
 
@@ -97,7 +101,9 @@ def searched(
         own = frozenset(effects[len(errors) :])
         return SimpleNamespace(effects=effects, log_posterior=both.get(own, FROM_SCORE))
 
-    def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, **____: Any) -> Any:
+    def refine(_: Any, __: Any, effects: tuple[Named, ...], *___: Any, race: Any, **____: Any) -> Any:
+        # What acts alone is given up where it will not come near what both do.
+        assert race is AHEAD
         return SimpleNamespace(effects=effects, log_posterior=(after or {}).get(effects[-1], 0.0))
 
     def again(_: Any, effects: tuple[Named, ...], __: Any) -> Any:
@@ -107,6 +113,7 @@ def searched(
     monkeypatch.setattr(module, "score", scored)
     monkeypatch.setattr(module, "from_baseline", again)
     monkeypatch.setattr(module, "refine", refine)
+    monkeypatch.setattr(module, "race", lambda _: AHEAD)
     monkeypatch.setattr(module, "usual_widths", lambda *_: None)
     monkeypatch.setattr(module, "keep", keep)
     monkeypatch.setattr(module, "refined", refined)
