@@ -193,9 +193,9 @@ class Refinement:
     by_motion: int = 24
     """[-] The calibration of the null model by its motion alone has so many steps. Origin: chosen."""
     law_error: float = 0.02
-    """[share of the size] The law of an effect on a frame, its place and the frame's mass are known no better: standard
-    errors contain it. Origin: fitted; twelve sizes, nine of own cases and those of column E of the benchmark, were 0.3 to
-    4 % off whatever the data said."""
+    """[share of the size] The law of an effect on a frame, of a table that pitches as well, its place and the frame's mass
+    are known no better: standard errors contain it. Origin: fitted; twelve sizes, nine of own cases and those of column E of
+    the benchmark, were 0.3 to 4 % off whatever the data said."""
     law_error_everywhere: float = 0.11
     """[share of the size] The same of a law in all storeys of a frame and of a storey that loosens, which are stated over a
     stiffness that a storey has not alone, and of how joints, base and weight soften a frame, which is in every model and

@@ -75,15 +75,12 @@ def evidence_beside_errors(found: Findings, judged: Judged) -> float:
 def _tolerant_of_laws(found: Findings, judged: Judged) -> list[Noise]:
     """Return noise that has the model's error in it, and what sizes as wrong as the effects' laws change in the motion."""
     model, filtered = found.model, judged.fit.filtered
-    noise, acting = tolerant(model, filtered), list(zip(judged.fit.effects, judged.fit.values, strict=True))
-    wrong = [
-        (effect, values * (1.0 + effect.law_error(model, values, found.sizes)))
-        for effect, values in acting
-        if effect.frame is not None
-    ]
-    if not wrong:
+    noise = tolerant(model, filtered)
+    right = list(zip(judged.fit.effects, judged.fit.values, strict=True))
+    errors = [effect.law_error(model, values, found.sizes) for effect, values in right]
+    if not any(errors):
         return noise
-    right = [one for one in acting if one[0].frame is not None]
+    wrong = [(effect, values * (1.0 + by)) for (effect, values), by in zip(right, errors, strict=True)]
     ours, others = (simulate(model, filtered.values, each, filtered.runs) for each in (right, wrong))
     changed = [root_mean_square(one - other) for one, other in zip(ours, others, strict=True)]
     return [

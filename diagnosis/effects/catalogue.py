@@ -129,7 +129,8 @@ class Effect:
     def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
         """Return the share of its size that its law may get wrong on a frame, whatever the data say [-].
 
-        What is never quite right in any model is a part of what softens a frame beside what is missing.
+        What is never quite right in any model is a part of what softens a frame beside what is missing. What is wrong with a
+        reading has no law: its size is by definition.
 
         Args:
             model: The baseline model.
@@ -138,6 +139,8 @@ class Effect:
         """
         del model, values, scales
         ours = SETTINGS.refinement
+        if self.frame is None:
+            return 0.0
         return ours.law_error_everywhere if self.common_beside else ours.law_error
 
     def is_common(self, values: np.ndarray, scales: Scales) -> bool:

@@ -16,6 +16,7 @@ from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, channel_term, table_term
 from pounding.diagnosis.model.tilt import tilt_series
+from pounding.diagnosis.settings import SETTINGS
 
 
 @CATALOGUE.add
@@ -109,6 +110,11 @@ class TableTilt(Effect):
         told_by="Two vertical accelerometers at the ends of the table.",
         plain=("the table pitches as it is shaken, by {size}",),
     )
+
+    def law_error(self, model: Model, values: np.ndarray, scales: Scales) -> float:
+        """Return that of any effect on a frame: a pitching table bends all frames on it."""
+        del model, values, scales
+        return SETTINGS.refinement.law_error
 
     def size(self, model: Model, scales: Scales, shape: tuple[float, ...]) -> float:
         """Return what moves the roof by a tenth of the table at the first frequency."""

@@ -129,8 +129,7 @@ class Fit:
                 known = _wider(np.sqrt(square), between[0] / whole, wider)
                 error = np.hypot(known, share * self.filtered.discrepancy)
                 values, std = np.r_[share, values[1:]], np.r_[error, std[1:]]
-            if effect.frame is not None:
-                std = np.hypot(std, effect.law_error(model, values, sizes) * np.abs(values))
+            std = np.hypot(std, effect.law_error(model, values, sizes) * np.abs(values))
             found.append((values, std))
             first += len(values)
         return found

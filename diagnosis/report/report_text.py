@@ -333,9 +333,10 @@ def assumptions(case: Case, report: Report, parameters: int) -> list[str]:
         f"{prior.joint_stiffness:.0%}.",
         *([_STRUCK] if case.contacts else []),
         "Standard errors contain the noise, the nuisance parameters, what is refined of a law's shape, and, for what the "
-        f"law gets wrong besides, {ours.law_error:.0%} of an effect on a frame, {ours.law_error_everywhere:.0%} of a law in "
-        f"all storeys, of joints, base or weight and of what loosens, {ours.law_error_of_yielding:.0%} of what yields and "
-        f"{ours.law_error_of_knee:.0%} divided by its ductility, the largest drift over the yield drift.",
+        f"law gets wrong besides, {ours.law_error:.0%} of an effect on a frame or of the table's pitch, "
+        f"{ours.law_error_everywhere:.0%} of a law in all storeys, of joints, base or weight and of what loosens, "
+        f"{ours.law_error_of_yielding:.0%} of what yields and {ours.law_error_of_knee:.0%} divided by its ductility, the "
+        "largest drift over the yield drift.",
         "Noise is estimated from the data: its spectrum where no frame answers, then the innovations.",
         "The frames are at rest before the first sample of each run.",
         f"Misfits are medians over {channels} channel{'s' * (channels != 1)}; evidence is against the calibrated model.",

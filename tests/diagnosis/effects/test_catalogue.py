@@ -17,6 +17,7 @@ from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
+from pounding.diagnosis.settings import SETTINGS
 from tests.diagnosis.models import measured
 
 PAGE = Path(__file__).parents[3] / "docs" / "diagnosis" / "catalogue.md"
@@ -114,3 +115,17 @@ def test_every_parameter_has_a_unit_and_positive_ones_are_refined_as_such() -> N
                                effect.grid(SIZES)[0])  # fmt: skip
         assert len(values) == len(effect.quantities)
         assert (values[list(effect.logarithmic())] > 0).all()
+
+
+def test_a_law_errs_on_a_frame_and_not_in_a_reading() -> None:
+    """What the table and sensors read wrongly is what its size says; a table that pitches bends the frame by a law."""
+    readings = {
+        kind.name
+        for kind in kinds()
+        if kind.where in ("channel", "logger") or (kind.where == "" and kind.name != "table_tilt")
+    }
+    for effect in one_of_each():
+        values = effect.values(effect.size(BELIEVED, SIZES, shape := effect.grid(SIZES)[0]), shape)
+        error = effect.law_error(BELIEVED, values, SIZES)
+        assert (error == 0.0) == (effect.name in readings)
+        assert error == 0.0 or error >= SETTINGS.refinement.law_error
