@@ -131,12 +131,15 @@ def _log_density(model: Model, filtered: Filtered) -> float:
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:
     """Return model and fit with two channels exchanged where that is plainly what was measured.
 
+    Which two, the frame as calibrated tells, or as believed: calibrated to what was swapped it may be bent so far that no
+    exchange is of help to it.
+
     Args:
         model: The baseline model.
         null: Its fit without effects.
         training: Numbers of the runs.
     """
-    pair = exchange(model, null.filtered)
+    pair = exchange(model, null.filtered) or exchange(model, uncalibrated(model, tuple(training)))
     if pair is None:
         return model, null
     observed = exchanged(model.observed, *pair)
