@@ -119,8 +119,8 @@ def measurements(found: Findings, now: Measurement) -> Iterator[Measurement]:
 
 
 def _channels(now: Measurement) -> Iterator[Measurement]:
-    seen = now.model.observed
-    present = {(int(q), int(f)) for q, f in zip(seen.quantity, seen.floor, strict=True)}
+    seen, known = now.model.observed, np.isfinite(now.noise)
+    present = {(int(q), int(f)) for q, f in zip(seen.quantity[known], seen.floor[known], strict=True)}
     simulated = now.model.predict(np.zeros(len(now.model.std)), None, (), [0])
     for kind, words in ((ACCELERATION, "accelerometer on"), (DISPLACEMENT, "displacement sensor at")):
         for floor in range(now.model.structure.floors):
@@ -141,7 +141,7 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
             rms = float(
                 root_mean_square(model.predict(np.zeros(len(model.std)), None, (), [0]).outputs[0])[-1]
             )
-            alike = np.flatnonzero(seen.quantity == kind)
+            alike = np.flatnonzero(known & (seen.quantity == kind))
             share = SETTINGS.design.noise
             if len(alike):
                 shown = root_mean_square(simulated.outputs[0])[alike]
@@ -155,7 +155,9 @@ def _channels(now: Measurement) -> Iterator[Measurement]:
 
 
 def as_it_was(found: Findings, number: int | None = None) -> Measurement:
-    """Return what was measured: a run, cut to `design.longest_s` of the settings, without what is infinitely noisy.
+    """Return what was measured: a run, cut to `design.longest_s` of the settings.
+
+    What is infinitely noisy was not measured; its channel stays, for effects know channels by their number.
 
     Args:
         found: What the search found.
@@ -166,24 +168,14 @@ def as_it_was(found: Findings, number: int | None = None) -> Measurement:
     run = seen.runs[number]
     samples = min(len(run.table), int(SETTINGS.design.longest_s / run.step_s))
     noise = np.asarray(fitted.noise[fitted.runs.index(number)].channel, float)
-    kept = np.flatnonzero(np.isfinite(noise))
     cut = replace(
         run,
         table=run.table[:samples],
         time_s=run.time_s[:samples],
-        measured=np.zeros((samples, len(kept))),
+        measured=np.zeros((samples, len(noise))),
         contact=run.contact[:samples],
     )
-    observed = replace(
-        seen,
-        names=tuple(seen.names[c] for c in kept),
-        to_si=seen.to_si[kept],
-        quantity=seen.quantity[kept],
-        floor=seen.floor[kept],
-        runs=(cut,),
-    )
-    model = found.model.seeing(observed)
-    return Measurement("as it was", model, noise[kept], False)
+    return Measurement("as it was", found.model.seeing(replace(seen, runs=(cut,))), noise, False)
 
 
 def _with_run(now: Measurement, run: RunData, what: str) -> Measurement:
@@ -210,7 +202,7 @@ def _normal(one: Measurement, true: Fit, other: Fit, found: Findings) -> Normal:
     made = model.predict(
         model.carried(found.model, true.filtered.values), None, true.filtered.effects, [0]
     ).outputs[0]
-    run = replace(model.observed.runs[0], measured=made)
+    run = replace(model.observed.runs[0], measured=np.where(np.isfinite(one.noise), made, np.nan))
     model = model.seeing(replace(model.observed, runs=(run,)))
     known = other.filtered.noise[0]
     noise = Noise(np.asarray(known.latent), known.table, one.noise, known.discrepancy)

@@ -287,7 +287,7 @@ CATALOGUE = Registry()
 
 
 def places(kind: type[Effect], model: Model) -> Sequence[Effect]:
-    """Return a kind of effect at each of its places."""
+    """Return a kind of effect at each of its places; a channel that no run has is none."""
     structure, observed = model.structure, model.observed
     where = kind.where
     if where in ("storey", "upper storey"):
@@ -310,7 +310,8 @@ def places(kind: type[Effect], model: Model) -> Sequence[Effect]:
             if frame.floors >= least
         ]
     if where == "channel":
-        return [kind(index=i, channel=name) for i, name in enumerate(observed.names)]
+        seen = observed.seen()
+        return [kind(index=i, channel=name) for i, name in enumerate(observed.names) if seen[i]]
     if where == "logger":
         return [_logger(kind, model, members) for members in loggers(model)]
     return [kind()]
@@ -319,13 +320,14 @@ def places(kind: type[Effect], model: Model) -> Sequence[Effect]:
 def loggers(model: Model) -> list[tuple[int, ...]]:
     """Return groups of channels that may sit on a logger of their own: one kind of quantity, or one frame."""
     observed = model.observed
-    everything = tuple(range(len(observed.names)))
+    seen = observed.seen()
+    everything = tuple(int(c) for c in np.flatnonzero(seen))
     groups = [
-        tuple(int(c) for c in np.flatnonzero(observed.quantity == kind))
+        tuple(int(c) for c in np.flatnonzero(seen & (observed.quantity == kind)))
         for kind in np.unique(observed.quantity)
     ]
     groups += [
-        tuple(int(c) for c in np.flatnonzero(model.at_frame(frame)))
+        tuple(int(c) for c in np.flatnonzero(seen & model.at_frame(frame)))
         for frame in range(len(model.structure.frames))
     ]
     return [group for group in dict.fromkeys(groups) if 2 <= len(group) < len(everything)]

@@ -56,7 +56,7 @@ def _peak_hz(spectrum: np.ndarray, bin_hz: float, hertz: float) -> float | None:
     first, last = (round(hertz * (1 + off) / bin_hz) for off in (-NEAR, NEAR))
     top = first + int(spectrum[first : last + 1].argmax())
     about = spectrum[max(0, top - 30 * FINER) : top + 30 * FINER]
-    if top + 1 >= len(spectrum) or spectrum[top] < SETTINGS.screening.hum * np.median(about):
+    if top + 1 >= len(spectrum) or spectrum[top] <= SETTINGS.screening.hum * np.median(about):
         return None
     # The peak of the parabola through the three largest.
     low, high, after = np.log(np.maximum(spectrum[top - 1 : top + 2], np.finfo(float).tiny))

@@ -141,6 +141,10 @@ class Observations:
         """Return the rms of each channel in a run in SI, shape (channels,); NaN where nothing was measured."""
         return root_mean_square(run.measured)
 
+    def seen(self) -> np.ndarray:
+        """Return which channels measured anything in any run, shape (channels,)."""
+        return np.isfinite(np.array([self.rms(run) for run in self.runs])).any(axis=0)
+
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:
     """Return the rms over the first axis, shape (...,), of what is not NaN; NaN where there is nothing.

@@ -13,6 +13,7 @@ from pounding.diagnosis.design.frame_advice import advice, as_it_was, expected, 
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
+from pounding.diagnosis.inference.refine import refine
 from pounding.diagnosis.inference.search import search
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
@@ -93,3 +94,25 @@ def test_a_rival_that_is_the_truth_itself_gains_nothing() -> None:
     found = stiffening()
     best = found.judged[0].fit
     assert all(abs(gain.ln_bayes) < 1e-6 for gain in expected(found, best, best))
+
+
+def test_a_dead_channel_is_no_measurement_and_those_after_it_keep_their_place() -> None:
+    """Effects know channels by their number: a delay of the last one is a rival although the first was left out."""
+    whole = measured([], samples=1000)
+    runs = tuple(
+        replace(run, measured=run.measured * np.where(np.arange(5) == 0, np.nan, 1.0))
+        for run in whole.observed.runs
+    )
+    model = whole.seeing(replace(whole.observed, runs=runs))
+    of_sensors = [one for one in candidates(model) if (one.name, one.where) == ("sensor_delay", "channel")]
+    assert [one.index for one in of_sensors] == [1, 2, 3, 4]
+    late = of_sensors[-1:]
+    found = search(model, late, [0], [1], lambda what, share: None)
+    truth, null = (
+        refine(model, found.null.fit.filtered, late, [np.array([0.01])], iterations=0),
+        found.null.fit,
+    )
+    gains = {gain.what: gain.ln_bayes for gain in expected(found, truth, null)}
+    assert "an accelerometer on floor 1 of bench" in gains
+    assert gains["the same shaking at twice its amplitude"] > 1.0
+    assert all(np.isfinite(gain) for gain in gains.values())

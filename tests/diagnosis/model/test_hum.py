@@ -45,6 +45,7 @@ def test_a_higher_multiple_is_hum_only_beside_a_lower_one() -> None:
     plain = shaking(SAMPLES, 1) + 0.02 * np.random.default_rng(2).standard_normal(SAMPLES)
     for alone in (150.1, 180.0):
         assert hum_of(plain + sine(alone, 1.0), STEP_S)[1] == []
+    assert hum_of(np.zeros(SAMPLES), STEP_S)[1] == []
     assert hum_of(plain + sine(50.03, 0.5) + sine(150.1, 1.0), STEP_S)[1] == pytest.approx(
         [50.03, 150.1], abs=0.05
     )
