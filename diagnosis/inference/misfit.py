@@ -246,6 +246,8 @@ def _held(model: Model, filtered: Filtered, number: int, table: float) -> np.nda
 def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> list[Noise]:
     """Return the noise of runs, fitted or not: as large as in those of a fit, or the same share of what is measured.
 
+    Which of both it is, all these runs and the one in question tell by what they show where nothing moves them; where
+    samples were made fewer, the noise of the fit tells.
     What a channel never showed in a fit is infinite.
 
     Args:
@@ -253,14 +255,20 @@ def expected_noise(model: Model, filtered: Filtered, runs: Sequence[int]) -> lis
         filtered: The filtered model, with the noise of its runs.
         runs: Numbers of the runs.
     """
-    size = np.array([_size(model, number) for number in filtered.runs])
+    size, quiet = (np.array([of(model, number) for number in filtered.runs]) for of in (_size, _quiet))
     noise = np.array([np.append(one.channel, one.table) for one in filtered.noise])
     channel, table = slice(-1), slice(-1, None)
     found = []
     for number in runs:
         there = _size(model, number)
+        sizes, shown = np.vstack([size, there]), np.vstack([quiet, _quiet(model, number)])
+        if not np.isfinite(shown).any():
+            sizes, shown = size, noise
         expected = np.concatenate(
-            [_expected(noise[:, of], size[:, of], there[of]) for of in (channel, table)]
+            [
+                _expected(noise[:, of], size[:, of], there[of], _is_level(shown[:, of], sizes[:, of]))
+                for of in (channel, table)
+            ]
         )
         expected = np.where(expected > 0, expected, np.inf)
         found.append(Noise(filtered.noise[0].latent, float(expected[-1]), expected[:-1]))
@@ -273,27 +281,46 @@ def _size(model: Model, number: int) -> np.ndarray:
     return np.append(np.nan_to_num(model.observed.rms(run)), root_mean_square(run.table))
 
 
-def _expected(noise: np.ndarray, size: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """Return the noise of a run, (channels,), zero where nothing is known of it.
+def _quiet(model: Model, number: int) -> np.ndarray:
+    """Return the most noise that each channel of a run and the table can have by what they show at rest, (channels + 1,)."""
+    run = model.observed.runs[number]
+    return np.append(run.largest_noise, run.largest_table_noise)
 
-    A sensor's is the same in weak and strong shaking, one of its range or of a disturbance may grow with what it measures:
-    whichever of both changes less between the fitted runs.
+
+def _is_level(noise: np.ndarray, size: np.ndarray) -> bool:
+    """Return whether noise is as large in weak as in strong shaking, or the same share of what is measured.
+
+    A sensor's is the same, one of its range or of a disturbance may grow with what it measures: whichever of both changes
+    less between the runs.
+
+    Args:
+        noise, size: Noise and rms of what is measured in each run, both of shape (runs, channels).
+    """
+    known = np.isfinite(noise) & (noise > 0) & (size > 0)
+    count = np.maximum(known.sum(axis=0), 1)
+
+    def spread(values: np.ndarray) -> float:
+        logs = np.where(known, np.log(np.where(known, values, 1.0)), 0.0)
+        return float(np.sum(np.where(known, logs - logs.sum(axis=0) / count, 0.0) ** 2))
+
+    return spread(noise) < spread(noise / np.where(known, size, 1.0))
+
+
+def _expected(noise: np.ndarray, size: np.ndarray, there: np.ndarray, is_level: bool) -> np.ndarray:
+    """Return the noise of a run, (channels,), zero where nothing is known of it.
 
     Args:
         noise, size: Noise and rms of what is measured in each fitted run, both of shape (runs, channels).
         there: That rms in the run, shape (channels,).
+        is_level: Whether the noise is that of the fitted runs, or the same share of what is measured.
     """
     known = np.isfinite(noise) & (size > 0)
     count = np.maximum(known.sum(axis=0), 1)
-
-    def spread(values: np.ndarray) -> float:
-        logs = np.log(np.where(known, values, 1.0))
-        return float(np.sum(np.where(known, logs - logs.sum(axis=0) / count, 0.0) ** 2))
-
-    level, share = np.where(known, noise, 0.0), np.where(known, noise / np.where(known, size, 1.0), 0.0)
-    if len(noise) > 1 and spread(level) < spread(share):
-        return np.asarray(np.where(there > 0, level.sum(axis=0) / count, 0.0))
-    return np.asarray(share.sum(axis=0) / count * there)
+    if is_level:
+        level = np.where(known, noise, 0.0).sum(axis=0) / count
+        return np.asarray(np.where(there > 0, level, 0.0))
+    share = np.where(known, noise / np.where(known, size, 1.0), 0.0).sum(axis=0) / count
+    return np.asarray(share * there)
 
 
 def table_response(model: Model, modes: Modes, step_s: float, samples: int) -> np.ndarray:
