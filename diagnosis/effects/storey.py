@@ -13,6 +13,7 @@ from pounding.diagnosis.effects.describing import Description, history, loop, re
 from pounding.diagnosis.model.laws import PlacedLaw
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.nuisance import (
+    USUAL_DRIFT,
     Assembly,
     column_drift,
     floor_mass,
@@ -21,6 +22,7 @@ from pounding.diagnosis.model.nuisance import (
 )
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.storey_forces import (
+    PRESSED_M,
     cubic_spring,
     damper,
     friction,
@@ -29,6 +31,9 @@ from pounding.experiments.rig.storey_forces import (
     yielding,
 )
 
+AT_ITS_RATE = f"whose size is that at a drift of {100 * USUAL_DRIFT:g} % of the storey at the first frequency"
+AT_ITS_DEPTH = f"whose stiffness is that {1e3 * PRESSED_M:g} mm deep"
+"""At what motion a law that grows by another power is as strong as it is stated."""
 SHARPNESS = 8.0
 SHARPEST = 30.0
 UNLOADING_SPREAD = 0.5
@@ -130,15 +135,16 @@ class DampingChange(StoreyEffect):
     )
     dissipates = True
     described = Description(
-        r"$f = c\,v$; the power of $v$ (near 1) is refined and not reported",
+        r"$f = c\,v$; the power of $v$ (near 1) is refined and not reported; $c$ is that at the rate of a drift of "
+        f"{100 * USUAL_DRIFT:g} % of the storey's height at the first frequency",
         "the same in another storey (at light damping a mode feels only the sum), `coulomb_friction` if all runs are of "
         "one size, `air_drag`",
         loop(damper, 0.035, 0.0, 1.0),
         ", negative where the frame has less than the baseline model",
         shapes={
             "power_beyond_one": (
-                "the damper grows by less than the catalogue's first power of the rate",
-                "the damper grows by more than the catalogue's first power of the rate",
+                f"the damper, {AT_ITS_RATE}, grows by less than the catalogue's first power of the rate",
+                f"the damper, {AT_ITS_RATE}, grows by more than the catalogue's first power of the rate",
             )
         },
         plain=(
@@ -422,9 +428,16 @@ class Bumper(StoreyEffect):
     nonlinear = True
     described = Description(
         r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$; its loss, from a dashpot's to one that grows with "
-        "the depth, and the power of its depth (near 1) are refined and not reported",
+        "the depth, and the power of its depth (near 1) are refined and not reported; $k_b$ is that at "
+        f"{1e3 * PRESSED_M:g} mm",
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
         loop(stop, 0.5, 2.0, 0.0, 0.0),
+        shapes={
+            "power_beyond_one": (
+                f"the stop, {AT_ITS_DEPTH}, grows by less than the catalogue's first power of the depth",
+                f"the stop, {AT_ITS_DEPTH}, grows by more than the catalogue's first power of the depth",
+            )
+        },
         told_by="The same shaking at an amplitude that stays inside the gap, or paper in the gap that shows marks.",
         plain=(
             "{where} meets a stop at a drift of {size} to -x",

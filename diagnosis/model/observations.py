@@ -143,7 +143,7 @@ class Observations:
 
     def seen(self) -> np.ndarray:
         """Return which channels measured anything in any run, shape (channels,)."""
-        return np.isfinite(np.array([self.rms(run) for run in self.runs])).any(axis=0)
+        return np.asarray(np.isfinite([self.rms(run) for run in self.runs]).any(axis=0))
 
 
 def root_mean_square(values: np.ndarray) -> np.ndarray:

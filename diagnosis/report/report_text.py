@@ -19,7 +19,7 @@ from pounding.diagnosis.model.nuisance import (
     DAMPING_POWER,
     STRUCK_DAMPING,
 )
-from pounding.diagnosis.report.report import ChannelMisfit, Report
+from pounding.diagnosis.report.report import CalibratedParameter, ChannelMisfit, Report
 from pounding.diagnosis.settings import SETTINGS
 
 _STRUCK = (
@@ -83,12 +83,18 @@ def listed(names: Sequence[str]) -> str:
 
 def storeys_that_moved(report: Report) -> str:
     """Return in words which storeys the calibration took far from the baseline model, empty where it took none."""
-    return " and ".join(
-        f"storey {one.storey} of {one.frame} moved by {100 * (one.calibrated - 1):+.1f} ± {100 * (one.std or 0.0):.1f} % "
-        f"({abs(one.calibrated - 1) / one.prior_std:.1f} prior standard deviations)"
+    moved = [
+        one
         for one in report.calibration or ()
-        if one.parameter == "storey_stiffness" and one.prior_std
-    )
+        if one.parameter == "storey_stiffness" and one.prior_std is not None and one.prior_std > 0.0
+    ]
+    return listed([_storey_that_moved(one, one.prior_std or 1.0) for one in moved])
+
+
+def _storey_that_moved(one: CalibratedParameter, prior_std: float) -> str:
+    change, std = 100 * (one.calibrated - 1), 100 * (one.std or 0.0)
+    far = abs(one.calibrated - 1) / prior_std
+    return f"storey {one.storey} of {one.frame} moved by {change:+.1f} ± {std:.1f} % ({far:.1f} prior standard deviations)"
 
 
 def beside_the_verdict(report: Report) -> list[str]:
