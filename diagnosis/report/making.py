@@ -26,7 +26,7 @@ from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.pair import Pair
 from pounding.diagnosis.model.twin import simulate_engine
 from pounding.diagnosis.report.report import HeldOutMisfit, Misfit, Misfits, ModalRow, Report
-from pounding.diagnosis.report.report_text import listed
+from pounding.diagnosis.report.report_text import listed, misread
 from pounding.diagnosis.settings import SETTINGS
 from pounding.experiments.rig.motion import FrameMotion
 
@@ -77,6 +77,9 @@ def report_on(diagnosis: Diagnosis) -> Made:
     if found.pair is not None:
         left = training.after if diagnosis.decision.named else training.before
         warnings = poor_forces(found.pair, left, training.noise_floor)
+    if diagnosis.decision.named:
+        read = (misread(diagnosis.case, effect) for effect in conclusion.effects)
+        warnings = [*warnings, *(said for said in read if said)]
     return Made(assembled(conclusion, misfits, spots, warnings), outputs, motions)
 
 

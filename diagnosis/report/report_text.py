@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import msgspec
 from msgspec import UNSET, UnsetType
 
-from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.case.case import Case, Channel
 from pounding.diagnosis.case.quantities import UNITS
 from pounding.diagnosis.decision.claims import Claim, Place
 from pounding.diagnosis.design.contenders import DECISIVE, STRONG, strength
@@ -268,11 +268,10 @@ def together(effects: Sequence[Claim]) -> list[Claim]:
     return list(found.values())
 
 
-def next_steps(case: Case, report: Report, *, figures: bool = False) -> list[str]:
+def next_steps(report: Report, *, figures: bool = False) -> list[str]:
     """Return what would tell more, beside the tests that part what looks alike.
 
     Args:
-        case: The case.
         report: The report with its details.
         figures: Whether each further measurement comes with the ln Bayes factor that it is expected to bring.
     """
@@ -284,7 +283,6 @@ def next_steps(case: Case, report: Report, *, figures: bool = False) -> list[str
         said.append(
             "A second run would allow a judgement on data that was not used; there is no held-out run here."
         )
-    said += [known for known in (misread(case, effect) for effect in report.effects) if known]
     if report.verdict == "unknown_effect":
         said += [
             "Look at the residual force: which storey it is in, and whether it follows drift, drift rate or time.",
@@ -303,18 +301,34 @@ def turned_round(effect: Claim) -> bool:
 
 
 def misread(case: Case, effect: Claim) -> str | None:
-    """Return what a sensor's gain looks like: another unit than the case says, or the wrong polarity."""
-    if effect.effect != "sensor_gain" or effect.channel is None:
+    """Return what a gain of a sensor or of the table looks like: another unit than the case says, or the wrong polarity.
+
+    Args:
+        case: The case.
+        effect: An effect; None is returned for any other.
+    """
+    read = _reads(case, effect)
+    if read is None:
         return None
-    channel, change = case.channels[case.channel_index(effect.channel)], effect.parameters[0].value
-    if not isinstance(change, float):
-        return None
-    reads = 1 + change
+    channel, reads = read
     if turned_round(effect):
-        return f"Channel {channel.name} reads minus the truth: its polarity is wrong."
+        return f"channel {channel.name} reads minus the truth: its polarity is wrong"
     for unit, factor in UNITS[channel.quantity].items():
         if unit != channel.unit and abs(reads * factor / channel.to_si - 1) < SETTINGS.report.like:
-            return f"Channel {channel.name} reads as if it were in {unit}; case.toml says {channel.unit}."
+            return f"channel {channel.name} reads as if it were in {unit}; case.toml says {channel.unit}"
+    return None
+
+
+def _reads(case: Case, effect: Claim) -> tuple[Channel, float] | None:
+    """Return the channel that a gain is of, and how many times the truth it reads; None for any other effect."""
+    change = effect.parameters[0].value
+    if not isinstance(change, float):
+        return None
+    if effect.effect == "sensor_gain" and effect.channel is not None:
+        return case.channels[case.channel_index(effect.channel)], 1 + change
+    if effect.effect == "table_gain" and change > -1:
+        # What shook the frame is so many times the channel.
+        return next(channel for channel in case.channels if channel.is_table), 1 / (1 + change)
     return None
 
 

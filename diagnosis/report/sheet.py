@@ -79,7 +79,7 @@ def sheet(diagnosis: Diagnosis, report: Report) -> Sheet:
     rows = [one for one in calibration if one.parameter not in ("frequency_hz", "damping_ratio")]
     rows.sort(key=lambda one: -abs(one.moved() or 0.0))
     tests = [test for pair in report.apart or () for test in pair.tests]
-    steps = list(dict.fromkeys([*tests, *next_steps(case, report), *_confirming(effects)]))[:STEPS]
+    steps = list(dict.fromkeys([*tests, *next_steps(report), *_confirming(effects)]))[:STEPS]
     # Impacts fill the spectrum and change its first peak.
     modes, title = _modes(calibration, readable=not case.contacts), headline(report)
     text = [title, sentence(report), *beside_the_verdict(report), *report.warnings[: WARNINGS + 1], *steps]

@@ -77,7 +77,7 @@ def write_report(diagnosis: Diagnosis, made: Made, folder: Path, *, film: bool =
         pictures,
         "report.html.jinja",
         sheet=first,
-        next_steps=next_steps(case, report, figures=True),
+        next_steps=next_steps(report, figures=True),
         against_the_next=against_the_next(report),
         assumptions=stated,
         frame_run=shown.run,

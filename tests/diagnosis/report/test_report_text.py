@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec import UNSET, structs
 
-from pounding.diagnosis.case.case import Case
+from pounding.diagnosis.case.case import Case, Channel
 from pounding.diagnosis.decision.claims import Place, candidate, claim, parameter
 from pounding.diagnosis.decision.decision import Verdict
 from pounding.diagnosis.report.report import (
@@ -18,6 +18,7 @@ from pounding.diagnosis.report.report import (
 from pounding.diagnosis.report.report_text import (
     against_the_next,
     beside_the_verdict,
+    misread,
     next_steps,
     percent,
     sentence,
@@ -92,9 +93,33 @@ def test_how_strongly_an_effect_is_told_from_the_next_is_said_where_that_can_be_
 def test_what_to_measure_next_is_said_without_figures_and_with_them_on_the_technical_pages() -> None:
     said = "A weight on the roof is expected to decide between friction and yielding."
     report = structs.replace(of_runs(), advice=(said,), advice_evidence=(588.4,))
-    case = Case("bench", Path(), (), (), ())
-    assert next_steps(case, report)[0] == said
-    assert next_steps(case, report, figures=True)[0] == f"{said[:-1]} (ln Bayes factor 588)."
+    assert next_steps(report)[0] == said
+    assert next_steps(report, figures=True)[0] == f"{said[:-1]} (ln Bayes factor 588)."
+
+
+@pytest.mark.parametrize(
+    ("effect", "unit", "change", "said"),
+    [
+        ("sensor_gain", "g", 8.81, "channel a2 reads as if it were in m/s^2; case.toml says g"),
+        ("sensor_gain", "m/s^2", -0.898, "channel a2 reads as if it were in g; case.toml says m/s^2"),
+        ("sensor_gain", "g", -2.0, "channel a2 reads minus the truth: its polarity is wrong"),
+        ("sensor_gain", "g", -0.08, None),
+        ("table_gain", "g", -0.898, "channel table reads as if it were in m/s^2; case.toml says g"),
+        ("table_gain", "m/s^2", 8.81, "channel table reads as if it were in g; case.toml says m/s^2"),
+        ("table_gain", "g", 0.05, None),
+        ("sensor_delay", "g", 8.81, None),
+    ],
+)
+def test_a_gain_that_is_another_unit_is_read_as_that(
+    effect: str, unit: str, change: float, said: str | None
+) -> None:
+    channels = (
+        Channel("table", "table_acceleration", unit, floor=0),
+        Channel("a2", "absolute_acceleration", unit, "bench", 2),
+    )
+    case = Case("bench", Path(), (), (), channels)
+    place = Place(effect=effect, channel=None if effect == "table_gain" else "a2")
+    assert misread(case, claim(place, [parameter("relative_change", change, 0.01, "-")], 100.0)) == said
 
 
 def test_one_late_logger_is_one_effect_on_its_channels() -> None:
