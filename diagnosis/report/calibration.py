@@ -173,4 +173,6 @@ def remainder(found: Findings, judged: Judged, sight: Sight) -> Remainder:
 
 
 def _floors(left: float) -> str:
-    return f"{left:.2g} noise floors are left" if left >= 1.05 else "a little more than noise is left"
+    if left < 1.05:
+        return "a little more than noise is left"
+    return f"{left:.2g} noise floors are left in the median channel"
