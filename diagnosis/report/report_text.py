@@ -60,7 +60,7 @@ def _of_runs(report: Report) -> str:
     moves = _moves(before, after) + (errors if before != after else "")
     change = f"the misfit {run} {moves}, where noise alone leaves {noise}{_worst(report)}"
     if report.verdict == "effect_class":
-        return f"Missing is {names}, or {_others(report.effects[0])}; {change}{sure}."
+        return f"Missing is {names}, or {_others(report)}; {change}{sure}."
     return f"Missing is {names}; {change}{sure}."
 
 
@@ -190,10 +190,13 @@ def _sure(report: Report) -> str:
     return " (more than 99 % sure)" if confidence > 0.99 else f" ({100 * confidence:.0f} % sure)"
 
 
-def _others(effect: Claim) -> str:
-    alike = effect.members[1:]
+def _others(report: Report) -> str:
+    """Return what else it may be, with the size that it would have: not that of the effect that is named."""
+    alike = report.effects[0].members[1:]
     if len(alike) == 1:
-        return f"{alike[0].words()}, which this data cannot tell from it"
+        name = alike[0].words()
+        sized = (one.sized() for one in report.candidates if one.words() == name)
+        return f"{next(sized, name)}, which this data cannot tell from it"
     return f"one of {len(alike)} others that this data cannot tell from it"
 
 

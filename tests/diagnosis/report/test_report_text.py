@@ -48,6 +48,14 @@ def test_the_sentence_says_what_where_how_large_and_how_sure() -> None:
     assert "predicted from the others is off by 1 % in the median instead of 6 %" in modal
 
 
+def test_the_other_one_of_a_class_of_two_has_its_own_size() -> None:
+    sized = candidate(DAMPING, 9.0, (parameter("damping", -7.7, 0.8, "N s/m"),))
+    said = sentence(structs.replace(of_runs(), candidates=(*of_runs().candidates[:1], sized)))
+    assert (
+        "or damping change in storey 3 of 5B (damping -7.7 ± 0.8 N s/m), which this data cannot tell" in said
+    )
+
+
 def test_what_frames_gain_beside_a_contact_is_not_said_to_be_the_contacts() -> None:
     gap = claim(Place(effect="gap_offset", contact=1), [parameter("offset", -1.6, 0.01, "mm")], 900.0)
     said = sentence(structs.replace(of_runs(), verdict="effect_named", effects=(gap,)))
