@@ -16,7 +16,7 @@ from pounding.diagnosis.model.nuisance import Assembly, floor_mass
 from pounding.diagnosis.model.sensitivity import Term
 from pounding.diagnosis.model.storeys import Modes
 from pounding.diagnosis.model.terms import Motion, force_term, matrix_terms
-from pounding.experiments.rig.storey_forces import drag
+from pounding.experiments.rig.storey_forces import DRAG_RATE, drag
 
 
 @CATALOGUE.add
@@ -199,13 +199,13 @@ class AirDrag(LawEffect, FrameEffect):
     dissipates = True
     described = Description(
         r"$-c\,w\lvert w\rvert$ on each floor; the power of $w$ (near 2) and whether the air moves with the table are "
-        "refined and not reported",
+        f"refined and not reported; $c$ is that at {DRAG_RATE:g} m/s",
         "`damping_change`, `coulomb_friction`",
         relation("floors", "floor velocity", "force", nothing, lambda x: x * abs(x)),
         shapes={
             "power_beyond_two": (
-                "the drag grows by less than the catalogue's second power",
-                "the drag grows by more than the catalogue's second power",
+                f"the drag, stated at {DRAG_RATE:g} m/s, grows by less than the catalogue's second power",
+                f"the drag, stated at {DRAG_RATE:g} m/s, grows by more than the catalogue's second power",
             ),
             "table_share_beyond_one": (
                 "the air moves with the table, which the catalogue's does not",

@@ -48,7 +48,8 @@ def air_drag(setting: Setting, size: float, rng: np.random.Generator) -> tuple[S
     """Drag all floors through the room's air, by a power of the velocity that is not quite two.
 
     The coefficient that is stated is that of the quadratic drag which takes the same power from a floor that
-    moves at random with its typical velocity; the other one is that of the law itself.
+    moves at random with its typical velocity, and also that which is as large as it at `STATED_AT`, where the catalogue
+    states drag of another power; the other parameter is that of the law itself.
     """
     beams = setting.beams
     speed = float(setting.typical.rms_velocity.mean())
@@ -62,10 +63,15 @@ def air_drag(setting: Setting, size: float, rng: np.random.Generator) -> tuple[S
         for floor, c in enumerate(each, 1)
     ]
     scenario = _with_links(setting, *[lambda _, link=link: link for link in links])
+    drawn = float(each.mean())
     return scenario, {
-        "coefficient": (coefficient * float(each.mean()) / own, "N s^2/m^2"),
+        "coefficient": (coefficient * drawn / own, "N s^2/m^2", drawn * STATED_AT ** (power - 2)),
         "power": (power, "-"),
     }
+
+
+STATED_AT = 0.3
+"""Velocity [m/s] at which the documented catalogue states a drag of another power than the second."""
 
 
 def _moment(power: float) -> float:

@@ -14,10 +14,12 @@ from pounding.diagnosis.effects.catalogue_page import shown, tables
 from pounding.diagnosis.hidden.contact_effects import CONTACT
 from pounding.diagnosis.hidden.effects import ASKED_FOR
 from pounding.diagnosis.hidden.effects import CATALOGUE as HIDDEN
+from pounding.diagnosis.hidden.opensees.effects import STATED_AT
 from pounding.diagnosis.inference.evidence import scales
 from pounding.diagnosis.inference.filtering import run_filter
 from pounding.diagnosis.inference.starting import starting_noise
 from pounding.diagnosis.settings import SETTINGS
+from pounding.experiments.rig.storey_forces import DRAG_RATE
 from tests.diagnosis.models import measured
 
 PAGE = Path(__file__).parents[3] / "docs" / "diagnosis" / "catalogue.md"
@@ -129,3 +131,10 @@ def test_a_law_errs_on_a_frame_and_not_in_a_reading() -> None:
         error = effect.law_error(BELIEVED, values, SIZES)
         assert (error == 0.0) == (effect.name in readings)
         assert error == 0.0 or error >= SETTINGS.refinement.law_error
+
+
+def test_a_hidden_drag_is_stated_where_the_catalogue_states_it() -> None:
+    assert STATED_AT == DRAG_RATE
+    (drag,) = (effect for effect in one_of_each() if effect.name == "air_drag")
+    assert drag.described is not None
+    assert f"that at {STATED_AT:g} m/s" in drag.described.equation
