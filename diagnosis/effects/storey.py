@@ -428,8 +428,8 @@ class Bumper(StoreyEffect):
     nonlinear = True
     described = Description(
         r"$f = k_b\,(d - g)$ for $d > g$, or its mirror where $g < 0$; its loss, from a dashpot's to one that grows with "
-        "the depth, and the power of its depth (near 1) are refined and not reported; $k_b$ is that at "
-        f"{1e3 * PRESSED_M:g} mm",
+        "the depth, and the power of its depth (near 1) are refined and not reported; $k_b$ is that "
+        f"{1e3 * PRESSED_M:g} mm deep",
         "`cubic_stiffness`; another gap with another stiffness, if it is hardly touched",
         loop(stop, 0.5, 2.0, 0.0, 0.0),
         shapes={

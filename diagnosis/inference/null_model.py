@@ -131,8 +131,8 @@ def _log_density(model: Model, filtered: Filtered) -> float:
 def unswapped(model: Model, null: Fit, training: Sequence[int]) -> tuple[Model, Fit]:
     """Return model and fit with two channels exchanged where that is plainly what was measured.
 
-    Which two, the frame as calibrated tells, or as believed: calibrated to what was swapped it may be bent so far that no
-    exchange is of help to it.
+    Which two, the calibrated model tells, or the baseline model: calibrated to what was swapped, a model may be bent so far
+    that no exchange is of help to it.
 
     Args:
         model: The baseline model.

@@ -83,12 +83,13 @@ def listed(names: Sequence[str]) -> str:
 
 def storeys_that_moved(report: Report) -> str:
     """Return in words which storeys the calibration took far from the baseline model, empty where it took none."""
-    moved = [
-        one
-        for one in report.calibration or ()
-        if one.parameter == "storey_stiffness" and one.prior_std is not None and one.prior_std > 0.0
-    ]
-    return listed([_storey_that_moved(one, one.prior_std or 1.0) for one in moved])
+    return listed(
+        [
+            _storey_that_moved(one, one.prior_std)
+            for one in report.calibration or ()
+            if one.parameter == "storey_stiffness" and one.prior_std
+        ]
+    )
 
 
 def _storey_that_moved(one: CalibratedParameter, prior_std: float) -> str:

@@ -328,3 +328,18 @@ def test_what_is_refined_to_the_end(
 ) -> None:
     chosen: Any = [SimpleNamespace(effect=SimpleNamespace(channel=channel)) for channel in channels]
     assert to_the_end(chosen, likely) == refined_further
+
+
+def test_what_starts_from_the_baseline_frame_is_given_up_where_it_will_not_come_near_what_is_ahead(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mass = next(one for one in candidates(measured()) if one.name == "added_mass" and one.floor == 3)
+    model = measured()
+    null = refine(model, calibrated(model, [0]))
+    sizes = scales(model, null.filtered)
+    empty = score(model, null.filtered, [mass], sizes)
+    found = Findings(model, judge(model, null, null, (0,), (1,)), empty, sizes, (0,), (1,))
+    ahead = replace(null, filtered=replace(null.filtered, log_likelihood=null.filtered.log_likelihood + 1e4))
+    assert from_baseline(found, (mass,), (np.array([0.1]),)).to_the_end
+    found.judged = [replace(found.null, fit=ahead)]
+    assert not from_baseline(found, (mass,), (np.array([0.1]),)).to_the_end

@@ -1,8 +1,6 @@
-"""Channels that were swapped, told about the frame as calibrated to them or as believed."""
+"""Channels that were swapped, told by the model as calibrated to them, or by the baseline model."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import pytest
 
@@ -15,11 +13,9 @@ from pounding.diagnosis.inference.swapped import exchange, exchanged
 from pounding.diagnosis.model.model import Model
 from tests.diagnosis.models import measured
 
-Ask = Callable[[Model, Filtered], tuple[int, int] | None]
-
 
 @pytest.mark.parametrize("calibrated_tells", [True, False])
-def test_the_believed_frame_tells_what_was_swapped_where_the_calibrated_one_is_bent_too_far(
+def test_the_baseline_model_tells_what_was_swapped_where_the_calibrated_one_is_bent_too_far(
     calibrated_tells: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     right = measured([], samples=1000)
