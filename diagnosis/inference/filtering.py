@@ -240,7 +240,7 @@ def run_signatures(
         number: Number of the run among those of the filtered model.
         columns: For each column the terms whose signatures are summed.
     """
-    whole = np.empty((filtered.prediction.innovations[number].size, len(columns)), np.float32)
+    whole = np.zeros((filtered.prediction.innovations[number].size, len(columns)), np.float32)
     for feedback in feedbacks(model, filtered, number):
         finite = True
         for rows, signatures in signature_pieces_of_run(model, filtered, number, columns, AT_ONCE, feedback):

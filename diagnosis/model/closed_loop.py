@@ -86,7 +86,9 @@ class Loop(NamedTuple):
         output: What the states show, shape (channels, states).
         inputs: What a unit of each term's series, and of its end, adds to the states in a step, shape (2, states, terms).
         direct: What its end adds to what is shown, shape (channels, terms).
-        column: Group of each term, shape (terms,); the first terms are those of one group after the other.
+        turns: First term of each turn, and how many terms there are, shape (turns + 1,): those of a turn push the first
+            columns of the states, one each.
+        group: Number of the group of each column, shape (columns,): what its terms push, and show, is added up.
         turning: Whether the states are those of `OwnMotions`.
     """
 
@@ -94,10 +96,11 @@ class Loop(NamedTuple):
     output: np.ndarray
     inputs: np.ndarray
     direct: np.ndarray
-    column: np.ndarray
+    turns: np.ndarray
+    group: np.ndarray
     turning: bool
 
     def rounded(self, precision: type[np.floating[Any]]) -> Loop:
         """Return the loop with numbers of a precision."""
         transition, output, inputs, direct = (one.astype(precision, order="C") for one in self[:4])
-        return Loop(transition, output, inputs, direct, self.column, self.turning)
+        return Loop(transition, output, inputs, direct, self.turns, self.group, self.turning)

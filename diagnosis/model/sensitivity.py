@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
@@ -78,7 +79,9 @@ def signature_pieces(
         piece: Samples at a time.
         laws: Laws that act, about the motion: they answer what the terms do to it.
     """
-    terms, column = _in_turn(groups)
+    terms, turns, group = _in_turn(groups)
+    if not terms:
+        return
     modes, channels = steady.force_start.shape[1] - 1, len(steady.output)
     force = np.zeros((modes + 1, len(terms)))
     output = np.zeros((channels, len(terms)))
@@ -102,25 +105,25 @@ def signature_pieces(
     if own is not None:
         turn, shows, moved, onward = own.turn, shows @ own.back, own.forth @ inputs, own.forth @ steady.step
     precision = np.float64 if own is None else own.precision
-    loop = Loop(turn, shows, moved[:2], shown @ direct, column, turning=own is not None)
+    loop = Loop(turn, shows, moved[:2], shown @ direct, turns, group, turning=own is not None)
     feedback = (
         None if laws is None else LawFeedback.of(loop, steady, own, shown, laws, (force, direct, inputs[2]))
     )
     loop, feedback = loop.rounded(precision), feedback and feedback.rounded(precision)
     ends = [term.series if term.end is None else term.end for term in terms]
-    state = (moved[2] * np.array([end[0] for end in ends])).astype(precision)
+    state = _together(moved[2] * np.array([end[0] for end in ends]), turns).astype(precision)
     samples = len(ends[0])
     for first in range(0, samples, piece):
         rows = slice(first, first + piece)
         series = _rounded([term.series[rows] for term in terms], precision)
         at_end = _rounded([end[rows] for end in ends], precision)
-        jumps = _jumps(terms, rows, onward).astype(precision)
-        result = np.empty((len(series), channels, len(groups)), np.float32)
+        jumps = _jumps(terms, turns, rows, onward, precision)
+        result = np.zeros((len(series), channels, len(groups)), np.float32)
         if feedback is None or laws is None:
             _filter(loop, series, at_end, jumps, state, result)
         else:
-            jumped = _jumps(terms, rows, feedback.seen).astype(precision)
-            added = _changes(terms, rows, laws).rounded(precision)
+            jumped = _jumps(terms, turns, rows, feedback.seen, precision)
+            added = _changes(terms, turns, rows, laws).rounded(precision)
             filter_with_laws(feedback, added, first, series, at_end, jumps, jumped, state, result)
         yield result
 
@@ -130,47 +133,79 @@ def _rounded(series: Sequence[np.ndarray], precision: type[np.floating[Any]]) ->
     return np.ascontiguousarray(np.array(series, precision).T)
 
 
-def _jumps(terms: Sequence[Term], rows: slice, onward: np.ndarray) -> np.ndarray:
-    """Return what becomes of the terms' jumps at some samples, (samples, rows of `onward`, terms), without any (0, 0, 0).
+def _together(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Return the sums over the terms of each group, (..., columns), of what is given for each term, (..., terms)."""
+    total = np.array(values[..., : turns[1]])
+    for begin, end in pairwise(turns[1:]):
+        total[..., : end - begin] += values[..., begin:end]
+    return total
+
+
+def _columns(turns: np.ndarray) -> list[int]:
+    """Return the column of each term, that of its group."""
+    return [column for begin, end in pairwise(turns) for column in range(end - begin)]
+
+
+def _jumps(
+    terms: Sequence[Term],
+    turns: np.ndarray,
+    rows: slice,
+    onward: np.ndarray,
+    precision: type[np.floating[Any]],
+) -> np.ndarray:
+    """Return what becomes of the jumps of groups at some samples, (samples, rows of `onward`, columns).
+
+    Without any it is (0, 0, 0).
 
     Args:
         terms: The terms.
+        turns: Those of `Loop`.
         rows: The samples.
         onward: What becomes of the filter's states: a step's end in whatever coordinates the loop's are, or what laws meet,
             shape (any, states).
+        precision: Type of its numbers.
     """
-    if all(term.jumps is None for term in terms):
-        return np.zeros((0, 0, 0))
-    none = np.zeros((len(terms[0].series), 0)), np.zeros((onward.shape[1], 0))
-    each = [none if term.jumps is None else term.jumps for term in terms]
-    pushed = [series[rows] @ (onward @ ways).T for series, ways in each]
-    return np.ascontiguousarray(np.stack(pushed, axis=2))
+    # Terms that have their series in common are one product of large matrices.
+    each: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    for column, term in zip(_columns(turns), terms, strict=True):
+        if term.jumps is not None:
+            series, ways = term.jumps
+            none = np.zeros((series.shape[1], len(onward), turns[1]), precision)
+            each.setdefault(id(series), (series, none))[1][:, :, column] += (onward @ ways).T
+    if not each:
+        return np.zeros((0, 0, 0), precision)
+    pushed = [series[rows].astype(precision) @ by.reshape(len(by), -1) for series, by in each.values()]
+    return np.asarray(sum(pushed)).reshape(-1, len(onward), turns[1])
 
 
-def _changes(terms: Sequence[Term], rows: slice, laws: Tangents) -> Added:
+def _changes(terms: Sequence[Term], turns: np.ndarray, rows: slice, laws: Tangents) -> Added:
     """Return the changes of laws at some samples."""
-    changing = [(number, term.change) for number, term in enumerate(terms) if term.change is not None]
+    each = zip(_columns(turns), terms, strict=True)
+    changing = [(column, term.change) for column, term in each if term.change is not None]
     samples, substeps, count = laws.within.shape[:3]
     none = np.zeros((samples, 1 + substeps, 0))
     return Added(
         np.tile(np.arange(count), len(changing)),
-        np.repeat(np.array([number for number, _ in changing], int), count),
+        np.repeat(np.array([column for column, _ in changing], int), count),
         np.concatenate([none[rows], *(change[rows] for _, change in changing)], axis=2),
     )
 
 
-def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray]:
-    """Return all terms and the group of each, shape (terms,): the first term of each group, the second ones, and so on.
+def _in_turn(groups: Sequence[Sequence[Term]]) -> tuple[list[Term], np.ndarray, np.ndarray]:
+    """Return all terms by turns, where each turn begins and the last ends, and the group of each column.
 
-    What the first ones show is the sum to which the others add.
+    The groups with the most terms are the first columns, and those without any are none: the terms of a turn, one of each
+    group that has so many, are then those of the first columns.
     """
-    length = next((len(group[0].series) for group in groups if group), 0)
-    still = Term(np.zeros(length))
-    terms = [group[0] if group else still for group in groups]
-    further = [(turn, number) for number, group in enumerate(groups) for turn in range(1, len(group))]
-    further.sort()
-    column = [*range(len(groups)), *(number for _, number in further)]
-    return terms + [groups[number][turn] for turn, number in further], np.array(column)
+    order = sorted(
+        (number for number, group in enumerate(groups) if group), key=lambda number: -len(groups[number])
+    )
+    longest = max((len(group) for group in groups), default=0)
+    by_turn = [
+        [groups[number][turn] for number in order if len(groups[number]) > turn] for turn in range(longest)
+    ]
+    turns = np.cumsum([0, *(len(terms) for terms in by_turn)])
+    return list(chain.from_iterable(by_turn)), turns, np.array(order, int)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
@@ -182,28 +217,26 @@ def _filter(
     state: np.ndarray,
     result: np.ndarray,
 ) -> None:
-    """Run the closed loop once for each term, and add up what those of a group show.
+    """Run the closed loop once for each group, pushed by all of its terms.
 
     Args:
         loop: The loop.
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
-        jumps: What else each adds to the states after each sample, shape (samples, states, terms), or none.
+        jumps: What else those of a group add to the states after each sample, shape (samples, states, columns), or none.
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
-            shape (states, terms).
-        result: Filled with what is shown, shape (samples, channels, groups).
+            shape (states, columns).
+        result: Filled with what is shown where a group has terms, shape (samples, channels, groups).
     """
-    transition, output, inputs, direct, column, turning = loop
-    samples, terms = series.shape
+    transition, output, _, direct, turns, group, turning = loop
+    samples, columns = len(series), len(group)
     channels, states = output.shape
-    groups = result.shape[2]
-    jumping = jumps.size > 0
     pairs = states - transition.shape[1]
-    # Some samples' states side by side: what they show is one product of large matrices, and all loops run over terms.
-    x = np.zeros((states, TOGETHER + 1, terms), state.dtype)
-    shown = np.zeros((channels, TOGETHER + 1, terms), state.dtype)
+    # Some samples' states side by side: what they show is one product of large matrices, and all loops run over columns.
+    x = np.zeros((states, TOGETHER + 1, columns), state.dtype)
+    shown = np.zeros((channels, TOGETHER + 1, columns), state.dtype)
     all_x, all_shown = x.reshape(states, -1), shown.reshape(channels, -1)
     for i in range(states):
-        for t in range(terms):
+        for t in range(columns):
             x[i, 0, t] = state[i, t]
     for first in range(0, samples, TOGETHER):
         count = min(TOGETHER, samples - first)
@@ -211,64 +244,72 @@ def _filter(
         if turning:
             for i in range(pairs):
                 real, imaginary, j = transition[0, i], transition[1, i], pairs + i
+                _push(loop, i, series, at_end, jumps, first, count, x)
+                _push(loop, j, series, at_end, jumps, first, count, x)
                 for b in range(count):
-                    k = first + b
-                    # Two loops: each is done for several terms at the same time.
-                    for t in range(terms):
-                        x[i, b + 1, t] = (
-                            real * x[i, b, t]
-                            - imaginary * x[j, b, t]
-                            + inputs[0, i, t] * series[k, t]
-                            + inputs[1, i, t] * at_end[k, t]
-                        )
-                    for t in range(terms):
-                        x[j, b + 1, t] = (
-                            imaginary * x[i, b, t]
-                            + real * x[j, b, t]
-                            + inputs[0, j, t] * series[k, t]
-                            + inputs[1, j, t] * at_end[k, t]
-                        )
-                    if jumping:
-                        for t in range(terms):
-                            x[i, b + 1, t] += jumps[k, i, t]
-                            x[j, b + 1, t] += jumps[k, j, t]
+                    # Two loops: each is done for several columns at the same time.
+                    for t in range(columns):
+                        x[i, b + 1, t] += real * x[i, b, t] - imaginary * x[j, b, t]
+                    for t in range(columns):
+                        x[j, b + 1, t] += imaginary * x[i, b, t] + real * x[j, b, t]
             for i in range(2 * pairs, states):
                 real = transition[0, i - pairs]
+                _push(loop, i, series, at_end, jumps, first, count, x)
                 for b in range(count):
-                    k = first + b
-                    for t in range(terms):
-                        x[i, b + 1, t] = (
-                            real * x[i, b, t]
-                            + inputs[0, i, t] * series[k, t]
-                            + inputs[1, i, t] * at_end[k, t]
-                        )
-                        if jumping:
-                            x[i, b + 1, t] += jumps[k, i, t]
+                    for t in range(columns):
+                        x[i, b + 1, t] += real * x[i, b, t]
         else:
+            for i in range(states):
+                _push(loop, i, series, at_end, jumps, first, count, x)
             for b in range(count):
-                k = first + b
                 for i in range(states):
-                    for t in range(terms):
-                        x[i, b + 1, t] = inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
-                        if jumping:
-                            x[i, b + 1, t] += jumps[k, i, t]
                     for s in range(states):
                         real = transition[i, s]
-                        for t in range(terms):
+                        for t in range(columns):
                             x[i, b + 1, t] += real * x[s, b, t]
         np.dot(output, all_x, all_shown)
         for b in range(count):
             k = first + b
             for c in range(channels):
-                for t in range(terms):
-                    shown[c, b, t] += direct[c, t] * at_end[k, t]
-                for t in range(groups, terms):
-                    shown[c, b, column[t]] += shown[c, b, t]
-                for g in range(groups):
-                    result[k, c, g] = shown[c, b, g]
+                for r in range(len(turns) - 1):
+                    begin = turns[r]
+                    for t in range(turns[r + 1] - begin):
+                        shown[c, b, t] += direct[c, begin + t] * at_end[k, begin + t]
+                for t in range(columns):
+                    result[k, c, group[t]] = shown[c, b, t]
         for i in range(states):
-            for t in range(terms):
+            for t in range(columns):
                 x[i, 0, t] = x[i, count, t]
     for i in range(states):
-        for t in range(terms):
+        for t in range(columns):
             state[i, t] = x[i, 0, t]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=CONTRACT)
+def _push(
+    loop: Loop,
+    i: int,
+    series: np.ndarray,
+    at_end: np.ndarray,
+    jumps: np.ndarray,
+    first: int,
+    count: int,
+    x: np.ndarray,
+) -> None:
+    """Fill state i after each of some samples, x of shape (states, 1 + samples, columns), with what pushes it there."""
+    inputs, turns = loop.inputs, loop.turns
+    columns = x.shape[2]
+    for b in range(count):
+        k = first + b
+        for t in range(columns):
+            x[i, b + 1, t] = inputs[0, i, t] * series[k, t] + inputs[1, i, t] * at_end[k, t]
+        for r in range(1, len(turns) - 1):
+            begin = turns[r]
+            for t in range(turns[r + 1] - begin):
+                x[i, b + 1, t] += (
+                    inputs[0, i, begin + t] * series[k, begin + t]
+                    + inputs[1, i, begin + t] * at_end[k, begin + t]
+                )
+        if jumps.size > 0:
+            for t in range(columns):
+                x[i, b + 1, t] += jumps[k, i, t]

@@ -106,6 +106,25 @@ def test_slopes_follow_a_joint_that_is_stuck(monkeypatch: pytest.MonkeyPatch) ->
     assert found < 0.15 < 0.8 < np.median(errors(model, filtered))
 
 
+@pytest.mark.parametrize("law", ["no law", "hysteresis", "cubic springs"])
+def test_a_column_has_the_sum_of_what_its_terms_show_alone(law: str) -> None:
+    """However many terms each column has: what pushes it is added up before it goes through the loop, not after."""
+    model = measured(LAWS[law], samples=300)
+    still = np.zeros(len(model.std))
+    filtered = run_filter(model, still, starting_noise(model, (0,), 0.1), (0,), LAWS[law])
+    terms = [
+        term
+        for group in nuisance_terms(model, filtered.modes, motion_of(model, filtered, 0))
+        for term in group
+    ]
+    many = [terms[:2], [], terms[2:3], terms[3:8], [], terms[:1], terms[8:]]
+    together = run_signatures(model, filtered, 0, many)
+    for column, group in zip(together.T, many, strict=True):
+        alone = run_signatures(model, filtered, 0, [[one] for one in group]).sum(axis=1)
+        np.testing.assert_allclose(column, alone, atol=2e-6 * np.abs(together).max())
+    assert not run_signatures(model, filtered, 0, [[], []]).any()
+
+
 def test_signatures_stay_finite_where_laws_would_blow_up_to_first_order(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
