@@ -25,6 +25,9 @@ def checked(
 ) -> tuple[Observations, Cell | None, list[str]]:
     """Return the observations with the force cell's errors taken out, the cell, and warnings; without a good cell None.
 
+    A gain or a delay is taken out as soon as more speaks for it than against it: whether it stays so calibrated frames say
+    (`pair.cell_at_its_word`).
+
     Args:
         case: The case.
         model: The baseline model.
@@ -69,10 +72,10 @@ def checked(
         series = [-force for force in series]
     elif against_motion and (seen := _against_motion(model, touching, series)) is not None:
         (gain, gain_std), (delay, delay_std) = seen
-        if (ln_bayes := 0.5 * (gain / gain_std) ** 2 - needs.parameter_cost) > needs.contact_evidence:
+        if (ln_bayes := 0.5 * (gain / gain_std) ** 2 - needs.parameter_cost) > 0.0:
             faults.append(("sensor_gain", gain, gain_std, float(ln_bayes)))
             series = [force / (1 + gain) for force in series]
-        if (ln_bayes := 0.5 * (delay / delay_std) ** 2 - needs.parameter_cost) > needs.contact_evidence:
+        if (ln_bayes := 0.5 * (delay / delay_std) ** 2 - needs.parameter_cost) > 0.0:
             faults.append(("sensor_delay", delay, delay_std, float(ln_bayes)))
             series = [_earlier(f, run.step_s, delay) for f, run in zip(series, observed.runs, strict=True)]
     runs = []

@@ -95,7 +95,9 @@ def prepare(case: Case, model: Model, against_motion: bool = True) -> Pair:
 def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[int]) -> Pair:
     """Return a pair whose force cell is corrected only if calibrated frames are likelier with the correction than without.
 
-    The cell's gain and delay were estimated with the baseline frames, which may be wrong by more than the cell.
+    The cell's gain and delay were estimated with the baseline frames, which may be wrong by more than the cell. A gain that
+    these hardly tell may be all that keeps calibrated frames within their priors: a force that is too large by a share makes
+    all that it pushes too light by as much.
 
     Args:
         case: The case.
@@ -107,7 +109,9 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
         return pair
     plain = prepare(case, model, against_motion=False)
     gained = _likely(pair.slow, training) - _likely(plain.slow, training)
-    return pair if gained > SETTINGS.pair_decision.contact_evidence else plain
+    if gained <= SETTINGS.pair_decision.contact_evidence:
+        return plain
+    return replace(pair, cell=pair.cell.liked(gained - SETTINGS.pair_decision.parameter_cost))
 
 
 def _likely(model: Model, training: Sequence[int]) -> float:

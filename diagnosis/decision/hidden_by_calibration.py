@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pounding.diagnosis.decision.false_alarms import thresholds
+from pounding.diagnosis.decision.measures import forces_from_motion
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
@@ -28,8 +29,8 @@ def straightens(found: Findings, judged: Judged, common: bool) -> bool:
     effect = judged.effects[0]
     if effect.rival or found.reference or judged.ln_bayes <= 0.0:
         return False
-    if found.pair is not None:
-        # What the contact's law gets wrong, or another logger, may bend a frame as well.
+    if forces_from_motion(found):
+        # Such forces bend a frame as well.
         return False
 
     def far(one: Judged, kinds: Sequence[str]) -> bool:

@@ -73,6 +73,6 @@ def itself_only_with(found: Findings, judged: Judged) -> bool:
         found: What the search found.
         judged: A single effect.
     """
-    if found.pair is not None or judged.effects[0].rival or judged.ln_bayes < thresholds(found)[0]:
+    if forces_from_motion(found) or judged.effects[0].rival or judged.ln_bayes < thresholds(found)[0]:
         return False
     return not strained(found.model, judged.fit.filtered.values) and bool(another_frame(found, found.null))

@@ -200,6 +200,9 @@ def _cell(case: Case, pair: Pair) -> list[Claim]:
     }
     shown = []
     for effect, value, std, ln_bayes in pair.cell.faults:
+        if ln_bayes <= SETTINGS.pair_decision.contact_evidence:
+            # It was put right beside something else, and says too little by itself.
+            continue
         name, factor, unit = told[effect]
         sizes = [parameter(name, value * factor, std * factor, unit)]
         shown.append(claim(Place(effect=effect, channel=channel.name), sizes, ln_bayes))

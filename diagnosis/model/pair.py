@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pounding.diagnosis.model.model import Model
 
@@ -51,7 +51,19 @@ class Cell:
     @property
     def corrected(self) -> bool:
         """Whether its gain or its delay was put right by the motion."""
-        return any(
-            name in ("sensor_gain", "sensor_delay") and value != TURNED_ROUND
-            for name, value, *_ in self.faults
-        )
+        return bool(self._told_by_motion())
+
+    def liked(self, ln_bayes: float) -> Cell:
+        """Return the cell with what calibrated frames say of its gain, or of its delay, where only one was put right.
+
+        Args:
+            ln_bayes: How much likelier they are with it.
+        """
+        told = self._told_by_motion()
+        faults = tuple((*one[:3], max(one[3], ln_bayes)) if told == [one] else one for one in self.faults)
+        return replace(self, faults=faults)
+
+    def _told_by_motion(self) -> list[tuple[str, float, float, float]]:
+        return [
+            one for one in self.faults if one[0] in ("sensor_gain", "sensor_delay") and one[1] != TURNED_ROUND
+        ]

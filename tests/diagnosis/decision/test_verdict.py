@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -329,6 +330,31 @@ def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
     # A null model that is bent only by a smaller discrepancy than it likes tells of nothing that was taken.
     found.wide = replace(found.null, fit=found.judged[0].fit)
     assert decide(found).verdict == "nothing_missing"
+
+
+@pytest.mark.parametrize(
+    ("blind", "evidence", "named"),
+    [
+        pytest.param(False, 250.0, True, id="a cell measured what pushes the frames"),
+        pytest.param(False, 90.0, False, id="less evidence than an effect of a pair needs"),
+        pytest.param(True, 250.0, False, id="forces that the motion asks for bend a frame, too"),
+    ],
+)
+def test_what_the_calibration_of_a_pair_took_is_named_where_its_forces_are_measured(
+    blind: bool, evidence: float, named: bool
+) -> None:
+    """An added mass that stiffness, masses and the discrepancy imitate down to the noise, far beyond their priors."""
+    model, usual = bench()
+    far = np.array([parameter.kind in STRUCTURE for parameter in model.parameters]) * model.std
+    tried = (Tried((MASS,), evidence, 1.0),)
+    found = findings(Problem(1.004, tried, ""), DATA["quiet"])
+    found.pair = SimpleNamespace(blind=blind, second=None, contact_claimed=False)  # type: ignore[assignment]
+    for one, shift in ((found.null, 7.0), (found.judged[0], 0.0)):
+        fit: Any = one.fit
+        fit.filtered = cast(Filtered, replace(usual, values=shift * far))
+    decision = decide(found)
+    assert decision.named == named
+    assert not named or decision.judged.effects == (tried[0].effects[0](),)
 
 
 @pytest.mark.parametrize(
