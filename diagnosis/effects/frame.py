@@ -290,7 +290,7 @@ class TorsionalEccentricity(FrameEffect):
                 driven = oscillator(moved, own, motion.run.step_s)
                 return np.asarray((moved - own**2 * driven) / radius**2)
 
-            found.append(force_term(motion, turning, np.eye(len(modes.omega))[mode]))
+            found.append(force_term(motion, turning, np.eye(len(modes.omega))[mode], linear=False))
         return found
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:

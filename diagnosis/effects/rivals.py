@@ -50,7 +50,7 @@ class Appendage(FrameEffect):
             relative = oscillator(-m.acceleration[:, self.index], shape[0], motion.run.step_s)
             return np.asarray(shape[0] ** 2 * relative)
 
-        return [force_term(motion, pull, modes.floors[self.index])]
+        return [force_term(motion, pull, modes.floors[self.index], linear=False)]
 
     def values(self, amplitude: float, shape: tuple[float, ...]) -> np.ndarray:
         """Return mass, frequency and damping."""

@@ -34,7 +34,10 @@ def motion_of(model: Model, filtered: Filtered, number: int) -> Motion:
     predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, seen)
     start = _motion(model, modes, filtered.prediction.after[number], seen, pushes, pushing)
     predicted = _motion(model, modes, filtered.prediction.before[number], seen, predicted_pushes, pushing)
-    return replace(predicted, start=start)
+    bent = _bent(model, filtered, number, assembly)
+    states = _between(filtered, number, seen.run.step_s)
+    between = _motion(model, modes, states, seen, bent, np.zeros_like(bent))
+    return replace(predicted, start=start, between=between)
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,50 @@ def _pushes(
         by_drift, by_rate = laws.at_sample[:, j, 0], laws.at_sample[:, j, 1]
         rate -= np.outer(by_drift * (before[:, n : 2 * n] @ row) + by_rate * (faster @ row), row)
     return predicted, left, rate
+
+
+def _bent(model: Model, filtered: Filtered, number: int, assembly: Assembly) -> np.ndarray:
+    """Return what modal forces of contacts and laws have in the mean over each step beyond its ends, (samples, modes)."""
+    run, modes = filtered.runs[number], filtered.run_modes[number]
+    at, middle = model.observed.runs[run].instants
+    pushes = np.zeros((len(at), len(modes.omega)))
+    for column, (left, right) in enumerate(model.observed.contact_floors):
+        mean = model.contact_force(assembly, run, column, middle).mean(axis=1)
+        here = model.contact_force(assembly, run, column, at)
+        pushes += np.outer(_beyond_ends(mean, here, here), modes.floors[right] - modes.floors[left])
+    laws = tangents_of(model, filtered, number)
+    if laws is not None:
+        forces = _beyond_ends(laws.forces[:, 1:].mean(axis=1), laws.left, laws.forces[:, 0])
+        pushes -= forces @ laws.rows
+    return pushes
+
+
+def _beyond_ends(mean: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return what the mean over the step after each sample has beyond that of the step's ends, shape of `mean`; 0 at last.
+
+    Args:
+        mean: The mean over the step after each sample, shape (samples, ...).
+        start, end: What is at the start of the step after each sample, and at the end of the step before it, of that shape.
+    """
+    beyond = np.zeros_like(mean)
+    beyond[:-1] = mean[:-1] - (start[:-1] + end[1:]) / 2
+    return beyond
+
+
+def _between(filtered: Filtered, number: int, step_s: float) -> np.ndarray:
+    """Return what states have in the mean over each step beyond the mean of its ends, shape (samples, states).
+
+    A displacement is a cubic that has the rates at both ends; the mean of a rate is how far it has moved.
+    """
+    after, before = filtered.prediction.after[number], filtered.prediction.before[number]
+    n = len(filtered.run_modes[number].omega)
+    moved, rate = slice(0, n), slice(n, 2 * n)
+    beyond = np.zeros_like(after)
+    beyond[:-1, moved] = step_s / 12 * (after[:-1, rate] - before[1:, rate])
+    mean = np.zeros_like(after[:, rate])
+    mean[:-1] = (before[1:, moved] - after[:-1, moved]) / step_s
+    beyond[:, rate] = _beyond_ends(mean, after[:, rate], before[:, rate])
+    return beyond
 
 
 def _motion(

@@ -395,8 +395,7 @@ class Model:
     ) -> tuple[KnownForces, np.ndarray, np.ndarray | None]:
         """Return known forces, the table at midpoints (samples, substeps), and what a tilt adds to the channels."""
         samples, substeps = len(run.table), run.substeps
-        middle = (np.arange(samples)[:, None] + (np.arange(substeps)[None, :] + 0.5) / substeps) * run.step_s
-        at = np.arange(samples) * run.step_s
+        at, middle = run.instants
         known = KnownForces.none(samples, substeps, len(modes.omega))
         added = None
         for column, (left, right) in enumerate(self.observed.contact_floors):

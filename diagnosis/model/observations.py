@@ -89,6 +89,12 @@ class RunData:
         """Substeps a sample."""
         return max(2, int(np.ceil(self.step_s / SUBSTEP_S - 1e-9)))
 
+    @property
+    def instants(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times since the run began [s] of the samples, (samples,), and of the substeps' middles, (samples, substeps)."""
+        at = np.arange(len(self.table)) * self.step_s
+        return at, at[:, None] + (np.arange(self.substeps) + 0.5) * self.step_s / self.substeps
+
 
 @dataclass(frozen=True)
 class ContactEvent:

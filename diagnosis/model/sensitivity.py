@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 from typing import Any
 
@@ -36,6 +36,8 @@ class Term:
         inertial: The force comes from the table's motion, which an absolute acceleration does not show at once.
         change: What it adds to the forces of the laws that act, at each sample and in the middle of each substep, shape
             (samples, 1 + substeps, laws), or None.
+        between: What the mean over the step after each sample has beyond the mean of the step's ends, shape (samples,), or
+            None: a force that is bent within a step pushes by more than the straight line from sample to sample.
     """
 
     series: np.ndarray
@@ -46,6 +48,15 @@ class Term:
     table: float = 0.0
     jumps: tuple[np.ndarray, np.ndarray] | None = None
     change: np.ndarray | None = None
+    between: np.ndarray | None = None
+
+    def parts(self) -> list[Term]:
+        """Return the term as forces that are straight lines from sample to sample."""
+        if self.between is None:
+            return [self]
+        # It is held over the step, and no sample shows it by itself.
+        until = np.append(0.0, self.between[:-1])
+        return [replace(self, between=None), Term(self.between, self.force, end=until, inertial=True)]
 
 
 def signatures(steady: SteadyFilter, groups: Sequence[Sequence[Term]], shown: np.ndarray) -> np.ndarray:
@@ -79,7 +90,7 @@ def signature_pieces(
         piece: Samples at a time.
         laws: Laws that act, about the motion: they answer what the terms do to it.
     """
-    terms, turns, group = _in_turn(groups)
+    terms, turns, group = _in_turn([[part for term in group for part in term.parts()] for group in groups])
     if not terms:
         return
     modes, channels = steady.force_start.shape[1] - 1, len(steady.output)
@@ -165,17 +176,27 @@ def _jumps(
             shape (any, states).
         precision: Type of its numbers.
     """
-    # Terms that have their series in common are one product of large matrices.
-    each: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+    each: dict[int, tuple[np.ndarray, list[tuple[int, np.ndarray]]]] = {}
     for column, term in zip(_columns(turns), terms, strict=True):
-        if term.jumps is not None:
+        if term.jumps is not None and term.jumps[0][rows].any():
             series, ways = term.jumps
-            none = np.zeros((series.shape[1], len(onward), turns[1]), precision)
-            each.setdefault(id(series), (series, none))[1][:, :, column] += (onward @ ways).T
+            each.setdefault(id(series), (series[rows].astype(precision), []))[1].append(
+                (column, onward @ ways)
+            )
     if not each:
         return np.zeros((0, 0, 0), precision)
-    pushed = [series[rows].astype(precision) @ by.reshape(len(by), -1) for series, by in each.values()]
-    return np.asarray(sum(pushed)).reshape(-1, len(onward), turns[1])
+    total = np.zeros((len(terms[0].series[rows]), len(onward), turns[1]), precision)
+    for series, members in each.values():
+        if len(members) == 1:
+            ((column, ways),) = members
+            total[:, :, column] += series @ ways.astype(precision).T
+            continue
+        # Those that have their series in common are one product of large matrices.
+        together = np.zeros((series.shape[1], len(onward), turns[1]), precision)
+        for column, ways in members:
+            together[:, :, column] += ways.T
+        total += (series @ together.reshape(len(together), -1)).reshape(total.shape)
+    return total
 
 
 def _changes(terms: Sequence[Term], turns: np.ndarray, rows: slice, laws: Tangents) -> Added:

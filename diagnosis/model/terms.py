@@ -31,7 +31,8 @@ class Motion:
     `start` holds it as the filter leaves it at each sample, the rest as predicted before the sample. `table_read` is the
     table's acceleration at the delay and clock that act, without its gain [m/s^2], and `table_slope` by how much it grows
     with its own clock's time, with the gain [m/s^3]. `outputs` are what faultless sensors would read, and `reads` how much
-    of it each channel reads, shape (channels,).
+    of it each channel reads, shape (channels,). `between` holds what the mean over the step after each sample has beyond the
+    mean of the step's ends.
     """
 
     run: RunData
@@ -49,17 +50,22 @@ class Motion:
     output_rate: np.ndarray
     reads: np.ndarray
     start: Motion | None = None
+    between: Motion | None = None
 
 
-def force_term(motion: Motion, series: Callable[[Motion], np.ndarray], force: np.ndarray) -> Term:
+def force_term(
+    motion: Motion, series: Callable[[Motion], np.ndarray], force: np.ndarray, linear: bool = True
+) -> Term:
     """Return the term of a force that is a function of the motion.
 
     Args:
         motion: Motion of a run.
         series: Gives the force of a unit amplitude [N] from a motion, shape (samples,).
         force: Modal force of a unit of it, shape (modes,).
+        linear: Whether it is linear in the motion at the same instant; else it goes straight from sample to sample.
     """
-    return Term(series(motion.start or motion), force, end=series(motion))
+    between = series(motion.between) if linear and motion.between is not None else None
+    return Term(series(motion.start or motion), force, end=series(motion), between=between)
 
 
 def nuisance_terms(model: Model, modes: Modes, motion: Motion) -> list[list[Term]]:
@@ -138,7 +144,8 @@ def _coupling_terms(model: Model, modes: Modes, motion: Motion, place: int) -> l
     own = np.eye(len(modes.omega)) if plain else model.own_motion @ modes.floors
     (one, other), size = model.structure.couplings[place], float(model.structure.coupling_size[place])
     return [
-        force_term(motion, lambda m, b=b: -size * (m.eta_rate @ own[b]), own[a])  # type: ignore[misc]
+        # The predictor, too, takes it for a straight line.
+        force_term(motion, lambda m, b=b: -size * (m.eta_rate @ own[b]), own[a], linear=False)  # type: ignore[misc]
         for a, b in ((one, other), (other, one))
     ]
 
@@ -157,7 +164,7 @@ def law_term(motion: Motion, modes: Modes, placed: PlacedLaw) -> Term:
         time = np.arange(len(rate)) * motion.run.step_s
         return -placed.law.along(placed.parameters, m.floor @ placed.row, rate, time)
 
-    return force_term(motion, pull, placed.row @ modes.floors)
+    return force_term(motion, pull, placed.row @ modes.floors, linear=False)
 
 
 def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list[Term]:
@@ -166,9 +173,33 @@ def _event_terms(model: Model, modes: Modes, motion: Motion, place: int) -> list
     if model.observed.runs[event.run] is not run:
         return []
     left, right = model.observed.contact_floors[event.column]
-    within = event.within(np.arange(len(run.table)) * run.step_s)
-    pushed = np.where(within, run.contact[:, event.column], 0.0)
-    return [force_term(motion, lambda _: pushed, modes.floors[right] - modes.floors[left])]
+    direction = modes.floors[right] - modes.floors[left]
+    at, middle = run.instants
+    shown, held = (
+        np.where(event.within(times), run.contact_at(times, event.column), 0.0) for times in (at, middle)
+    )
+    direct = model.linear_system(modes).direct @ direction
+    return [Term(shown, output=direct, jumps=(held, _within_step(model, modes, run, direction)))]
+
+
+def _within_step(model: Model, modes: Modes, run: RunData, direction: np.ndarray) -> np.ndarray:
+    """Return states at a step's start from which modes swing as after a unit force in each substep, (states, substeps).
+
+    As the predictor does, it holds the force over the substep; an impact is shorter than a step.
+
+    Args:
+        model: The baseline model.
+        modes: Modes of the filtered model.
+        run: The run.
+        direction: Modal force of a unit of it, shape (modes,).
+    """
+    substep, n = run.step_s / run.substeps, len(modes.omega)
+    moved, rate = modes.step(substep)[4:] * direction
+    back = modes.swing(-substep * np.arange(1, run.substeps + 1))
+    ways = np.zeros((2 * n + model.structure.floors + 3, run.substeps))
+    ways[:n] = (back[0] * moved + back[1] * rate).T
+    ways[n : 2 * n] = (back[2] * moved + back[3] * rate).T
+    return ways
 
 
 def matrix_terms(motion: Motion, stiffness: np.ndarray, shapes: np.ndarray, span: slice) -> list[Term]:
