@@ -148,7 +148,7 @@ class _Faults:
     def _stand_in(self, frame: Mapping[str, Any]) -> dict[str, Any]:
         storeys, name = int(bounds.STOREYS.high), frame.get("name")
         stand_in = {
-            "name": name if isinstance(name, str) and name else "frame",
+            "name": name if isinstance(name, str) and name else f"frame {len(self._stand_ins)}",
             "storeys": storeys,
             "storey_height_m": 1.0,
             "floor_mass_kg": [1000.0] * storeys,

@@ -115,9 +115,15 @@ def nearest(report: Report) -> list[str]:
     likeliest, needs = report.candidates[0], report.thresholds
     if likeliest.parameters is UNSET or likeliest.log_evidence < STRONG or _of_a_contact(likeliest):
         return []
+    size = f"{percent(needs.share_of_noise)} of some channel's noise"
+    lacks = f"and a name needs {number(needs.log_evidence)} and {size}, or more"
+    if likeliest.log_evidence >= needs.log_evidence:
+        lacks = (
+            f"enough for a name, but it takes too little out of the motion: that needs {size}, and more where the model's "
+            "own errors are as large"
+        )
     return [
-        f"nearest to a verdict is {likeliest.sized()}: its ln Bayes factor is {likeliest.log_evidence:.3g}, and a name "
-        f"needs {number(needs.log_evidence)} and {percent(needs.share_of_noise)} of some channel's noise, or more"
+        f"nearest to a verdict is {likeliest.sized()}: its ln Bayes factor is {likeliest.log_evidence:.3g}, {lacks}"
     ]
 
 

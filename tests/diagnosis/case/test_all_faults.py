@@ -162,6 +162,16 @@ def test_what_only_follows_from_a_fault_is_none(folder: Path):
     assert len(_said(folder, ('"table_acceleration"', '"acceleration"'))) == 1
 
 
+def test_of_two_frame_files_that_cannot_be_read_each_is_said_once(folder: Path):
+    files = '[[frame]]\nfile = "one.toml"\n\n[[frame]]\nfile = "other.toml"'
+    found = _said(folder, ('[[frame]]\nname = "5A"', files))
+    assert [name for name in ("one.toml", "other.toml") if any(name in fault for fault in found)] == [
+        "one.toml",
+        "other.toml",
+    ]
+    assert not any("twice" in fault for fault in found)
+
+
 def test_unit_and_floor_of_one_channel(folder: Path):
     found = _said(folder, ('floor = 3\nquantity = "absolute_acceleration"\nunit = "g"', ODD))
     assert len(_said(folder, ('floor = 3\nquantity = "absolute_acceleration"\nunit = "g"', "unit = 3"))) == 1

@@ -174,6 +174,13 @@ def test_what_comes_nearest_to_being_named_is_said_with_its_size(
         "is 6.4, and a name needs 7.66 and 20 % of some channel's noise, or more."
     )
     assert (sentence in beside_the_verdict(report)) == said
+    # Where evidence is not what it lacks, the sentence says what is.
+    likely = structs.replace(report, candidates=(candidate(place, 60.0, sizes),))
+    lacking = any(
+        "is 60, enough for a name, but it takes too little out of the motion" in one
+        for one in beside_the_verdict(likely)
+    )
+    assert lacking == (verdict == "nothing_missing" and refined)
     # What a contact needs is said by its impacts.
     struck = structs.replace(report, candidates=(candidate(LAW, 60.0, sizes), *report.candidates))
     assert not any("Nearest" in each for each in beside_the_verdict(struck))
