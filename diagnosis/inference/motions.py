@@ -34,6 +34,9 @@ def motion_of(model: Model, filtered: Filtered, number: int) -> Motion:
     predicted_pushes, pushes, pushing = _pushes(model, filtered, number, assembly, seen)
     start = _motion(model, modes, filtered.prediction.after[number], seen, pushes, pushing)
     predicted = _motion(model, modes, filtered.prediction.before[number], seen, predicted_pushes, pushing)
+    if not model.observed.contact_floors:
+        # A table makes no frame swing so fast that a straight line from sample to sample would not do.
+        return replace(predicted, start=start)
     bent = _bent(model, filtered, number, assembly)
     states = _between(filtered, number, seen.run.step_s)
     between = _motion(model, modes, states, seen, bent, np.zeros_like(bent))
