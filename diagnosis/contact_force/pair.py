@@ -111,7 +111,7 @@ def cell_at_its_word(case: Case, model: Model, pair: Pair, training: Sequence[in
     gained = _likely(pair.slow, training) - _likely(plain.slow, training)
     if gained <= SETTINGS.pair_decision.contact_evidence:
         return plain
-    return replace(pair, cell=pair.cell.liked(gained - SETTINGS.pair_decision.parameter_cost))
+    return replace(pair, cell=pair.cell.with_evidence(gained - SETTINGS.pair_decision.parameter_cost))
 
 
 def _likely(model: Model, training: Sequence[int]) -> float:

@@ -53,11 +53,11 @@ class Cell:
         """Whether its gain or its delay was put right by the motion."""
         return bool(self._told_by_motion())
 
-    def liked(self, ln_bayes: float) -> Cell:
-        """Return the cell with what calibrated frames say of its gain, or of its delay, where only one was put right.
+    def with_evidence(self, ln_bayes: float) -> Cell:
+        """Return the cell whose gain or delay has the evidence of calibrated frames, where only one was put right.
 
         Args:
-            ln_bayes: How much likelier they are with it.
+            ln_bayes: How much likelier the calibrated frames are with the cell put right, ln Bayes factor [-].
         """
         told = self._told_by_motion()
         faults = tuple((*one[:3], max(one[3], ln_bayes)) if told == [one] else one for one in self.faults)

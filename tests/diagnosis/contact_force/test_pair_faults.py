@@ -110,18 +110,16 @@ def test_a_force_cell_is_put_right_only_if_calibrated_frames_like_it_better() ->
             assert ln_bayes > 20.0
 
 
-def test_a_gain_of_a_force_cell_that_hardly_shows_is_tried_and_what_is_taken_out_beside_it_is_not_claimed() -> (
-    None
-):
+def test_a_gain_of_a_force_cell_that_hardly_shows_is_tried() -> None:
     """Three standard deviations: too few by themselves, and what calibrated frames are asked."""
     case = changed(colliding(CONTACT), lambda force: 1.07 * force)
     pair = prepare(case, model_of(case))
     assert pair.cell is not None
     assert [fault[0] for fault in pair.cell.faults] == ["sensor_gain"]
     assert 0.0 < pair.cell.faults[0][3] < SETTINGS.pair_decision.contact_evidence
-    assert pair.cell.liked(60.0).faults[0][3] == 60.0
+    assert pair.cell.with_evidence(60.0).faults[0][3] == 60.0
     delayed = replace(pair.cell, faults=(*pair.cell.faults, ("sensor_delay", 4e-4, 1.5e-4, 0.5)))
-    assert delayed.liked(60.0) == delayed
+    assert delayed.with_evidence(60.0) == delayed
 
 
 def test_a_force_cell_that_clips_is_replaced_by_what_the_motion_says() -> None:

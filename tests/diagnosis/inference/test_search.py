@@ -330,9 +330,7 @@ def test_what_is_refined_to_the_end(
     assert to_the_end(chosen, likely) == refined_further
 
 
-def test_what_starts_from_the_baseline_frame_is_given_up_where_it_will_not_come_near_what_is_ahead(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_starts_from_the_baseline_frame_is_given_up_where_it_will_not_come_near_what_is_ahead() -> None:
     mass = next(one for one in candidates(measured()) if one.name == "added_mass" and one.floor == 3)
     model = measured()
     # With its noise it would be at its end after a round.
