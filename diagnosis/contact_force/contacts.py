@@ -14,6 +14,7 @@ import numpy as np
 from pounding.diagnosis.contact_force.hypotheses import STIFFNESS, Hypothesis, at, near
 from pounding.diagnosis.contact_force.impacts import Bodies, Law
 from pounding.diagnosis.contact_force.striking import differences
+from pounding.diagnosis.inference.coordinates import box_of
 from pounding.diagnosis.inference.posterior import Likelihood, Marquardt, Posterior, descend
 from pounding.diagnosis.settings import SETTINGS
 
@@ -307,6 +308,16 @@ def ranked(ln_bayes: Sequence[float], fits: Sequence[Fitted]) -> tuple[tuple[flo
 def held(bodies: Bodies, law: Law) -> Fitted:
     """Return a contact with its numbers held, only the filter and the states before the impacts being fitted."""
     return fit(bodies, Hypothesis("", law, 0.0, 0.0, 0.0))
+
+
+def within_scatter(fitted: Fitted) -> Law:
+    """Return the law of a fit with its numbers no further from their centres than scatter makes them.
+
+    Args:
+        fitted: The fit.
+    """
+    shared = fitted.unknowns[FILTER:COMMON]
+    return at(fitted.hypothesis, np.clip(shared, -box_of(len(shared)), box_of(len(shared))))
 
 
 def warmed(bodies: Bodies, fits: Sequence[Fitted]) -> list[Fitted]:

@@ -25,7 +25,7 @@ class HeldOutImpacts:
         model: With the contact of the baseline model.
         likeliest: With the likeliest other contact, as fitted to the training runs.
         gained: Gain of log likelihood of the likeliest over the contact of the baseline model with its scatter, as fitted to
-            the training runs too.
+            the training runs too; what goes further than scatter is what may be missing.
         expected: The gain that these impacts would give if the likeliest contact had made them.
     """
 
@@ -67,7 +67,7 @@ def predicted_impacts(
         return None
     met = sharper(met, contact_findings.error)
     model = contacts.held(met, baseline_law(case.contacts[0], met.mass))
-    baseline, other = contact_findings.null.law, contact_findings.ranked[0][1].law
+    baseline, other = contacts.within_scatter(contact_findings.null), contact_findings.ranked[0][1].law
     nuisance, likeliest = compared(met, baseline, other)
     expected = expected_gain(met, baseline, likeliest)
     return HeldOutImpacts(

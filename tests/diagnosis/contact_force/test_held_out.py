@@ -17,7 +17,7 @@ from pounding.diagnosis.contact_force.held_out import (
     expected_gain,
     predicted_impacts,
 )
-from pounding.diagnosis.contact_force.hypotheses import baseline_law
+from pounding.diagnosis.contact_force.hypotheses import baseline_law, null
 from pounding.diagnosis.contact_force.impacts import Bodies, sharper
 from pounding.diagnosis.contact_force.pair import met_in, prepare
 from pounding.diagnosis.decision.conclusion import ContactMisfit
@@ -71,6 +71,19 @@ def test_the_gain_that_is_expected_is_that_of_impacts_of_the_likeliest_contact()
     blunt = sharper(bodies, 2.0)
     assert expected_gain(blunt, other, compared(blunt, other, true)[1]) < 0.6 * expected
     assert expected_gain(bodies, true, likeliest) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_contact_beyond_its_scatter_is_compared_with_one_within_it() -> None:
+    """Impacts pull the baseline's numbers as far as they like, past any prior: what is missing would be in both contacts."""
+    bodies = met()
+    stated = baseline_law(TRUE, bodies.mass)
+    right, other = (
+        contacts.fit(bodies, null(replace(stated, restitution=restitution))) for restitution in (0.55, 0.85)
+    )
+    assert contacts.within_scatter(right) == right.law
+    kept = contacts.within_scatter(other).restitution
+    assert other.law.restitution < kept - 0.01
+    assert 0.8 < kept < 0.85
 
 
 def test_impacts_without_an_opinion_veto_nothing_and_those_with_one_do() -> None:
