@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
-from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
+from pounding.diagnosis.contact_force.force_errors import put_right, put_right_with
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
 from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads, search_beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
@@ -203,23 +203,21 @@ def _wrong_sensor(decision: Decision) -> bool:
 def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...]) -> tuple[Findings, Decision]:
     """Keep the forces of `measured` runs as frames with what is found put them right, unless channels were exchanged.
 
-    Where the forces that frames without it had put right were all that left it unexplained, it is judged by these, and
-    decided again.
+    What is found has the sizes that it has with these forces. Where those that frames without it had put right were all that
+    left it unexplained, it is decided again.
     """
     model, chosen = found.model, decision.judged
     known = bool(chosen.effects) and not any(effect.rival for effect in chosen.effects)
     if found.pair is None or model is not found.pair.slow or not known:
         return found, decision
     as_measured = model.seeing(replace(model.observed, runs=measured))
-    corrected, filtered = put_right_by(as_measured, model, chosen.fit.filtered)
-    if not decision.named:
-        again = judged_on(chosen, corrected, filtered, found.training, found.held_out)
-        retried = replace(found, judged=[again if one is chosen else one for one in found.judged])
-        decided = decide(retried)
-        if not decided.named or decided.judged is not again:
-            return found, decision
-        found, decision = retried, decided
-    return replace(found, settled=(decision.judged, corrected, filtered)), decision
+    corrected, fit = put_right_with(as_measured, model, chosen.fit)
+    again = judged_on(replace(chosen, fit=fit), corrected, fit.filtered, found.training, found.held_out)
+    retried = replace(found, judged=[again if one is chosen else one for one in found.judged])
+    decided = replace(decision, judged=again) if decision.named else decide(retried)
+    if not decided.named or decided.judged is not again:
+        return found, decision
+    return replace(retried, settled=(again, corrected, fit.filtered)), decided
 
 
 def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], progress: Progress) -> Model:

@@ -19,7 +19,7 @@ from pounding.diagnosis.contact_force import pairs
 from pounding.diagnosis.inference.filtering import Filtered, run_filter
 from pounding.diagnosis.inference.likeliest_noise import likeliest_noise
 from pounding.diagnosis.inference.misfit import expected_noise
-from pounding.diagnosis.inference.refine import calibrated_further, refine
+from pounding.diagnosis.inference.refine import Fit, calibrated_further, refine
 from pounding.diagnosis.inference.starting import calibrated
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.model.observations import RunData
@@ -77,17 +77,29 @@ def put_right(model: Model, training: Sequence[int], measured: bool = True) -> t
     return _told(model, better, filtered, training, 1)
 
 
-def put_right_by(model: Model, corrected: Model, filtered: Filtered) -> tuple[Model, Filtered]:
-    """Return the model with contact forces as frames with effects correct them, and these frames.
+def put_right_with(model: Model, corrected: Model, fit: Fit) -> tuple[Model, Fit]:
+    """Return the model with contact forces as frames with effects correct them, and the fit of these effects with them.
 
-    Forces that frames without an effect have put right keep a part of it.
+    Forces that frames without an effect have put right keep a part of it, and the effect is too small by that: forces and
+    effects are found in turn until the effects' sizes stand still.
 
     Args:
         model: The model with the forces as they were measured or found.
         corrected: The same with those about which the effects were fitted.
-        filtered: The fit, with its effects.
+        fit: The fit of the effects.
     """
-    return _told(model, corrected, filtered, filtered.runs, SETTINGS.forces.correction_rounds)
+    settings = SETTINGS.forces
+    for _ in range(settings.settling_rounds):
+        corrected, filtered = _told(
+            model, corrected, fit.filtered, fit.filtered.runs, settings.correction_rounds
+        )
+        before, fit = fit, refine(corrected, filtered, fit.effects, fit.values)
+        moved = (
+            np.abs(new - old) / std for new, old, std in zip(fit.values, before.values, fit.std, strict=True)
+        )
+        if max(float(one.max()) for one in moved) < settings.settled:
+            break
+    return corrected, fit
 
 
 def _told(

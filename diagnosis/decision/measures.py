@@ -159,11 +159,11 @@ def _acted_on(found: Findings, judged: Judged) -> np.ndarray:
 def moved_channels(found: Findings, judged: Judged) -> np.ndarray:
     """Return which channels effects can change, shape (channels,).
 
-    Those of sensors change their own, others all of their frames, and what acts on no frame all.
+    Those of sensors change their own, a logger all of its own, others all of their frames, and what acts on no frame all.
     """
     model, frames = found.model, {effect.frame for effect in judged.effects}
-    own = [effect.channel for effect in judged.effects if effect.channel is not None]
-    if len(own) == len(judged.effects):
+    if of_sensors(judged):
+        own = [entry["channel"] for effect in judged.effects for entry in effect.entries()]
         return np.isin(model.observed.names, own)
     if None in frames:
         return np.ones(len(model.observed.names), bool)

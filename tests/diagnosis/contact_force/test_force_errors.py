@@ -14,7 +14,7 @@ import pytest
 from pounding.diagnosis import workflow as diagnose
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
-from pounding.diagnosis.contact_force.force_errors import put_right, put_right_by
+from pounding.diagnosis.contact_force.force_errors import put_right, put_right_with
 from pounding.diagnosis.contact_force.pair import prepare
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.measures import remaining
@@ -100,14 +100,16 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
     mass = next(one for one in candidates(without) if one.name == "added_mass" and one.floor == FLOORS)
     fit = refine(without, start, (mass,), (np.array([1.5]),), (np.array([1.5]),))
     measured = replace(without.observed, runs=raw.observed.runs)
-    settled, frames = put_right_by(Model(without.structure, measured, without.prior), without, fit.filtered)
+    settled, again = put_right_with(Model(without.structure, measured, without.prior), without, fit)
 
     def left(model: Model, filtered: Filtered) -> float:
         outputs = simulate(model, filtered.values, filtered.effects, (1,))
         return float(np.median(channel_misfits(model, outputs, (1,))))
 
     # Forces that frames without the mass had put right kept a part of it, in the run that was not fitted, too.
-    assert left(settled, frames) < 0.7 * left(without, fit.filtered)
+    assert left(settled, again.filtered) < 0.7 * left(without, fit.filtered)
+    before, after = (abs(float(one.values[0][0]) - 1.5) for one in (fit, again))
+    assert after < before
 
 
 def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -122,7 +124,7 @@ def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch
     def decided(found: Findings, explained: Judged) -> Decision:
         return Decision("effect_named" if found.judged[0] is explained else "unknown_effect", found.judged[0])
 
-    monkeypatch.setattr(diagnose, "put_right_by", lambda *given: ("model", "frames"))
+    monkeypatch.setattr(diagnose, "put_right_with", lambda *given: ("model", fit))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
     for explained, after in ((better, better), (None, chosen)):
         monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
