@@ -97,7 +97,9 @@ def _detected(found: Findings, judged: Judged) -> bool:
 
 def _taken(found: Findings, judged: Judged) -> bool:
     """Return whether the calibration took a single effect."""
-    return straightens(found, judged, bool(common(found, judged)))
+    # Beside an error of the frame that is in the model, how base, joints and weight soften it is one more.
+    another = found.plain is not None and any(effect.common_beside for effect in judged.effects)
+    return straightens(found, judged, another or bool(common(found, judged)))
 
 
 def _heard(found: Findings, single: list[Judged]) -> list[Judged]:
@@ -194,7 +196,8 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     """Return whether what effects take out of the motion is as small as the errors that every model of a frame has.
 
     It is less than the case allows, and no more than a few times the frame's other errors: the discrepancy beside them and
-    what they leave, or what the noise may hide of it. These say how large an error of this model may be.
+    what they leave, or what the noise may hide of it. These say how large an error of this model may be, and none is right
+    within less than a part of its motion.
     """
     if found.reference:
         return False
@@ -204,7 +207,7 @@ def _as_an_error(found: Findings, without: Judged, judged: Judged) -> bool:
     if taken > allowed_error(found.model):
         return False
     discrepancy = Sight.of(found, judged.fit.filtered).discrepancy(where)
-    others = np.hypot(max(after, hidden_error(found, where)), discrepancy)
+    others = max(np.hypot(max(after, hidden_error(found, where)), discrepancy), SETTINGS.decision.least_error)
     return bool(taken <= SETTINGS.decision.errors_alike * others)
 
 

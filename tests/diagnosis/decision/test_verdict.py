@@ -327,6 +327,8 @@ def test_what_several_parameters_took_is_named_though_each_is_within_its_prior(
         fit: Any = one.fit
         fit.filtered = cast(Filtered, replace(usual, values=shift * far))
     assert decide(found).verdict == verdict
+    # Beside an error of the frame that is in the model, what softens the whole frame is one more.
+    assert decide(replace(found, plain=found.null)).verdict == "nothing_missing"
     # A null model that is bent only by a smaller discrepancy than it likes tells of nothing that was taken.
     found.wide = replace(found.null, fit=found.judged[0].fit)
     assert decide(found).verdict == "nothing_missing"
