@@ -203,8 +203,8 @@ def _wrong_sensor(decision: Decision) -> bool:
 def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...]) -> tuple[Findings, Decision]:
     """Keep the forces of `measured` runs as frames with what is found put them right, unless channels were exchanged.
 
-    What is found has the sizes that it has with these forces. Where those that frames without it had put right were all that
-    left it unexplained, it is decided again.
+    What is found has the sizes that it has with these forces, and is decided again: those that frames without it had put
+    right may be all that left it unexplained, or all that spoke for it.
     """
     model, chosen = found.model, decision.judged
     known = bool(chosen.effects) and not any(effect.rival for effect in chosen.effects)
@@ -214,10 +214,10 @@ def _settled(found: Findings, decision: Decision, measured: tuple[RunData, ...])
     corrected, fit = put_right_with(as_measured, model, chosen.fit)
     again = judged_on(replace(chosen, fit=fit), corrected, fit.filtered, found.training, found.held_out)
     retried = replace(found, judged=[again if one is chosen else one for one in found.judged])
-    decided = replace(decision, judged=again) if decision.named else decide(retried)
-    if not decided.named or decided.judged is not again:
-        return found, decision
-    return replace(retried, settled=(again, corrected, fit.filtered)), decided
+    decided = decide(retried)
+    if decided.named and decided.judged is again:
+        return replace(retried, settled=(again, corrected, fit.filtered)), decided
+    return (retried, decided) if decision.named else (found, decision)
 
 
 def _as_before(model: Model, effects: Sequence[Effect], runs: Sequence[int], progress: Progress) -> Model:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -16,7 +15,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_with
 from pounding.diagnosis.contact_force.pair import prepare
-from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.decision import Decision, Verdict
 from pounding.diagnosis.decision.measures import remaining
 from pounding.diagnosis.effects.candidates import candidates
 from pounding.diagnosis.hidden.hide import hide
@@ -112,31 +111,34 @@ def test_forces_are_put_right_once_more_by_frames_with_what_was_missing() -> Non
     assert after < before
 
 
-def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where only those of frames without it left much unexplained, it is named after all; else nothing changes."""
+@pytest.mark.parametrize("before", ["effect_named", "unknown_effect"])
+@pytest.mark.parametrize("borne_out", [True, False])
+def test_an_effect_is_judged_by_forces_that_frames_with_it_put_right(
+    before: Verdict, borne_out: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of frames without it may be all that left much unexplained, or all that spoke for it."""
     effect = SimpleNamespace(rival=False)
     fit = SimpleNamespace(effects=(effect,), filtered="fitted")
     chosen = Judged(cast(Any, fit), 900.0, (0.1, 0.1), np.ones((2, 1)))
     better = replace(chosen, misfit=(0.05, 0.05))
     nothing: Any = None
     model: Any = SimpleNamespace(observed=Observed(), seeing=lambda observed: "as measured")
-
-    def decided(found: Findings, explained: Judged) -> Decision:
-        return Decision("effect_named" if found.judged[0] is explained else "unknown_effect", found.judged[0])
-
+    null = replace(chosen, ln_bayes=0.0)
+    decided = Decision("effect_named", better) if borne_out else Decision("nothing_missing", null)
     monkeypatch.setattr(diagnose, "put_right_with", lambda *given: ("model", fit))
     monkeypatch.setattr(diagnose, "judged_on", lambda *given: better)
-    for explained, after in ((better, better), (None, chosen)):
-        monkeypatch.setattr(diagnose, "decide", partial(decided, explained=cast(Any, explained)))
-        found = Findings(model, nothing, nothing, nothing, (0,), (1,), [chosen])
-        found.pair = cast(Any, SimpleNamespace(slow=model))
-        unknown = Decision("unknown_effect", chosen)
-        settled, decision = diagnose._settled(found, unknown, ())
-        assert settled.judged == [after]
-        assert decision.judged is after
-        assert (settled.settled is None) == (explained is None)
-        # What was found before is not changed.
-        assert found.judged == [chosen]
+    monkeypatch.setattr(diagnose, "decide", lambda found: decided)
+    found = Findings(model, nothing, nothing, nothing, (0,), (1,), [chosen])
+    found.pair = cast(Any, SimpleNamespace(slow=model))
+    first = Decision(before, chosen)
+    settled, decision = diagnose._settled(found, first, ())
+    # What is unknown all the same is as it was found.
+    again = borne_out or before == "effect_named"
+    assert settled.judged == [better if again else chosen]
+    assert decision is (decided if again else first)
+    assert (settled.settled is None) is not borne_out
+    # What was found before is not changed.
+    assert found.judged == [chosen]
 
 
 @pytest.mark.slow
