@@ -78,6 +78,18 @@ def own_motions(closed: np.ndarray) -> OwnMotions | None:
     )
 
 
+class Jumps(NamedTuple):
+    """What else is added to the states after each sample, in the few columns where anything is.
+
+    Attributes:
+        columns: Numbers of these columns of the states, shape (n,).
+        added: What is added, or what becomes of it elsewhere, shape (samples, states, n); without any (0, 0, 0).
+    """
+
+    columns: np.ndarray
+    added: np.ndarray
+
+
 class Loop(NamedTuple):
     """The closed loop with terms that push it, in whatever coordinates its states are, as compiled functions take it.
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.closed_loop import Loop, OwnMotions
+from pounding.diagnosis.model.closed_loop import Jumps, Loop, OwnMotions
 from pounding.diagnosis.model.kalman import SteadyFilter
 from pounding.diagnosis.model.predictor import CONTRACT
 from pounding.diagnosis.model.tangents import Tangents
@@ -187,8 +187,8 @@ def filter_with_laws(
     first: int,
     series: np.ndarray,
     at_end: np.ndarray,
-    jumps: np.ndarray,
-    jumped: np.ndarray,
+    jumps: Jumps,
+    jumped: Jumps,
     state: np.ndarray,
     result: np.ndarray,
 ) -> None:
@@ -199,8 +199,8 @@ def filter_with_laws(
         added: What terms add to the forces of laws by themselves.
         first: Number of the first sample.
         series, at_end: Size of each term at the samples, shape (samples, terms).
-        jumps: What else those of a group add to the states after each sample, shape (samples, states, columns), or none.
-        jumped: What that adds to drifts and rates in the middle of each substep, (samples, answered substeps, columns).
+        jumps: What else those of a group add to the states after each sample.
+        jumped: What that adds to drifts and rates in the middle of each substep, which are its rows instead of states.
         state: States before the first sample, which become those after the last one, shape (states, columns).
         result: Filled with what is shown where a group has terms, shape (samples, channels, groups).
     """
@@ -211,7 +211,6 @@ def filter_with_laws(
     substeps = within.shape[1]
     answered = len(seen) // substeps
     middles = channels + answered
-    jumping = jumps.size > 0
     shown = np.zeros((middles + answered * substeps, columns), state.dtype)
     motion = np.zeros((answered, columns), state.dtype)
     # Those of the last substep before, at the sample, and of each substep.
@@ -233,10 +232,9 @@ def filter_with_laws(
             for c in range(len(held)):
                 for t in range(turns[r + 1] - begin):
                     shown[middles + c, t] += held[c, begin + t] * series[k, begin + t]
-        if jumping:
-            for c in range(len(held)):
-                for t in range(columns):
-                    shown[middles + c, t] += jumped[k, c, t]
+        for c in range(len(held)):
+            for n in range(len(jumped.columns)):
+                shown[middles + c, jumped.columns[n]] += jumped.added[k, c, n]
         for i in range(answered):
             for t in range(columns):
                 motion[i, t] = shown[channels + i, t]
@@ -275,10 +273,9 @@ def filter_with_laws(
                         inputs[0, i, begin + t] * series[k, begin + t]
                         + inputs[1, i, begin + t] * at_end[k, begin + t]
                     )
-        if jumping:
-            for i in range(len(state)):
-                for t in range(columns):
-                    push[i, t] += jumps[k, i, t]
+        for i in range(len(state)):
+            for n in range(len(jumps.columns)):
+                push[i, jumps.columns[n]] += jumps.added[k, i, n]
         if turning:
             _turn(transition, push, state)
         else:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from pounding.diagnosis.model.closed_loop import Loop, own_motions, pushed, transition
+from pounding.diagnosis.model.closed_loop import Jumps, Loop, own_motions, pushed, transition
 from pounding.diagnosis.model.kalman import SteadyFilter
 from pounding.diagnosis.model.law_feedback import Added, LawFeedback, filter_with_laws
 from pounding.diagnosis.model.predictor import CONTRACT
@@ -163,10 +163,8 @@ def _jumps(
     rows: slice,
     onward: np.ndarray,
     precision: type[np.floating[Any]],
-) -> np.ndarray:
-    """Return what becomes of the jumps of groups at some samples, (samples, rows of `onward`, columns).
-
-    Without any it is (0, 0, 0).
+) -> Jumps:
+    """Return what becomes of the jumps of groups at some samples, `added` having the rows of `onward`.
 
     Args:
         terms: The terms.
@@ -183,20 +181,21 @@ def _jumps(
             each.setdefault(id(series), (series[rows].astype(precision), []))[1].append(
                 (column, onward @ ways)
             )
+    columns = np.unique([column for _, members in each.values() for column, _ in members]).astype(int)
     if not each:
-        return np.zeros((0, 0, 0), precision)
-    total = np.zeros((len(terms[0].series[rows]), len(onward), turns[1]), precision)
+        return Jumps(columns, np.zeros((0, 0, 0), precision))
+    total = np.zeros((len(terms[0].series[rows]), len(onward), len(columns)), precision)
     for series, members in each.values():
+        own = [int(np.searchsorted(columns, column)) for column, _ in members]
         if len(members) == 1:
-            ((column, ways),) = members
-            total[:, :, column] += series @ ways.astype(precision).T
+            total[:, :, own[0]] += series @ members[0][1].astype(precision).T
             continue
         # Those that have their series in common are one product of large matrices.
-        together = np.zeros((series.shape[1], len(onward), turns[1]), precision)
-        for column, ways in members:
-            together[:, :, column] += ways.T
+        together = np.zeros((series.shape[1], len(onward), len(columns)), precision)
+        for place, (_, ways) in zip(own, members, strict=True):
+            together[:, :, place] += ways.T
         total += (series @ together.reshape(len(together), -1)).reshape(total.shape)
-    return total
+    return Jumps(columns, total)
 
 
 def _changes(terms: Sequence[Term], turns: np.ndarray, rows: slice, laws: Tangents) -> Added:
@@ -234,7 +233,7 @@ def _filter(
     loop: Loop,
     series: np.ndarray,
     at_end: np.ndarray,
-    jumps: np.ndarray,
+    jumps: Jumps,
     state: np.ndarray,
     result: np.ndarray,
 ) -> None:
@@ -243,7 +242,7 @@ def _filter(
     Args:
         loop: The loop.
         series, at_end: Size of each term at the samples shown, shape (samples, terms).
-        jumps: What else those of a group add to the states after each sample, shape (samples, states, columns), or none.
+        jumps: What else those of a group add to the states after each sample.
         state: States at the first sample less what the ends have just made, which become those after the last one shown,
             shape (states, columns).
         result: Filled with what is shown where a group has terms, shape (samples, channels, groups).
@@ -312,7 +311,7 @@ def _push(
     i: int,
     series: np.ndarray,
     at_end: np.ndarray,
-    jumps: np.ndarray,
+    jumps: Jumps,
     first: int,
     count: int,
     x: np.ndarray,
@@ -331,6 +330,5 @@ def _push(
                     inputs[0, i, begin + t] * series[k, begin + t]
                     + inputs[1, i, begin + t] * at_end[k, begin + t]
                 )
-        if jumps.size > 0:
-            for t in range(columns):
-                x[i, b + 1, t] += jumps[k, i, t]
+        for n in range(len(jumps.columns)):
+            x[i, b + 1, jumps.columns[n]] += jumps.added[k, i, n]
