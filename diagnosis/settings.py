@@ -365,7 +365,7 @@ class Decision:
     least_error: float = 0.005
     """[of the motion] No model of a frame has other errors that are smaller, as it seems where one error dominates. Origin:
     models of real frames leave 0.5 to 5 % of the motion; chosen after flaws of the second world whose others were below the
-    noise had been named (commits J and Y; Y's takes 1.7 % out of the motion)."""
+    noise had been named (commits J and Y)."""
     confident_left: float = 1.6
     """[noise floors] A channel with less misfit counts as wholly explained in the features of the confidence. Origin:
     chosen."""

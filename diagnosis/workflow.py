@@ -314,4 +314,7 @@ def _find(
     found.pair, found.false_alarms = pair, alarms
     found = beyond_errors(found, effects, progress)
     decision = decide(found)
-    return (found, decision) if start is None else _settled(found, decision, measured)
+    if start is None:
+        return found, decision
+    progress("putting contact forces right with what is found", 0.97)
+    return _settled(found, decision, measured)

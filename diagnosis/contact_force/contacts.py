@@ -311,7 +311,9 @@ def held(bodies: Bodies, law: Law) -> Fitted:
 
 
 def within_scatter(fitted: Fitted) -> Law:
-    """Return the law of a fit with its numbers no further from their centres than scatter makes them.
+    """Return the law of a fit whose gap, stiffness and loss are no further from their centres than scatter makes them.
+
+    Impacts pull them as far as they like; a nuisance parameter of a frame is in a box (`inference.coordinates.box_of`).
 
     Args:
         fitted: The fit.

@@ -15,10 +15,11 @@ from pounding.diagnosis import workflow as diagnose
 from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.contact_force import pairs
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, prepare
-from pounding.diagnosis.decision.decision import Decision
+from pounding.diagnosis.decision.claims import Place, candidate
+from pounding.diagnosis.decision.decision import Decision, Verdict
 from pounding.diagnosis.decision.diagnosis import conclude
 from pounding.diagnosis.decision.impulses import impulses
-from pounding.diagnosis.decision.pair_decision import contact_claims
+from pounding.diagnosis.decision.pair_decision import _two_loggers, contact_claims
 from pounding.diagnosis.report.making import poor_forces
 from pounding.diagnosis.settings import SETTINGS
 from pounding.diagnosis.workflow import find
@@ -28,6 +29,7 @@ from tests.diagnosis.pair_models import (
     FLOORS,
     GAP_M,
     MASS,
+    NOTHING,
     STEP_S,
     STIFFNESS,
     claimed,
@@ -245,4 +247,11 @@ def test_a_frame_on_another_logger_is_late_in_all_of_its_channels() -> None:
         ("sensor_delay", name) for name in stiff
     }
     # The other frame's channels are earlier by what their prior allows.
-    assert 2.0 < concluded.effects[0].parameters[0].value < 3.0
+    assert concluded.effects[0].parameters[0].value == pytest.approx(2.3, abs=0.1)
+
+
+@pytest.mark.parametrize(("verdict", "said"), [("unknown_effect", True), ("nothing_missing", False)])
+def test_a_delay_that_explains_not_enough_asks_for_one_time_base(verdict: Verdict, said: bool) -> None:
+    late = candidate(Place(effect="sensor_delay", channel="stiff_a1"), 900.0)
+    warned = _two_loggers(replace(NOTHING, verdict=verdict, candidates=(late,)))
+    assert ["different loggers" in warning for warning in warned] == [True] * said
