@@ -331,10 +331,6 @@ class Decision:
     one's law. Origin: chosen; lower thresholds named second effects that were not there on development cases."""
     second_size: float = 0.1
     """[noise of a channel] A second effect needs this signal-to-noise ratio in some channel. Origin: chosen."""
-    told: float = 2.0
-    """[standard errors] A sensor's fault beside another effect is at least so far from none: it is a number that stays, and
-    what varies between windows is none. Origin: the usual two; chosen after an offset of -1.8 +- 1.3 um was named beside
-    the cubic spring of a real oscillator."""
     second_share: float = 0.1
     """[share] A second effect needs `second_evidence` whatever force acts in the storeys of the first one, this being its
     square as a share of that of the first one's law; beside what is no force of storeys it also adds this share of the

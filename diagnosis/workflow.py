@@ -15,7 +15,7 @@ from pounding.diagnosis.case.case import Case
 from pounding.diagnosis.case.reading import read_case
 from pounding.diagnosis.contact_force.force_errors import put_right, put_right_with
 from pounding.diagnosis.contact_force.pair import cell_at_its_word, found_again, prepare
-from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads, search_beyond_errors
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, first_decides, search_beyond_errors
 from pounding.diagnosis.decision.conclusion import Conclusion
 from pounding.diagnosis.decision.decision import Decision
 from pounding.diagnosis.decision.diagnosis import Diagnosis, conclude
@@ -308,7 +308,7 @@ def _find(
     alarms = stored(false_alarms, len(effects))
 
     def enough(singles: Findings) -> bool:
-        return error_leads(replace(singles, pair=pair, false_alarms=alarms))
+        return first_decides(replace(singles, pair=pair, false_alarms=alarms))
 
     found = search(model, effects, used, unseen, progress, start, enough)
     found.pair, found.false_alarms = pair, alarms

@@ -4,35 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from pounding.diagnosis.decision.imitated import unhide
-from pounding.diagnosis.decision.verdict import common, error_of_frame
+from pounding.diagnosis.decision.verdict import common, error_of_frame, first_detected
 from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings
 from pounding.diagnosis.inference.null_with_error import with_error
 from pounding.diagnosis.inference.own_motion import moved_by_themselves
-from pounding.diagnosis.inference.search import Progress, never, search, silent
+from pounding.diagnosis.inference.search import Progress, search, silent
 from pounding.diagnosis.model.model import Model
 from pounding.diagnosis.settings import SETTINGS
 
 
-def error_leads(found: Findings) -> bool:
-    """Return whether the likeliest single effect is an error of the frame: all others are judged anew beside it.
+def first_decides(found: Findings, more_errors: bool = True) -> bool:
+    """Return whether single effects decide by themselves what is there, so that no second one need be looked for.
 
-    A second effect beside it, or instead of it, is then one of those, and need not be looked for before.
+    None is there, and a second effect is one beside a first. Or the likeliest is an error of the frame: all others are
+    judged anew beside it, and a second one, or what is instead of it, is then one of those.
 
     Args:
         found: What was found of single effects; it stays as it is.
+        more_errors: Whether another error of the frame may become part of the null model.
     """
-    likeliest = next((one for one in found.judged if len(one.effects) == 1), None)
-    if likeliest is None or not common(found, likeliest):
-        return False
     moved = replace(found, judged=list(found.judged))
     moved_by_themselves(moved)
     if moved.null.beside is None:
         # Beside an error of the frame the discrepancy is one that has been put right (`beyond_errors`).
         unhide(moved)
-    return error_of_frame(moved) is not None
+    return not first_detected(moved) or (more_errors and _error_leads(moved))
+
+
+def _error_leads(found: Findings) -> bool:
+    """Return whether the likeliest single effect is an error of the frame."""
+    likeliest = next((one for one in found.judged if len(one.effects) == 1), None)
+    return likeliest is not None and bool(common(found, likeliest)) and error_of_frame(found) is not None
 
 
 def search_beyond_errors(
@@ -46,7 +52,7 @@ def search_beyond_errors(
         training: Numbers of the runs that are fitted.
         held_out: Numbers of the runs that are only predicted.
     """
-    found = search(model, effects, training, held_out, silent, enough=error_leads)
+    found = search(model, effects, training, held_out, silent, enough=first_decides)
     return beyond_errors(found, effects, silent)
 
 
@@ -63,5 +69,6 @@ def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress
         error = error_of_frame(found)
         if error is None:
             break
-        found = with_error(found, error, effects, progress, error_leads if further else never)
+        enough = partial(first_decides, more_errors=further > 0)
+        found = with_error(found, error, effects, progress, enough)
     return found

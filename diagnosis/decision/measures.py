@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from pounding.diagnosis.decision.false_alarms import alarms_of, remains
+from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.inference.findings import Findings, Judged, fit_misfits
 from pounding.diagnosis.inference.misfit import (
     allowed_error,
@@ -140,6 +143,25 @@ def stands_out(found: Findings, judged: Judged) -> bool:
     beyond = ((before - after) - np.maximum(after - chance**2, 0.0))[:, moved_channels(found, judged)]
     known = beyond[:, np.isfinite(beyond).any(axis=0)]
     return bool(np.nanmean(known, axis=0).max(initial=-np.inf) > 0.0)
+
+
+def told_from_none(found: Findings, judged: Judged, effects: Sequence[Effect]) -> bool:
+    """Return whether the sizes of effects are further from none than chance takes any candidate's.
+
+    A size that may have either sign may as well be none. Its standard error has what varies between windows, which the
+    evidence has not: it believes that the law is the frame's, and takes what differs from window to window for a size.
+
+    Args:
+        found: The findings.
+        judged: The fit in which the effects are.
+        effects: The effects.
+    """
+    fit, needed = judged.fit, alarms_of(found).from_none
+    return all(
+        abs(values[effect.amplitude]) >= needed * std[effect.amplitude]
+        for effect, values, std in zip(fit.effects, fit.values, fit.std, strict=True)
+        if effect in effects and not effect.logarithmic()[effect.amplitude]
+    )
 
 
 def of_sensors(judged: Judged) -> bool:

@@ -22,6 +22,7 @@ from pounding.diagnosis.decision.measures import (
     signal_to_noise,
     something_left,
     stands_out,
+    told_from_none,
     within_model_error,
 )
 from pounding.diagnosis.decision.objections import against_the_model, another_frame, bends, itself_only_with
@@ -90,9 +91,20 @@ def _sized(found: Findings, single: Judged, double: Judged) -> Judged:
     return double if something_left(found, sized) and not something_left(found, double) else sized
 
 
+def first_detected(found: Findings) -> bool:
+    """Return whether the single effect that leads is there; where none can be claimed, as far as is known.
+
+    Args:
+        found: The findings.
+    """
+    single = _heard(found, [one for one in found.claimable() if len(one.effects) == 1])
+    return not single or _detected(found, single[0])
+
+
 def _detected(found: Findings, judged: Judged) -> bool:
-    """Return whether a single effect is there: it is large enough, or what the calibration took."""
-    return plain(found, judged, signal_to_noise(found, judged)) or _taken(found, judged)
+    """Return whether a single effect is there: it is large enough and no chance, or what the calibration took."""
+    large = plain(found, judged, signal_to_noise(found, judged))
+    return (large and told_from_none(found, judged, judged.effects)) or _taken(found, judged)
 
 
 def _taken(found: Findings, judged: Judged) -> bool:
@@ -310,23 +322,14 @@ def _acts(found: Findings, single: Judged, double: Judged) -> bool:
     as well hide one: whatever force acts instead of that law, the second effect has its evidence beside it.
     """
     gained, needed = double.ln_bayes - single.ln_bayes, _second_evidence(found, single, double)
-    if signal_to_noise(found, double, single) < SETTINGS.decision.second_size or _untold(single, double):
+    new = [effect for effect in double.effects if effect not in single.effects]
+    small = signal_to_noise(found, double, single) < SETTINGS.decision.second_size
+    if small or not told_from_none(found, double, new):
         return False
     if gained > needed and something_left(found, single) and not something_left(found, double):
         return True
     return gained > _least_evidence(found, single, double) and (
         beside_latent_force(found, single, double).gained > needed
-    )
-
-
-def _untold(single: Judged, double: Judged) -> bool:
-    """Return whether the second effect is a sensor's fault that may as well be none, by its standard error."""
-    fit = double.fit
-    return any(
-        effect.channel is not None
-        and effect not in single.effects
-        and abs(values[0]) < SETTINGS.decision.told * std[0]
-        for effect, values, std in zip(fit.effects, fit.values, fit.std, strict=True)
     )
 
 

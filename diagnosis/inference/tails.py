@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from pounding.diagnosis.settings import SETTINGS
 
@@ -85,6 +85,11 @@ class FalseAlarms:
         """
         alarms = self.rate / 2
         return max(self.evidence.exceeded_by(alarms), float(np.log(self.candidates / alarms)))
+
+    @property
+    def from_none(self) -> float:
+        """So many standard errors from none the size of any candidate is by chance, at half the rate of false alarms."""
+        return float(norm.isf(self.rate / 4 / self.candidates))
 
     @property
     def most_by_chance(self) -> float:

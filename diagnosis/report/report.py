@@ -43,13 +43,16 @@ class Misfit(Struct, frozen=True, kw_only=True):
     explained: float | UnsetType | None = UNSET
 
     def share(self) -> float | None:
-        """Return the share of the misfit above the noise floor that the effects explain, or None where none is above it."""
+        """Return the share of the misfit above the noise floor that the effects explain, or None where none is above it.
+
+        What ends below the floor, which is estimated, explains all of it and no more.
+        """
         before, after, noise = self.before, self.after, self.noise_floor
         if before is None or after is None or noise is None:
             return None
         if not before > SETTINGS.report.explainable * noise:
             return None
-        return (before - after) / (before - noise)
+        return min((before - after) / (before - noise), 1.0)
 
 
 def _from_to(misfit: Misfit) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pounding.diagnosis.decision import beyond_errors as module
-from pounding.diagnosis.decision.beyond_errors import beyond_errors, error_leads
+from pounding.diagnosis.decision.beyond_errors import beyond_errors, first_decides
 from pounding.diagnosis.decision.diagnosis import Diagnosis
 from pounding.diagnosis.decision.measures import model_error
 from pounding.diagnosis.decision.rig_calibration import scattered
@@ -102,18 +102,33 @@ def test_the_error_beside_which_an_effect_is_named_is_said_with_its_size() -> No
     assert float(mass[1]) == pytest.approx(SWAYING[0], rel=0.3)
 
 
-def test_an_error_of_the_frame_leads_where_the_likeliest_single_effect_is_one() -> None:
+def test_no_second_effect_is_needed_where_an_error_of_the_frame_leads(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     found = singles()
     friction = [one for one in found.judged if one.effects == (RUB,)]
     (first, *_), double = found.judged, next(one for one in alone().judged if len(one.effects) == 2)
-    assert error_leads(found)
-    assert not error_leads(replace(found, judged=friction))
-    assert not error_leads(replace(found, judged=[]))
-    assert not error_leads(replace(found, judged=[double, *friction, first]))
+    monkeypatch.setattr(module, "first_detected", lambda _: True)
+    assert first_decides(found)
+    assert not first_decides(found, more_errors=False)
+    assert not first_decides(replace(found, judged=friction))
+    assert not first_decides(replace(found, judged=[]))
+    assert not first_decides(replace(found, judged=[double, *friction, first]))
+
+
+@pytest.mark.parametrize("more_errors", [True, False])
+def test_no_second_effect_is_needed_where_no_single_one_is_detected(
+    more_errors: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "moved_by_themselves", lambda _: None)
+    found = singles()
+    (friction,) = (one for one in found.judged if one.effects == (RUB,))
+    assert not first_decides(replace(found, judged=[friction]), more_errors)
+    assert first_decides(replace(found, judged=[replace(friction, ln_bayes=0.5)]), more_errors)
 
 
 @pytest.mark.parametrize("enough", [True, False])
-def test_a_second_effect_is_looked_for_beside_an_error_unless_another_error_leads(
+def test_a_second_effect_is_looked_for_beside_an_error_unless_another_first_decides(
     enough: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """All effects are judged anew beside the next error, and what is beside nothing is not needed before."""
@@ -143,7 +158,7 @@ def test_what_leads_is_asked_as_it_will_be_judged(monkeypatch: pytest.MonkeyPatc
     beside = replace(singles(), null=replace(alone().null, beside=alone().null))
     for found, times in ((singles(), 1), (beside, 0)):
         asked.clear()
-        assert error_leads(found)
+        assert first_decides(found)
         assert len(asked) == times
         assert all(of is not found for of in asked)
 

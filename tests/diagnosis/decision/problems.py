@@ -71,11 +71,15 @@ class Data:
 
 @dataclass(frozen=True)
 class Tried:
-    """A candidate: its effects, its ln Bayes factor, and how many times the noise floor its misfit is."""
+    """A candidate: its effects, its ln Bayes factor, and how many times the noise floor its misfit is.
+
+    Its sizes vary between windows by so much of themselves.
+    """
 
     effects: tuple[Callable[[], Effect], ...]
     ln_bayes: float
     over: float
+    between: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -111,6 +115,15 @@ PROBLEMS = {
     "a candidate with little evidence": Problem(1.05, (Tried((CUBIC,), 5.0, 1.0),), "nothing_missing"),
     "much evidence that takes nothing out of the noise": Problem(
         1.02, (Tried((CUBIC,), 500.0, 1.02),), "nothing_missing"
+    ),
+    "a candidate whose size varies between windows as much as it is": Problem(
+        1.05, (Tried((CUBIC,), 500.0, 1.0, between=0.5),), "nothing_missing"
+    ),
+    "a second effect whose size varies between windows as much as it is": Problem(
+        6.0,
+        (Tried((CUBIC, MASS), 9000.0, 1.0, between=0.5), Tried((CUBIC,), 4000.0, 1.5)),
+        "effect_named",
+        1,
     ),
     "one effect explains everything": Problem(
         4.0, (Tried((CUBIC,), 5000.0, 1.0), Tried((FRICTION,), 400.0, 3.0)), "effect_named", 0
@@ -173,10 +186,12 @@ DATA = {
 def judged(data: Data, tried: Tried, filtered: Filtered) -> Judged:
     effects = tuple(one() for one in tried.effects)
     values = [np.ones(len(one.quantities)) for one in effects]
+    # As far from none as the evidence says, and as constant as it is.
+    share = 1.0 / np.sqrt(2.0 * tried.ln_bayes) if tried.ln_bayes > 0.0 else 1.0
     fit: Any = SimpleNamespace(
         effects=effects,
         values=values,
-        std=[0.1 * one for one in values],
+        std=[np.hypot(share, tried.between) * one for one in values],
         filtered=filtered,
         log_posterior=tried.ln_bayes,
     )

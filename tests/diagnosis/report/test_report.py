@@ -200,7 +200,13 @@ def test_a_warning_that_holds_for_several_runs_is_said_once() -> None:
 
 @pytest.mark.parametrize(
     ("before", "after", "noise", "share"),
-    [(0.3, 0.1, 0.05, 0.8), (0.3, 0.05, 0.05, 1.0), (0.054, 0.05, 0.05, None), (0.3, None, 0.05, None)],
+    [
+        (0.3, 0.1, 0.05, 0.8),
+        (0.3, 0.05, 0.05, 1.0),
+        (0.3, 0.04, 0.05, 1.0),
+        (0.054, 0.05, 0.05, None),
+        (0.3, None, 0.05, None),
+    ],
 )
 def test_only_what_exceeds_the_noise_can_be_explained(
     before: float, after: float | None, noise: float, share: float | None
