@@ -113,6 +113,8 @@ class Findings:
     """The null model with the likeliest scale of the discrepancy, where `null` has a smaller one (`decision.imitated`)."""
     beside_latent_force: dict[Hashable, BesideLatentForce] = field(default_factory=dict)
     """Two effects whatever the law of one gets wrong, by the fits of that one and of both."""
+    moved: dict[Hashable, Fit] = field(default_factory=dict)
+    """Fits calibrated by their own motion (`inference.own_motion`), by the fit."""
     nearest: dict[Hashable, Fit] = field(default_factory=dict)
     """Fits of the nearest frame that moves alike (`decision.nearest_frame`), by the fit."""
     settled: tuple[Judged, Model, Filtered] | None = None

@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import replace
+from functools import partial
 
 from pounding.diagnosis.inference.findings import Findings, Judged, judge_in
 from pounding.diagnosis.inference.null_model import by_its_motion
+from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.refining import each
 
 
 def moved_by_themselves(found: Findings) -> None:
     """Let frames move by themselves with the null model and with the candidates that lead, and judge them by that.
 
+    What was worked out before is kept in the findings.
+
     Args:
         found: The findings, whose fits are exchanged.
     """
     model, null = found.model, found.null
-    leading = _leading(found)
-    fits = each(found, lambda one: by_its_motion(model, one.fit), [*leading, null])
+    asked = [*_leading(found), null]
+    new = [one.fit for one in asked if _key(one.fit) not in found.moved]
+    for fit, alone in zip(new, each(found, partial(by_its_motion, model), new), strict=True):
+        found.moved[_key(fit)] = alone
     # Evidence is about the null model as it was.
-    again = {id(one): judge_in(found, fit) for one, fit in zip([*leading, null], fits, strict=True)}
+    again = {id(one): judge_in(found, found.moved[_key(one.fit)]) for one in asked}
     found.null = again[id(null)]
     found.judged = [again.get(id(one), one) for one in found.judged]
     if null.beside is not None:
         errors = replace(found.null, beside=None)
         found.null = replace(found.null, beside=errors)
         found.judged = [replace(one, beside=errors) for one in found.judged]
+
+
+def _key(fit: Fit) -> Hashable:
+    """Return what tells fits of the same findings apart: effects with their sizes, and the frame."""
+    numbers = (*fit.values, fit.filtered.values)
+    return fit.effects, fit.filtered.discrepancy, tuple(one.tobytes() for one in numbers)
 
 
 def _leading(found: Findings) -> list[Judged]:
