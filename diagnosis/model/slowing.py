@@ -53,10 +53,10 @@ def slowed_if_long(observed: Observations, structure: Structure) -> Observations
 def samples_looked_at(case: Case) -> int:
     """Return about how many samples of all runs of a case the diagnosis looks at."""
     ours = SETTINGS.screening
-    size = sum(run.values.size for run in case.runs)
-    if case.contacts or size <= ours.long_samples:
-        return sum(len(run.time_s) for run in case.runs)
-    return sum(int(len(run.time_s) * min(1.0, ours.long_rate_hz * run.step_s)) for run in case.runs)
+    rate_hz = SETTINGS.forces.rate_hz if case.contacts else ours.long_rate_hz
+    if not case.contacts and sum(run.values.size for run in case.runs) <= ours.long_samples:
+        rate_hz = np.inf
+    return sum(int(len(run.time_s) * min(1.0, rate_hz * run.step_s)) for run in case.runs)
 
 
 def _highest_hz(structure: Structure) -> float:

@@ -258,7 +258,7 @@ def _works(case: Case, calibrate: bool) -> list[estimates.Work]:
     samples = samples_looked_at(case)
     built = [load(frame.file or frame.name) for frame in case.frames if frame.kind != "modal"]
     floors = sum(frame.storeys for frame in case.frames)
-    works = [estimates.of_diagnosis(samples, floors), *map(estimates.of_frame, built)]
+    works = [estimates.of_diagnosis(samples, floors, bool(case.contacts)), *map(estimates.of_frame, built)]
     if calibrate and case.runs:
         works.append(estimates.of_calibration(SETTINGS.calibration.minutes))
     return works

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,6 +50,9 @@ def test_the_samples_that_are_announced_are_those_that_are_looked_at(few: None) 
     case = Case("bench", Path("bench"), (), runs, ())
     assert samples_looked_at(case) == 2 * 750
     assert samples_looked_at(replace(case, runs=runs[:1])) == 3000
+    # Frames that touch are looked at this often however few samples there are.
+    touching: Any = replace(case, runs=runs[:1], contacts=(None,))
+    assert samples_looked_at(touching) == pytest.approx(3000 * STEP_S * SETTINGS.forces.rate_hz)
 
 
 def test_a_linear_frame_does_not_notice(few: None) -> None:
