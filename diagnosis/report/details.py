@@ -67,6 +67,7 @@ def _thresholds(found: Findings) -> Thresholds:
         log_evidence=evidence,
         share_of_noise=size,
         absorbing=Threshold(log_evidence=absorbing[0], share_of_noise=absorbing[1]),
+        standard_errors=alarms_of(found).from_none,
     )
 
 

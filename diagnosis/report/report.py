@@ -111,11 +111,13 @@ class Thresholds(Threshold, frozen=True, kw_only=True):
         false_alarms: Share of the cases without an effect in which one is named or something is said to remain; unset for a
             pair.
         nulls: The simulated cases without an effect that say how much is needed; many candidates may ask for more evidence.
+        standard_errors: How far from none a size must be that may have either sign, in standard errors.
     """
 
     absorbing: Threshold
     false_alarms: float | UnsetType = UNSET
     nulls: str | UnsetType = UNSET
+    standard_errors: float | UnsetType = UNSET
 
 
 class File(Struct, frozen=True, kw_only=True):

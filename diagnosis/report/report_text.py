@@ -118,9 +118,10 @@ def nearest(report: Report) -> list[str]:
     size = f"{percent(needs.share_of_noise)} of some channel's noise"
     lacks = f"and a name needs {number(needs.log_evidence)} and {size}, or more"
     if likeliest.log_evidence >= needs.log_evidence:
+        errors = f"{needs.standard_errors:.2g} standard errors" if needs.standard_errors else "far enough"
         lacks = (
-            f"enough for a name, but it takes too little out of the motion: that needs {size}, and more where the model's "
-            "own errors are as large"
+            "enough for a name, but it takes too little out of the motion, or its size may as well be none: a name needs "
+            f"{size}, more where the model's own errors are as large, and a size {errors} from none"
         )
     return [
         f"nearest to a verdict is {likeliest.sized()}: its ln Bayes factor is {likeliest.log_evidence:.3g}, {lacks}"

@@ -167,7 +167,9 @@ def test_what_comes_nearest_to_being_named_is_said_with_its_size(
         verdict=verdict,
         effects=(),
         candidates=(candidate(place, evidence, sizes),),
-        thresholds=Thresholds(log_evidence=7.66, share_of_noise=0.2, absorbing=absorbing),
+        thresholds=Thresholds(
+            log_evidence=7.66, share_of_noise=0.2, absorbing=absorbing, standard_errors=3.72
+        ),
     )
     sentence = (
         "Nearest to a verdict is stiffness change in storey 1 of 5B (relative change -0.221 ± 0.029): its ln Bayes factor "
@@ -177,7 +179,9 @@ def test_what_comes_nearest_to_being_named_is_said_with_its_size(
     # Where evidence is not what it lacks, the sentence says what is.
     likely = structs.replace(report, candidates=(candidate(place, 60.0, sizes),))
     lacking = any(
-        "is 60, enough for a name, but it takes too little out of the motion" in one
+        "is 60, enough for a name, but it takes too little out of the motion, or its size may as well be none"
+        in one
+        and one.endswith("and a size 3.7 standard errors from none.")
         for one in beside_the_verdict(likely)
     )
     assert lacking == (verdict == "nothing_missing" and refined)
