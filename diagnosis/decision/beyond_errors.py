@@ -29,9 +29,7 @@ def first_decides(found: Findings, more_errors: bool = True) -> bool:
     """
     moved = replace(found, judged=list(found.judged))
     moved_by_themselves(moved)
-    if moved.null.beside is None:
-        # Beside an error of the frame the discrepancy is one that has been put right (`beyond_errors`).
-        unhide(moved)
+    unhide(moved)
     return not first_detected(moved) or (more_errors and _error_leads(moved))
 
 
@@ -71,4 +69,5 @@ def beyond_errors(found: Findings, effects: Sequence[Effect], progress: Progress
             break
         enough = partial(first_decides, more_errors=further > 0)
         found = with_error(found, error, effects, progress, enough)
+        unhide(found)
     return found

@@ -149,6 +149,14 @@ class Findings:
         """What results of pieces of work refer to: the model, and kinds of effects, of which a user's cannot be imported."""
         return (self.model, *dict.fromkeys(type(effect) for effect in self.candidates))
 
+    def judge_beside_errors(self) -> None:
+        """Judge all beside the errors of the frame as the null model has them now, where it has any."""
+        if self.null.beside is None:
+            return
+        errors = replace(self.null, beside=None)
+        self.null = replace(self.null, beside=errors)
+        self.judged = [replace(one, beside=errors) for one in self.judged]
+
     def claimable(self) -> list[Judged]:
         """Return what was judged, best first, without what only tells how badly a pair's forces and sensors are known.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import replace
 from functools import partial
 
 from pounding.diagnosis.inference.findings import Findings, Judged, judge_in
@@ -29,10 +28,7 @@ def moved_by_themselves(found: Findings) -> None:
     again = {id(one): judge_in(found, found.moved[_key(one.fit)]) for one in asked}
     found.null = again[id(null)]
     found.judged = [again.get(id(one), one) for one in found.judged]
-    if null.beside is not None:
-        errors = replace(found.null, beside=None)
-        found.null = replace(found.null, beside=errors)
-        found.judged = [replace(one, beside=errors) for one in found.judged]
+    found.judge_beside_errors()
 
 
 def _key(fit: Fit) -> Hashable:
