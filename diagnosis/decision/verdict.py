@@ -102,9 +102,13 @@ def first_detected(found: Findings) -> bool:
 
 
 def _detected(found: Findings, judged: Judged) -> bool:
-    """Return whether a single effect is there: it is large enough and no chance, or what the calibration took."""
+    """Return whether a single effect is there: it is large enough and no chance, or what the calibration took.
+
+    A sensor that is wrong in a part of a run only, as one that is stuck at first, has no constant fault, and is wrong.
+    """
     large = plain(found, judged, signal_to_noise(found, judged))
-    return (large and told_from_none(found, judged, judged.effects)) or _taken(found, judged)
+    told = of_sensors(judged) or told_from_none(found, judged, judged.effects)
+    return (large and told) or _taken(found, judged)
 
 
 def _taken(found: Findings, judged: Judged) -> bool:
