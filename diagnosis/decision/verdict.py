@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from pounding.diagnosis.decision.beside_latent_force import beside_latent_force, with_sizes
+from pounding.diagnosis.decision.beside_latent_force import with_sizes
 from pounding.diagnosis.decision.confidence import Features, features_of
 from pounding.diagnosis.decision.decision import Decision
-from pounding.diagnosis.decision.false_alarms import plain, thresholds
-from pounding.diagnosis.decision.hidden_by_calibration import moved, straightens
+from pounding.diagnosis.decision.false_alarms import plain
+from pounding.diagnosis.decision.hidden_by_calibration import straightens
 from pounding.diagnosis.decision.measures import (
     explained,
     explains,
@@ -18,7 +18,6 @@ from pounding.diagnosis.decision.measures import (
     hidden_error,
     model_error,
     of_sensors,
-    over_noise,
     signal_to_noise,
     something_left,
     stands_out,
@@ -26,13 +25,12 @@ from pounding.diagnosis.decision.measures import (
     within_model_error,
 )
 from pounding.diagnosis.decision.objections import against_the_model, another_frame, bends, itself_only_with
+from pounding.diagnosis.decision.second_effect import acts, eases, explains_more
 from pounding.diagnosis.decision.sizes import with_unbiased_sizes
 from pounding.diagnosis.effects.catalogue import Effect
-from pounding.diagnosis.effects.every_storey import EVERY
 from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.findings import Findings, Judged
 from pounding.diagnosis.inference.misfit import allowed_error
-from pounding.diagnosis.inference.model_checks import log_prior_ratio
 from pounding.diagnosis.inference.sight import Sight
 from pounding.diagnosis.settings import SETTINGS
 
@@ -55,8 +53,8 @@ def decide(found: Findings) -> Decision:
         return Decision("nothing_missing", found.null, (), said)
     chosen = first = _listed(found, single)
     doubles = [one for one in judged if len(one.effects) > 1]
-    worth = bool(doubles) and _worth(found, first, doubles[0])
-    if worth or (doubles and _eases(found, first, doubles[0])):
+    worth = bool(doubles) and explains_more(found, first, doubles[0])
+    if worth or (doubles and eases(found, first, doubles[0])):
         chosen = _of_two(found, first, doubles[0])
     if worth and chosen is not first:
         chosen = _sized(found, first, chosen)
@@ -170,7 +168,7 @@ def error_of_frame(found: Findings) -> Judged | None:
     if common(found, single[0]) and in_model(found.null, single[0]):
         return single[0]
     double = next((one for one in found.judged if len(one.effects) == 2), None)
-    if double is None or not _acts(found, single[0], double):
+    if double is None or not acts(found, single[0], double):
         return None
     for error, effect in (double.effects, double.effects[::-1]):
         known = error in alone and effect in alone and error in common(found, double)
@@ -306,92 +304,9 @@ def _spread(judged: Judged) -> bool:
     return one.name == other.name and one.frame == other.frame and abs(one.storey - other.storey) == 1
 
 
-def _worth(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether a second effect explains a good part of what the first one leaves."""
-    needs = SETTINGS.decision
-    if not _acts(found, single, double):
-        return False
-    if not _together(double):
-        return True
-    # In the same storey it is more likely that the first one's law is not quite the catalogue's.
-    which = 1 if found.held_out else 0
-    left = [np.nansum(np.maximum(over_noise(found, one)[which] ** 2 - 1, 0.0)) for one in (single, double)]
-    return bool(left[1] < (1 - needs.same_storey) * left[0])
-
-
-def _acts(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether there is a second effect beside the first one, whatever it explains.
-
-    What the first one's law gets wrong may pass for one, but is not made good down to the noise by another effect. It may
-    as well hide one: whatever force acts instead of that law, the second effect has its evidence beside it.
-    """
-    gained, needed = double.ln_bayes - single.ln_bayes, _second_evidence(found, single, double)
-    new = [effect for effect in double.effects if effect not in single.effects]
-    small = signal_to_noise(found, double, single) < SETTINGS.decision.second_size
-    if small or not told_from_none(found, double, new):
-        return False
-    if gained > needed and something_left(found, single) and not something_left(found, double):
-        return True
-    return gained > _least_evidence(found, single, double) and (
-        beside_latent_force(found, single, double).gained > needed
-    )
-
-
-def _eases(found: Findings, single: Judged, double: Judged) -> bool:
-    """Return whether a frame that is another one with the first effect alone is itself with a likelier pair of effects.
-
-    What the first effect leaves has then moved into stiffness and mass, where it shows as no misfit. Where the first one
-    leaves nothing but noise its law is right, and a frame that is much likelier by its priors, or a parameter that has moved
-    beyond calibration, says as much; the latter also where the law acts in one storey and the parameter is another's.
-    """
-    gained = double.ln_bayes - single.ln_bayes
-    if any(effect.rival for effect in double.effects) or gained <= 0.0 or another_frame(found, double):
-        return False
-    if another_frame(found, single):
-        return True
-    if found.pair is not None:
-        # What the contact's law gets wrong may bend a frame as well.
-        return False
-    needed = thresholds(found)[0]
-    if gained < needed:
-        return False
-    right = not something_left(found, single)
-    if right and log_prior_ratio(found.model, single.fit.filtered, double.fit.filtered) >= needed:
-        return True
-    return any(
-        moved(found, single, double, effect)
-        for effect in double.effects
-        if effect not in single.effects and (right or _storeys_apart(effect, single.effects[0]))
-    )
-
-
-def _storeys_apart(one: Effect, other: Effect) -> bool:
-    """Return whether effects act in one storey each, and not in the same."""
-    return None not in (one.storey, other.storey) and (one.frame, one.storey) != (other.frame, other.storey)
-
-
 def _one_motion(found: Findings, one: Judged, other: Judged) -> bool:
     """Return whether two single effects move a shaken frame alike whatever their size; contact forces would part them."""
     return found.pair is None and same_motion(one.effects[0]) == other.effects[0]
-
-
-def _together(judged: Judged) -> bool:
-    """Return whether effects act in one storey, one in all storeys of a frame counting as in that of the other."""
-    everywhere = any(effect.where == EVERY for effect in judged.effects)
-    return len({(effect.frame, None if everywhere else effect.storey) for effect in judged.effects}) == 1
-
-
-def _second_evidence(found: Findings, single: Judged, double: Judged) -> float:
-    """Return the ln Bayes factor that a second effect needs beside a first one, whatever force acts instead of that one."""
-    if found.pair is None:
-        return SETTINGS.decision.second_evidence
-    return SETTINGS.pair_decision.second_factor * _least_evidence(found, single, double)
-
-
-def _least_evidence(found: Findings, single: Judged, double: Judged) -> float:
-    """Return the ln Bayes factor that a second effect needs beside a first one as any first effect does."""
-    absorbing = any(effect.absorbing for effect in double.effects if effect not in single.effects)
-    return thresholds(found, absorbing)[0]
 
 
 def features(found: Findings, decision: Decision) -> Features:

@@ -128,7 +128,7 @@ def test_no_second_effect_is_needed_where_no_single_one_is_detected(
 
 
 @pytest.mark.parametrize("enough", [True, False])
-def test_a_second_effect_is_looked_for_beside_an_error_unless_another_first_decides(
+def test_a_second_effect_is_looked_for_beside_an_error_unless_single_ones_are_enough(
     enough: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """All effects are judged anew beside the next error, and what is beside nothing is not needed before."""
