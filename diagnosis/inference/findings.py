@@ -277,6 +277,17 @@ def best(found: Findings) -> Judged:
     return found.judged[0] if found.judged and found.judged[0].ln_bayes > 0 else found.null
 
 
+def leaders(found: Findings) -> list[Judged]:
+    """Return the likeliest candidate, and the likeliest of the catalogue where that is outside it; none without any.
+
+    Args:
+        found: The findings.
+    """
+    likely = [one for one in found.judged if one.ln_bayes > 0]
+    named = [one for one in likely if not any(effect.rival for effect in one.effects)]
+    return list({id(one): one for one in (*likely[:1], *named[:1])}.values())
+
+
 def race(found: Findings, about: Fit | None = None) -> Race:
     """Return what a refinement is up against: the likeliest fit of effects of the catalogue.
 

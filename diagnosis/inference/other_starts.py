@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Hashable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -15,7 +15,7 @@ from pounding.diagnosis.effects.whole_frame import same_motion
 from pounding.diagnosis.inference.clocks import clocks
 from pounding.diagnosis.inference.discrepancy import SCALES
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, Judged, best, race
+from pounding.diagnosis.inference.findings import Findings, Judged, leaders, race
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import refined, widths
 from pounding.diagnosis.inference.starting import uncalibrated
@@ -25,30 +25,36 @@ Start = Callable[[], Fit | None]
 """A refinement that is still to be done; None where it led to something else than was asked for."""
 
 
-def other_starts(found: Findings, begun: Sequence[tuple[Effect, ...]] = ()) -> list[Start]:
+def other_starts(found: Findings, begun: Container[Hashable] = ()) -> list[Start]:
     """Return other starts of the likeliest effects and of what is alike, each independent of the others.
+
+    What is outside the catalogue may lead because what leads of the catalogue is in a local optimum.
 
     Args:
         found: The findings.
-        begun: Effects that have been refined from the baseline frame already.
+        begun: Keys of fits from which all this has been begun, and effects that were refined from the baseline frame.
     """
-    leading = best(found)
-    if not leading.effects:
+    leading = leaders(found)
+    if not leading:
         return []
     kinds = (_everywhere, _ticked, _weighed, _faded, _creeping)
-    near = [
-        one
-        for one in found.judged
-        if one.effects and one.ln_bayes > leading.ln_bayes - SETTINGS.decision.alike
-    ]
+    least = leading[0].ln_bayes - SETTINGS.decision.alike
+    others = [one for one in found.judged if one.effects and one.ln_bayes > least]
+    near = {id(one): one for one in (*others, *leading)}.values()
     return [
         *(
             partial(from_baseline, found, one.fit.effects, one.fit.values)
             for one in near
-            if one.fit.effects not in begun
+            if one.fit.effects not in begun and one.fit.key not in begun
         ),
-        *_promised(found, leading),
-        *(one for kind in kinds for one in kind(found, leading)),
+        *(() if leading[0].fit.key in begun else _promised(found, leading[0])),
+        *(
+            start
+            for one in leading
+            if one.fit.key not in begun
+            for kind in kinds
+            for start in kind(found, one)
+        ),
     ]
 
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
 from functools import partial
 
 from pounding.diagnosis.inference.findings import Findings, Judged, judge_in
 from pounding.diagnosis.inference.null_model import by_its_motion
-from pounding.diagnosis.inference.refine import Fit
 from pounding.diagnosis.inference.refining import each
 
 
@@ -21,20 +19,14 @@ def moved_by_themselves(found: Findings) -> None:
     """
     model, null = found.model, found.null
     asked = [*_leading(found), null]
-    new = [one.fit for one in asked if _key(one.fit) not in found.moved]
+    new = [one.fit for one in asked if one.fit.key not in found.moved]
     for fit, alone in zip(new, each(found, partial(by_its_motion, model), new), strict=True):
-        found.moved[_key(fit)] = alone
+        found.moved[fit.key] = alone
     # Evidence is about the null model as it was.
-    again = {id(one): judge_in(found, found.moved[_key(one.fit)]) for one in asked}
+    again = {id(one): judge_in(found, found.moved[one.fit.key]) for one in asked}
     found.null = again[id(null)]
     found.judged = [again.get(id(one), one) for one in found.judged]
     found.judge_beside_errors()
-
-
-def _key(fit: Fit) -> Hashable:
-    """Return what tells fits of the same findings apart: effects with their sizes, and the frame."""
-    numbers = (*fit.values, fit.filtered.values)
-    return fit.effects, fit.filtered.discrepancy, tuple(one.tobytes() for one in numbers)
 
 
 def _leading(found: Findings) -> list[Judged]:

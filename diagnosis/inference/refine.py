@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -91,6 +91,12 @@ class Fit:
     log_posterior: float
     columns: tuple[np.ndarray, ...]
     to_the_end: bool
+
+    @property
+    def key(self) -> Hashable:
+        """What tells fits of the same data apart: effects with their sizes, and the frame."""
+        numbers = (*self.values, self.filtered.values)
+        return self.effects, self.filtered.discrepancy, tuple(one.tobytes() for one in numbers)
 
     def put_away(self) -> None:
         """Keep the prediction no longer; it is made again where it is asked for."""

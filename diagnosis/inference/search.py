@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from itertools import chain, count
 from operator import call
@@ -11,7 +11,16 @@ from pounding.diagnosis.effects.catalogue import Effect
 from pounding.diagnosis.effects.frame import BaseRocking
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import Filtered
-from pounding.diagnosis.inference.findings import Findings, best, judge, noise_floor, unexplained, worth_anew
+from pounding.diagnosis.inference.findings import (
+    Findings,
+    Judged,
+    best,
+    judge,
+    leaders,
+    noise_floor,
+    unexplained,
+    worth_anew,
+)
 from pounding.diagnosis.inference.model_checks import bent
 from pounding.diagnosis.inference.null_model import best_null, null_again, unswapped
 from pounding.diagnosis.inference.other_starts import Start, from_baseline, other_starts, softer
@@ -196,18 +205,36 @@ def _led_further(found: Findings, begun: Sequence[tuple[Effect, ...]] = ()) -> F
         found: The findings, to which the fits are added.
         begun: What has been refined from the baseline frame already.
     """
+    again: Fit | None = None
+    known: set[Hashable] = set(begun)
     while True:
-        led, before = best(found).effects, best(found).ln_bayes
+        led = leaders(found)
         if not led:
             return None
-        starts: list[Start] = [partial(null_again, found), *other_starts(found, begun)]
-        begun = ()
-        again, *fits = each(found, call, starts)
+        # From where what leads still is nothing leads further than the last time.
+        anew: list[Start] = [] if led[0].fit.key in known else [partial(null_again, found)]
+        fits = each(found, call, [*anew, *other_starts(found, known)])
+        if anew:
+            again = fits.pop(0)
+        known = {one.fit.key for one in led}
         for fit in fits:
             if fit is not None:
                 keep(found, fit)
-        if best(found).effects == led and best(found).ln_bayes < before + worth_anew(found):
+        if not _further(found, led):
             return again
+
+
+def _further(found: Findings, led: Sequence[Judged]) -> bool:
+    """Return whether something else leads now, or the same much further.
+
+    Args:
+        found: The findings.
+        led: What led before.
+    """
+    now, enough = leaders(found), worth_anew(found)
+    if [one.effects for one in now] != [one.effects for one in led]:
+        return True
+    return any(one.ln_bayes >= before.ln_bayes + enough for one, before in zip(now, led, strict=True))
 
 
 def _chosen(scores: Scores) -> list[Score]:

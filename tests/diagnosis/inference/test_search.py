@@ -16,7 +16,7 @@ from pounding.diagnosis.inference import other_starts as other_starts_module
 from pounding.diagnosis.inference import search as search_module
 from pounding.diagnosis.inference.evidence import Score, Scores, scales, score
 from pounding.diagnosis.inference.filtering import run_filter
-from pounding.diagnosis.inference.findings import Findings, best, judge
+from pounding.diagnosis.inference.findings import Findings, best, judge, leaders
 from pounding.diagnosis.inference.other_starts import from_baseline, other_starts, softer
 from pounding.diagnosis.inference.refine import Fit, refine
 from pounding.diagnosis.inference.refining import keep, refined
@@ -106,6 +106,31 @@ def test_what_scores_better_than_all_that_was_fitted_is_refined_from_the_baselin
     # Where a fit has kept more than any score promises only what leads, and what is alike, is refined again.
     found.judged = [replace(found.judged[0], ln_bayes=scores.ranked[0].ln_bayes + 1.0)]
     assert len(other_starts(found)) == 1
+
+
+def test_what_leads_of_the_catalogue_is_refined_from_the_baseline_though_a_rival_leads() -> None:
+    """A rival may lead because the effect that is missing is in a local optimum, and is needed no longer once it is not."""
+    mass = next(one for one in candidates(measured()) if one.name == "added_mass" and one.floor == 3)
+    rival = next(one for one in candidates(measured()) if one.name == "appendage")
+    model = measured([(mass, np.array([0.5]))], runs=1)
+    null = refine(model, calibrated(model, [0]))
+    fits = {
+        effect: refine(model, null.filtered, (effect,), (np.array(values),), iterations=0, thorough=False)
+        for effect, values in ((rival, (0.1, 6.5, 0.01)), (mass, (0.05,)))
+    }
+    sizes = scales(model, null.filtered)
+    found = Findings(
+        model, judge(model, null, null, (0,), ()), score(model, null.filtered, [], sizes), sizes, (0,), ()
+    )
+    judged = {effect: judge(model, fit, null, (0,), ()) for effect, fit in fits.items()}
+    found.judged = [replace(judged[rival], ln_bayes=500.0), replace(judged[mass], ln_bayes=100.0)]
+    assert [one.effects for one in leaders(found)] == [(rival,), (mass,)]
+    begun = {fits[rival].key}
+    fit = next(start() for start in other_starts(found, begun))
+    assert fit is not None
+    assert fit.effects == (mass,)
+    assert fit.log_posterior > fits[mass].log_posterior + 30.0
+    assert not other_starts(found, begun | {fits[mass].key})
 
 
 def test_what_is_tuned_to_a_mode_is_refined_from_its_score_though_another_shape_predicts_better() -> None:
