@@ -45,12 +45,10 @@ def stiffness_change(setting: Setting, size: float, rng: np.random.Generator) ->
 
 
 def joint_flexibility(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
-    """Change all joints by the same factor; a little unevenly."""
-    uneven = rng.normal(1.0, 0.03, len(setting.beams.joint))
-    factor = np.exp(size)
-    baseline = setting.beams.joint_stated
-    value = baseline * factor * float(np.mean(uneven))
-    return setting.with_beams(joint=setting.beams.joint * factor * uneven), {
+    """Change all joints by the same factor; a little unevenly, and the less so the smaller the change is."""
+    factors = np.exp(size * rng.normal(1.0, 0.03, len(setting.beams.joint)))
+    value = setting.beams.joint_stated * float(np.mean(factors))
+    return setting.with_beams(joint=setting.beams.joint * factors), {
         "joint_stiffness": (value, "N m/rad")
     }
 
