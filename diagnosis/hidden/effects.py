@@ -48,9 +48,7 @@ def joint_flexibility(setting: Setting, size: float, rng: np.random.Generator) -
     """Change all joints by the same factor; a little unevenly, and the less so the smaller the change is."""
     factors = np.exp(size * rng.normal(1.0, 0.03, len(setting.beams.joint)))
     value = setting.beams.joint_stated * float(np.mean(factors))
-    return setting.with_beams(joint=setting.beams.joint * factors), {
-        "joint_stiffness": (value, "N m/rad")
-    }
+    return setting.with_beams(joint=setting.beams.joint * factors), {"joint_stiffness": (value, "N m/rad")}
 
 
 def base_rocking(setting: Setting, size: float, rng: np.random.Generator) -> tuple[Scenario, Parameters]:
