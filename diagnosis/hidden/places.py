@@ -20,6 +20,8 @@ EFFECTS: dict[str, Effect] = {**CATALOGUE, **ASKED_FOR, **CONTACT, **OUTSIDE}
 """All that can be hidden, in the catalogue and outside it."""
 
 NOTHING = "nothing"
+PLACED = ("storey", "floor", "channel", "between")
+"""Kinds of places of which one can be chosen, the last a floor between frames; what acts elsewhere has one place only."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +41,11 @@ def wanted(word: str, here: Mapping[str, Effect] = EFFECTS, engine: str = "own")
         engine: Name of the engine.
 
     Raises:
-        CaseError: There is no such effect, or not in this world.
+        CaseError: There is no such effect, or not in this world, or it has no place to choose.
     """
     name, _, place = word.partition(":")
+    if place and (name == NOTHING or (name in here and here[name].place not in PLACED)):
+        raise CaseError(f"{word}: {name} has no storey, floor or channel to choose; write {name}")
     if name == NOTHING:
         return None
     if name not in here:

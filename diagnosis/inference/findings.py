@@ -278,7 +278,7 @@ def best(found: Findings) -> Judged:
 
 
 def leaders(found: Findings) -> list[Judged]:
-    """Return the likeliest candidate, and the likeliest of the catalogue where that is outside it; none without any.
+    """Return the likeliest candidate and, where it is outside the catalogue, the likeliest in it; none without any.
 
     Args:
         found: The findings.
