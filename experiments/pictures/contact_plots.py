@@ -38,7 +38,7 @@ PALETTE = tuple(COLOURS.values())
 DPI = 100
 
 CLOSE_S = 0.0025
-"""Shortest close view of an impact [s]: a touch of two frames of the thesis."""
+"""Shortest close view of an impact [s]: a contact event of two frames of the thesis."""
 
 
 @matplotlib.rc_context(STYLE)
@@ -56,7 +56,7 @@ def force_histories(
         runs: Runs that differ in their law; of several contacts the one that is hit hardest is shown.
         path: File to write, its suffix says the format; none when None.
         labels: Of the runs; the names of their laws when None.
-        window_s: Length of the close view [s]; that of the longest first touch, and at least `CLOSE_S`, when None.
+        window_s: Length of the close view [s]; that of the longest first contact event, and at least `CLOSE_S`, when None.
         axes: Two axes to draw into; a new figure when None.
 
     Returns:
@@ -69,7 +69,7 @@ def force_histories(
     new = axes is None
     whole, close = axes = panels(axes, 1, (9.0, 3.8), columns=2, width_ratios=(3, 2))
     shown = hit_hardest(runs)
-    window_s = _first_touch_s(shown) if window_s is None else window_s
+    window_s = _first_event_s(shown) if window_s is None else window_s
     starts = [[impact.time_s for impact in impacts(history)] for history in shown]
     unit, newtons = _unit(shown)
     for index, history in enumerate(shown):
@@ -95,7 +95,7 @@ def force_histories(
         figure_of(whole).legend(*named, fontsize=8, loc="outside lower center", ncols=3)
     else:
         close.legend(*named, fontsize=8)
-    close.set(xlabel="time after first touch [ms]")
+    close.set(xlabel="time after contact begins [ms]")
     close.set_title("first impact", fontsize=10)
     keep(whole, path, dpi=DPI)
     return axes
@@ -117,8 +117,8 @@ def _unit(shown: Sequence[ContactHistory]) -> tuple[str, float]:
     return force_unit(max(float(history.sampled()[1].max(initial=0.0)) for history in shown))
 
 
-def _first_touch_s(shown: Sequence[ContactHistory]) -> float:
-    """Return how long the longest first touch lasts [s], at least `CLOSE_S`."""
+def _first_event_s(shown: Sequence[ContactHistory]) -> float:
+    """Return how long the longest first contact event lasts [s], at least `CLOSE_S`."""
     first = [history.pulses[0] for history in shown if history.pulses]
     return max([CLOSE_S, *(last - begin for begin, last in first)])
 
@@ -131,7 +131,7 @@ def loops(
     labels: Sequence[str] | None = None,
     axes: Axes | None = None,
 ) -> Axes:
-    """Plot force over deformation of the hardest touch of each run; the area of a loop is the energy lost.
+    """Plot force over deformation of the hardest contact event of each run; the area of a loop is the energy lost.
 
     Args:
         runs: Runs; of several contacts the one that is hit hardest is shown.
@@ -154,7 +154,7 @@ def loops(
             colour = PALETTE[index % len(PALETTE)] if labels else COLOURS.get(history.law.name, OTHER)
             _loop(axes, history, labels[index] if labels else _label(history), colour, newtons)
     axes.set(xlabel="deformation [mm]", ylabel=f"contact force [{unit}]")
-    axes.set_title("hardest touch", fontsize=10)
+    axes.set_title("hardest contact event", fontsize=10)
     axes.legend(fontsize=8)
     keep(axes, path, dpi=DPI)
     return axes

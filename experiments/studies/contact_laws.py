@@ -70,7 +70,7 @@ def tension_picture(path: Path) -> None:
         name = "tension on" if tension else "tension off"
         over_time.plot(1e3 * found.time_s, found.force_n, color=colour, linewidth=width, label=name)
         over_depth.plot(1e3 * found.deformation_m, found.force_n, color=colour, linewidth=width)
-    over_time.set(xlabel="time after first touch [ms]", ylabel="contact force [N]")
+    over_time.set(xlabel="time after contact begins [ms]", ylabel="contact force [N]")
     figure.legend(loc="outside upper center", ncols=2)
     over_depth.set(xlabel="deformation [mm]", ylabel="contact force [N]")
     for axes in (over_time, over_depth):

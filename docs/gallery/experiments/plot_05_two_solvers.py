@@ -26,4 +26,4 @@ for solver, colour, style in (("exudyn", ORANGE, "-"), ("exact", BLUE, "--")):
     axes.plot(time_s, force_n / 1e3, style, color=colour, lw=1.6, label=solver)
 first = time_s[np.argmax(force_n > 0.0)]
 axes.set(xlabel="time [s]", ylabel="contact force [kN]", xlim=(first - 0.001, first + 0.003))
-axes.legend(frameon=False, title="the first touch")
+axes.legend(frameon=False, title="the first contact event")
