@@ -16,7 +16,7 @@ from pounding.diagnosis.errors import CaseError
 from pounding.diagnosis.hidden import laws
 from pounding.diagnosis.hidden.baseline import baseline
 from pounding.diagnosis.hidden.contact_effects import CONTACT
-from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis, loosening
+from pounding.diagnosis.hidden.effects import CATALOGUE, hysteresis, joint_flexibility, loosening
 from pounding.diagnosis.hidden.hide import VISIBILITY, Hidden, hide
 from pounding.diagnosis.hidden.instruments import PAIR_RATES_HZ
 from pounding.diagnosis.hidden.modes import lone_storey_stiffness, storey_stiffness
@@ -192,6 +192,10 @@ def test_a_model_error_hides_an_effect_as_noise_does() -> None:
         (["xyz"], {}, "known are nothing, stiffness_change"),
         (["coulomb_friction:9"], {}, "storey '9' is not on 5A; give 1 to 5"),
         (["sensor_gain:5A_a9"], {}, "no channel '5A_a9'"),
+        *(
+            ([f"{name}:3"], {}, f"^{name}:3: {name} has no storey, floor or channel to choose; write {name}$")
+            for name in ("joint_flexibility", "table_gain", "contact_damping", "nothing")
+        ),
         ([], {"visibility": -1.0}, "visibility is -1"),
         ([], {"source": "recrods"}, "motions 'recrods' are not known"),
         ([], {"frames": ["5C"]}, "did you mean 5"),
@@ -308,6 +312,19 @@ def test_friction_of_all_storeys_is_stated_by_what_slides_and_by_what_breaks_awa
     assert unit == "um"
     assert value == pytest.approx(1e6 * level * np.mean(1 / under_load))
     assert others == pytest.approx([1e6 * force * np.mean(1 / alone) for force in (breakaway * level, level)])
+
+
+@pytest.mark.parametrize("size", [0.01, -0.3])
+def test_joints_are_uneven_by_a_part_of_their_change(size: float) -> None:
+    """Joints that differ from each other by more than they changed would be what is seen, and not what is stated."""
+    built, still = baseline("5A"), np.ones(5)
+    setting = Setting(Scenario({"5A": built}), Typical(still, still, still, still, still, still, 4.0), "5A")
+    scenario, stated = joint_flexibility(setting, size, np.random.default_rng(1))
+    changes = np.log(scenario.frames["5A"].joint / built.joint)
+    assert changes == pytest.approx(size, rel=0.12)
+    assert np.ptp(changes) > 0.01 * abs(size)
+    value, _ = stated["joint_stiffness"]
+    assert value == pytest.approx(built.joint_stated * np.exp(size), rel=0.05 * abs(size))
 
 
 def test_a_whole_frame_differs_by_more_than_a_calibration_is_for() -> None:

@@ -67,14 +67,6 @@ def test_wishes_that_a_world_cannot_grant() -> None:
         wanted("torsional_eccentricity", SECOND.effects, "opensees")
     with pytest.raises(CaseError, match="did you mean 'rattling_mass'"):
         wanted("ratling_mass", SECOND.effects, "opensees")
-    for word in ("joint_flexibility:3", "table_gain:5A_a1", "contact_damping:2", "nothing:3"):
-        name = word.partition(":")[0]
-        with pytest.raises(
-            CaseError, match=f"^{word}: {name} has no storey, floor or channel to choose; write {name}$"
-        ):
-            wanted(word)
-    for word in ("coulomb_friction:3", "added_mass:2", "sensor_gain:5A_a1", "second_contact:2"):
-        assert wanted(word) is not None
     with pytest.raises(CaseError, match="the engine own has no model error"):
         hide([], model_error=0.01)
     with pytest.raises(CaseError, match=r"noise is 80 %; give 0\.01 to 50"):
